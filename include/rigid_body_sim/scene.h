@@ -1,0 +1,125 @@
+// What a scene is: plain definitions with their defaults, and the check that finds every fault.
+//
+// A default stands here and nowhere else. What a scene does not mention is not simulated: an empty
+// optional is an effect that is not there.
+#pragma once
+
+#include "rigid_body_sim/shape.h"
+#include "rigid_body_sim/types.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+/// Surface and air properties of a body.
+struct Material {
+  /// Coulomb coefficient, >= 0; 0 is frictionless. A pair uses the geometric mean of its two.
+  double friction = 0.6;
+  /// Newton's coefficient, 0 (no rebound) to 1 (elastic). A pair uses the larger of its two.
+  double restitution = 0.0;
+  /// Dimensionless, >= 0. Empty means that of the shape: 0.47 (sphere), 1.05 (box face).
+  std::optional<double> drag_coefficient;
+};
+
+enum class BodyKind {
+  Dynamic,    ///< moved by forces
+  Static,     ///< never moves
+  Kinematic,  ///< moves with its given twist, whatever it meets
+};
+
+/// "dynamic", "static" or "kinematic".
+const char* kindName(BodyKind kind);
+
+/// Red, green, blue, alpha, each 0 to 1.
+using Color = std::array<float, 4>;
+
+/// A body to be made.
+struct BodyDef {
+  /// Letters, digits, '_', '-', '/', at most 64, not starting with a digit; unique in the world.
+  /// Empty: the world names it after its shape ("box_3").
+  std::string name;
+  Shape shape = Box{};
+  Pose pose;
+  Twist twist;  ///< must be zero for a static body
+  BodyKind kind = BodyKind::Dynamic;
+  std::optional<double> mass;     ///< kg, > 0. At most one of mass and density is given;
+  std::optional<double> density;  ///< kg/m³, > 0. with neither, the density is kDefaultDensity.
+  Material material;
+  std::optional<Color> color;  ///< empty: chosen from the body's creation number
+  /// Bodies i and j may collide when (i.group & j.mask) and (j.group & i.mask) are both non-zero.
+  /// A mask of 0 collides with nothing and costs no broad phase.
+  std::uint32_t group = 1;
+  std::uint32_t mask = 0xffffffffu;
+};
+
+inline constexpr double kDefaultDensity = 1000.0;  ///< kg/m³, water
+inline constexpr double kSphereDrag = 0.47;        ///< drag coefficient of a sphere
+inline constexpr double kBoxDrag = 1.05;           ///< drag coefficient of a box face
+
+/// Air at rest unless there is wind; its presence asks for drag.
+struct Air {
+  double density = 1.2;  ///< kg/m³, > 0
+};
+
+/// The velocity of the air. Needs air.
+struct Wind {
+  Vec3 velocity{4.0, 0.0, 0.0};  ///< mean, m/s, in W
+  /// Standard deviation of the seeded fluctuation of each horizontal component, m/s, >= 0; 0 is steady.
+  double gust = 0.0;
+};
+
+/// How finely contacts are solved. The preset names a row of settings; see fidelitySettings().
+enum class Fidelity {
+  Preview,      ///< one sub-step: thousands of bodies on a laptop
+  Interactive,  ///< eight sub-steps: dragging things in RViz
+};
+
+/// "preview" or "interactive".
+const char* fidelityName(Fidelity fidelity);
+
+/// Where a viewer should stand: used by the pictures and offered to RViz.
+struct View {
+  Vec3 eye{8.0, -8.0, 5.0};    ///< m, in W
+  Vec3 target{0.0, 0.0, 0.5};  ///< m, in W
+};
+
+/// A world to be made.
+struct SceneDef {
+  std::string name = "untitled";
+  std::string property;  ///< one sentence: what the scene shows and how to see that it is right
+  Vec3 gravity{0.0, 0.0, -9.81};  ///< m/s², in W; zero means no gravity
+  double step = 1.0 / 60.0;       ///< s, 1e-6 to 1
+  Fidelity fidelity = Fidelity::Interactive;
+  std::uint64_t seed = 1;         ///< of gusts and scattered bodies
+  std::optional<Air> air;         ///< empty: no drag
+  std::optional<Wind> wind;       ///< empty: air at rest; given without air is refused
+  View view;
+  std::vector<BodyDef> bodies;    ///< in canonical order
+};
+
+/// Limits beyond which a number is refused as absurd. They keep squares and products finite.
+struct Limits {
+  static constexpr double min_size = 1e-6, max_size = 1e6;          ///< m
+  static constexpr double min_density = 1e-6, max_density = 1e9;    ///< kg/m³
+  static constexpr double min_mass = 1e-18, max_mass = 1e18;        ///< kg
+  static constexpr double max_position = 1e9;                       ///< m
+  static constexpr double max_speed = 1e6;                          ///< m/s
+  static constexpr double max_spin = 1e6;                           ///< rad/s
+  static constexpr double max_friction = 1e9;
+  static constexpr double max_drag = 1e6;
+  static constexpr double max_wind = 1e4;                           ///< m/s
+  static constexpr double max_gravity = 1e7;                        ///< m/s²
+  static constexpr double max_impulse = 1e15;                       ///< N s, or N, or N m
+  static constexpr double min_step = 1e-6, max_step = 1.0;          ///< s
+};
+
+/// Every fault of one body by itself, with `path` in front; empty when it is sound.
+std::vector<Problem> validate(const BodyDef& body, const std::string& path);
+/// Every fault of a scene, duplicate names among them; empty when it is sound.
+std::vector<Problem> validate(const SceneDef& scene);
+
+}  // namespace rbs

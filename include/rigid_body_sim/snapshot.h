@@ -1,0 +1,116 @@
+// What readers see of a world: immutable copies, safe to keep and to read from any thread.
+#pragma once
+
+#include "rigid_body_sim/scene.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+/// What changes only by an edit.
+struct BodyDescription {
+  BodyId id;
+  std::string name;
+  Shape shape;
+  BodyKind kind = BodyKind::Dynamic;
+  double mass = 0.0;            ///< kg; 0 where it has no meaning (a plane)
+  double density = 0.0;         ///< kg/m³; 0 for a plane
+  Vec3 inertia = Vec3::Zero();  ///< principal moments about the axes of B, kg m²
+  Material material;
+  Color color{};
+  bool frozen = false;  ///< quarantined after it became non-finite
+};
+
+/// What changes with every step.
+struct BodyState {
+  BodyId id;
+  Pose pose;
+  Twist twist;
+};
+
+/// One point where two bodies touch or nearly touch.
+struct ContactPoint {
+  BodyId a, b;
+  Vec3 p_W = Vec3::Zero();  ///< midway between the two surfaces, m
+  Vec3 n_W = Vec3::UnitZ(); ///< unit normal, from a to b
+  double separation = 0.0;  ///< gap, m; negative is overlap
+  double normal_impulse = 0.0;           ///< over the step, N s, >= 0
+  Vec3 friction_impulse = Vec3::Zero();  ///< on b, over the step, N s
+};
+
+/// One row of the pipeline: a stage, whether it runs, why, and what it costs.
+struct StageInfo {
+  std::string name;     ///< "forces.wind"
+  bool active = false;  ///< whether the scene needs it
+  std::string reason;   ///< in words and numbers, for and against
+  double seconds = 0.0; ///< spent in the last step; 0 for one that did not run
+};
+
+/// Trouble at run time, with its remedy.
+struct Warning {
+  std::string kind;  ///< "non_finite", "impact_budget"
+  std::string text;  ///< what happened, to which body, and what to do
+};
+
+/// What the last step did.
+struct StepReport {
+  double seconds = 0.0;           ///< wall time of the whole step
+  std::uint32_t pairs = 0;        ///< candidate pairs of the broad phase
+  std::uint32_t contacts = 0;     ///< contact points given to the solver
+  std::uint32_t islands = 0;      ///< groups of bodies that contacts tie together
+  std::uint32_t flying = 0;       ///< dynamic bodies advanced in closed form
+  std::uint32_t impacts = 0;      ///< impacts located in time and resolved in order
+  std::uint32_t hasty_impacts = 0;///< impacts resolved at the start of their interval, over budget
+  double deepest_penetration = 0; ///< m, >= 0, at the end of the step
+  std::vector<Warning> warnings;
+};
+
+/// Sums over the dynamic bodies.
+struct Totals {
+  double kinetic_energy = 0.0;              ///< J
+  double potential_energy = 0.0;            ///< J, zero at the origin of W
+  Vec3 momentum = Vec3::Zero();             ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();     ///< about the origin of W, kg m²/s
+};
+
+/// The air as it is now.
+struct AirState {
+  bool air = false;                ///< whether the scene has air
+  bool wind = false;               ///< whether the air moves
+  double density = 0.0;            ///< kg/m³
+  Vec3 mean = Vec3::Zero();        ///< m/s
+  double gust = 0.0;               ///< m/s
+  Vec3 velocity = Vec3::Zero();    ///< with the gust, now, m/s
+};
+
+struct Snapshot {
+  std::string scene;
+  double time = 0.0;         ///< physics time since the scene began, s
+  std::uint64_t steps = 0;   ///< taken since the scene began
+  double step = 0.0;         ///< s
+  std::uint64_t edits = 0;   ///< grows with every edit, load and reset
+  std::uint64_t description_version = 0;  ///< grows when `bodies` changes
+  std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order
+  std::vector<BodyState> states;                               ///< same order as `bodies`
+  std::vector<ContactPoint> contacts;
+  std::vector<StageInfo> pipeline;
+  StepReport report;
+  Totals totals;
+  AirState air;
+  Vec3 gravity = Vec3::Zero();
+  View view;
+  std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
+
+  bool paused = false;
+  double requested_speed = 1.0;  ///< times real time; 0 is as fast as possible
+  double achieved_speed = 0.0;   ///< times real time, over about the last second
+
+  /// Position of this body in `bodies` and `states`, or -1.
+  int find(const std::string& name) const;
+  int find(BodyId id) const;
+};
+
+}  // namespace rbs

@@ -1,0 +1,76 @@
+// The bodies a scene holds, as parallel arrays in canonical order: the order of creation.
+//
+// Hot arrays (pose, twist, mass) are apart from cold ones (names, definitions). A body's place in the
+// arrays is its dense index; it changes when an older body is removed, so everything that outlives a
+// step names bodies by BodyId.
+#pragma once
+
+#include "rigid_body_sim/scene.h"
+#include "rigid_body_sim/snapshot.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+using Index = std::uint32_t;
+inline constexpr Index kNone = 0xffffffffu;
+
+/// What resists a change of motion. The inverses are zero for a body that forces do not move.
+struct Inertia {
+  double inv_mass = 0.0;            ///< 1/kg
+  Vec3 inv_moments = Vec3::Zero();  ///< about the axes of B, 1/(kg m²)
+  Vec3 moments = Vec3::Zero();      ///< about the axes of B, kg m²; also for bodies that do not move
+  bool isotropic = true;            ///< all moments equal: no gyroscopic torque, ever
+
+  /// I_W^-1 for a body at attitude R_WB.
+  Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
+};
+
+/// What the broad and narrow phase and the effects ask of a body.
+struct Traits {
+  Shape shape;
+  BodyKind kind = BodyKind::Dynamic;
+  bool held = false;     ///< led by a hand: kinematic until released
+  bool frozen = false;   ///< quarantined: static for good
+  double mass = 0.0;     ///< kg, whatever the kind
+  double density = 0.0;  ///< kg/m³
+  Material material;
+  double bounding_radius = 0.0, inner_radius = 0.0, length = 0.0;  ///< m, of the shape
+  std::uint32_t group = 1, mask = 0xffffffffu;
+
+  bool moved_by_forces() const { return kind == BodyKind::Dynamic && !held && !frozen; }
+  bool led() const { return !frozen && (held || kind == BodyKind::Kinematic); }
+  double dragCoefficient() const;
+};
+
+struct Bodies {
+  std::vector<BodyId> id;
+  std::vector<Pose> pose;
+  std::vector<Twist> twist;
+  std::vector<Inertia> inertia;
+  std::vector<Traits> traits;
+  std::vector<std::string> name;
+  std::vector<Color> color;
+
+  Index size() const { return static_cast<Index>(id.size()); }
+  Index indexOf(BodyId body) const;              ///< kNone when it is not here
+  Index indexOf(const std::string& body) const;  ///< kNone when it is not here
+
+  void append(BodyId new_id, const BodyDef& def);  ///< `def` is sound and has its name
+  void erase(Index i);                             ///< keeps the order
+  void clear() { *this = Bodies{}; }
+
+  /// To be called when shape, mass, kind, hold or quarantine of body i changed.
+  void refresh(Index i);
+
+  BodyDescription describe(Index i) const;
+  BodyDef define(Index i) const;
+  Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+};
+
+/// The colour given to a body that asks for none.
+Color defaultColor(BodyId id, BodyKind kind);
+
+}  // namespace rbs

@@ -1,0 +1,18 @@
+// Sweep and prune on the axis (1, 1, 1): the candidate pairs of a step.
+#pragma once
+
+#include "context.h"
+
+namespace rbs::sweep_and_prune {
+
+Need need(const Census& census);
+
+/// Fills step.bounds and step.contacts: every pair of bodies whose swept bounds overlap, that may collide by
+/// group and mask, and of which at least one moves. Pairs are sorted by key and carry the touches
+/// they had in the last step.
+void run(Context& context);
+
+/// Whether two bodies may collide at all.
+bool mayCollide(const Traits& a, const Traits& b);
+
+}  // namespace rbs::sweep_and_prune

@@ -1,0 +1,123 @@
+// What a stage sees: the stores of the scene and of the step.
+//
+// SceneStore is what the scene holds: it lives from edit to edit and is what a saved state saves.
+// StepStore is what one step holds: every stage may rely on what earlier stages of the same step put
+// there, and nothing in it outlives the step.
+#pragma once
+
+#include "bodies.h"
+#include "census.h"
+#include "contacts.h"
+#include "rigid_body_sim/snapshot.h"
+#include "rigid_body_sim/world.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// A force and a couple that act until a given time.
+struct TimedWrench {
+  BodyId body;
+  Vec3 force_W, torque_W;  ///< N, and N m about the centre of mass
+  double until;            ///< physics time, s
+};
+
+struct HandGrab {
+  BodyId body;
+  Grab grab;
+};
+
+struct HandHold {
+  BodyId body;
+  Pose target;
+};
+
+/// Dense lists of bodies, one for each kind of work; remade when the census is taken.
+struct Rosters {
+  std::vector<Index> movers;      ///< moved by forces
+  std::vector<Index> led;         ///< kinematic or held
+  std::vector<Index> dragged;     ///< movers with a drag coefficient > 0
+  std::vector<Index> collidable;  ///< with a mask that is not 0, planes left out
+  std::vector<Index> planes;      ///< collidable planes
+};
+
+struct SceneStore {
+  SceneDef settings;  ///< its `bodies` are empty: they live in the store below
+  Bodies bodies;
+  Rosters rosters;
+  std::vector<TimedWrench> wrenches;
+  std::vector<HandGrab> grabs;
+  std::vector<HandHold> holds;
+  Contacts contacts;  ///< of the last step
+  std::vector<Index> sort_order;   ///< of the broad phase, over rosters.collidable; only speeds it up
+  double time = 0.0;
+  std::uint64_t steps = 0;
+};
+
+/// Axis-aligned bounds.
+struct Aabb {
+  Vec3 lo, hi;
+  bool overlaps(const Aabb& o) const {
+    return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all();
+  }
+  bool contains(const Aabb& o) const {
+    return (lo.array() <= o.lo.array()).all() && (o.hi.array() <= hi.array()).all();
+  }
+};
+
+/// What the effects add up, constant over the step.
+struct Load {
+  Vec3 a_W = Vec3::Zero();       ///< acceleration of the centre of mass, m/s²
+  Vec3 torque_W = Vec3::Zero();  ///< about the centre of mass, N m
+};
+
+/// An impact that has been located but not yet reached.
+struct PendingImpact {
+  double time;
+  Index i, j;                      ///< i < j
+  std::uint32_t stamp_i, stamp_j;  ///< valid while both bodies still carry these stamps
+};
+
+/// Bodies that contacts tie together, and the contacts. One body without contacts is in flight.
+struct Island {
+  std::vector<Index> bodies;  ///< movers only
+  std::vector<Index> pairs;   ///< in step.contacts.pairs
+  double time = 0.0;          ///< how far it has been advanced
+};
+
+struct StepStore {
+  double t0 = 0.0, t1 = 0.0;           ///< s
+  std::vector<Load> load;              ///< by body
+  std::vector<Aabb> bounds;            ///< by body: where it may be during the step
+  Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
+  Index inherited = 0;                 ///< how many of the touches come from the last step
+  std::vector<char> supported;         ///< by body: some contact carried it in the last step
+  std::vector<char> waits;             ///< by pair: left out of the contact solve for a pending impact
+  std::vector<PendingImpact> impacts;  ///< found at the start of the step
+  std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
+  std::vector<Island> islands;
+  std::vector<Index> island;           ///< by body: its place in `islands`; kNone if it is no mover
+  std::vector<double> contact_seconds; ///< by row of the contact method's table
+  std::vector<Pose> before;            ///< by body: pose at t0, for the body that must be put back
+  StepReport report;
+
+  /// Empties the store for a step from t0 to t1 of n bodies.
+  void begin(Index n, double from, double to);
+  double h() const { return t1 - t0; }
+  /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.
+  double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
+  /// Where body i is at time t: a mover is where its island left it, a led body on its way from t0.
+  Pose poseAt(const Bodies& bodies, Index i, double t) const;
+};
+
+struct Context {
+  SceneStore& scene;
+  StepStore& step;
+  const Census& census;
+};
+
+/// Speed scale of a body of length L: what it gains by falling its own length, m/s. Without gravity
+/// the gravity of the Earth stands in, so that the scale is never zero.
+double fallSpeed(double gravity, double length);
+
+}  // namespace rbs

@@ -1,0 +1,16 @@
+#include "effects/effects.h"
+#include "text.h"
+
+namespace rbs::gravity {
+
+Need need(const Census& c) {
+  if (c.gravity == 0.0) return {false, "the scene has no gravity"};
+  if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
+  return {true, text(c.gravity) + " m/s² on " + count(c.moved_by_forces, "body", "bodies")};
+}
+
+void run(Context& context) {
+  for (const Index i : context.scene.rosters.movers) context.step.load[i].a_W += context.scene.settings.gravity;
+}
+
+}  // namespace rbs::gravity

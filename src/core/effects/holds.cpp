@@ -1,0 +1,32 @@
+#include "algebra.h"
+#include "effects/effects.h"
+#include "text.h"
+
+#include <cmath>
+
+namespace rbs::holds {
+
+Need need(const Census& c) {
+  if (c.holds == 0) return {false, "no body is led by a hand"};
+  return {true, count(c.holds, "body is", "bodies are") + " led by a hand"};
+}
+
+// The body closes on its target as exp(-t/tau): quick enough to follow a hand, and slow enough that a jump of
+// the hand is not a blow to what stands in the way.
+void run(Context& context) {
+  constexpr double kTau = 1.0 / 30.0;  // s
+  Bodies& bodies = context.scene.bodies;
+  const double h = context.step.h();
+  const double rate = -std::expm1(-h / kTau) / h;
+  for (const HandHold& hold : context.scene.holds) {
+    const Index i = bodies.indexOf(hold.body);
+    if (i == kNone) continue;
+    const Pose& now = bodies.pose[i];
+    const Eigen::AngleAxisd turn(Eigen::Quaterniond(hold.target.q_WB * now.q_WB.conjugate()).normalized());
+    bodies.twist[i].v_WB = rate * (hold.target.p_WB - now.p_WB);
+    const double angle = turn.angle() > kPi ? turn.angle() - 2.0 * kPi : turn.angle();
+    bodies.twist[i].w_WB = rate * angle * turn.axis();
+  }
+}
+
+}  // namespace rbs::holds

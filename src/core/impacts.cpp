@@ -1,0 +1,153 @@
+#include "impacts.h"
+
+#include "methods/impact_law.h"
+#include "narrowphase/collide.h"
+#include "narrowphase/time_of_impact.h"
+#include "text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::impacts {
+
+namespace {
+
+// A pair is fast when it moves further in a step than this share of the smaller inner radius: at 1 a body's
+// centre could cross the other's surface between two looks.
+constexpr double kFast = 0.5;
+// Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
+// wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
+constexpr double kTight = 1e-9, kWide = 1e-3;
+
+// A body's course from where it has been advanced to. A supported body is foretold to keep its velocity: what
+// carries it cancels its load.
+Motion courseOf(const Context& context, Index i) {
+  const Bodies& bodies = context.scene.bodies;
+  Motion course;
+  course.t0 = context.step.timeOf(i);
+  course.pose = bodies.pose[i];
+  course.twist = bodies.twist[i];
+  if (bodies.traits[i].moved_by_forces() && !context.step.supported[i]) course.a_W = context.step.load[i].a_W;
+  return course;
+}
+
+double lengthOf(const Bodies& bodies, Index i, Index j) {
+  return std::min(bodies.traits[i].length, bodies.traits[j].length);
+}
+
+double marginOf(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  const auto in_contact = [&](Index k) { return step.island[k] != kNone && !step.islands[step.island[k]].pairs.empty(); };
+  const bool exact = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
+  return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
+}
+
+ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double time) {
+  ImpactSide side;
+  const Pose pose = course.at(time);
+  side.p_WB = pose.p_WB;
+  side.twist = {course.velocityAt(time), course.twist.w_WB};
+  side.inv_mass = bodies.inertia[i].inv_mass;
+  side.inv_inertia_W = bodies.inertia[i].inverseW(pose.q_WB.toRotationMatrix());
+  return side;
+}
+
+// The two bodies at a time, with their manifold.
+struct Meeting {
+  Meeting(const Context& context, Index i, Index j, double time) {
+    const Bodies& bodies = context.scene.bodies;
+    const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
+    a = sideOf(bodies, i, course_i, time);
+    b = sideOf(bodies, j, course_j, time);
+    manifold = collide(bodies.traits[i].shape, course_i.at(time), bodies.traits[j].shape, course_j.at(time),
+                       marginOf(context, i, j));
+  }
+  ImpactSide a, b;
+  Manifold manifold;
+};
+
+// The speed below which a rebound would be over within the step: half of what gravity, or whatever else
+// drives the pair together, adds in one.
+double slowest(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
+  if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
+  return 0.5 * step.h() * a;
+}
+
+double strideOf(const Context& context, Index i) {
+  const Bodies& bodies = context.scene.bodies;
+  const Traits& t = bodies.traits[i];
+  const double spin = std::holds_alternative<Box>(t.shape) ? bodies.twist[i].w_WB.norm() * t.bounding_radius : 0.0;
+  return spin * context.step.h();
+}
+
+}  // namespace
+
+Need need(const Census& c) {
+  if (c.collidable < 2) return {false, "fewer than two bodies can collide"};
+  if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
+  if (c.bouncy > 0) return {true, count(c.bouncy, "body has", "bodies have") + " restitution above 0"};
+  return {true, "no restitution; only for bodies that move half their inner radius in a step"};
+}
+
+bool mayImpact(const Context& context, Index i, Index j) {
+  const Bodies& bodies = context.scene.bodies;
+  const Traits& a = bodies.traits[i];
+  const Traits& b = bodies.traits[j];
+  if (a.material.restitution > 0.0 || b.material.restitution > 0.0) return true;
+  const double h = context.step.h();
+  const Vec3 stride = h * (bodies.twist[j].v_WB - bodies.twist[i].v_WB) +
+                      0.5 * h * h * (context.step.load[j].a_W - context.step.load[i].a_W);
+  return stride.norm() + strideOf(context, i) + strideOf(context, j) >
+         kFast * std::min(a.inner_radius, b.inner_radius);
+}
+
+std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from) {
+  const Bodies& bodies = context.scene.bodies;
+  const StepStore& step = context.step;
+  const std::optional<double> time = timeOfImpact(bodies.traits[i].shape, courseOf(context, i), bodies.traits[j].shape,
+                                                  courseOf(context, j), from, step.t1);
+  if (!time) return std::nullopt;
+  const Meeting meeting(context, i, j, *time);
+  if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return std::nullopt;
+  return PendingImpact{*time, std::min(i, j), std::max(i, j), step.stamp[std::min(i, j)], step.stamp[std::max(i, j)]};
+}
+
+void find(Context& context) {
+  StepStore& step = context.step;
+  const std::vector<ContactPair>& pairs = step.contacts.pairs;
+  for (const ContactPair& pair : pairs) {
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      if (step.contacts.touches[t].normal == 0.0) continue;
+      for (const Index i : {pair.i, pair.j}) step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
+    }
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (!mayImpact(context, pairs[k].i, pairs[k].j)) continue;
+    if (const auto impact = locate(context, pairs[k].i, pairs[k].j, step.t0)) {
+      step.impacts.push_back(*impact);
+      step.waits[k] = 1;
+    }
+  }
+}
+
+Outcome resolve(Context& context, Index i, Index j, double time) {
+  Bodies& bodies = context.scene.bodies;
+  Meeting meeting(context, i, j, time);
+  const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
+  if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= 0.0) return Outcome::Miss;
+  const Material& a = bodies.traits[i].material;
+  const Material& b = bodies.traits[j].material;
+  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), pairRestitution(a, b));
+  bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
+  bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
+  bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;
+  bodies.twist[j].w_WB += meeting.b.twist.w_WB - before_b.w_WB;
+  // How fast the points part is how fast they would close if time ran backwards.
+  for (Twist* twist : {&meeting.a.twist, &meeting.b.twist}) twist->v_WB *= -1.0, twist->w_WB *= -1.0;
+  const bool parts = closingSpeed(meeting.a, meeting.b, meeting.manifold) > slowest(context, i, j);
+  return parts ? Outcome::Rebound : Outcome::Stay;
+}
+
+}  // namespace rbs::impacts

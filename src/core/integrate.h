@@ -1,0 +1,19 @@
+// Motion between contacts: exact flight under constant acceleration, and the free rotation of a body.
+#pragma once
+
+#include "bodies.h"
+
+namespace rbs {
+
+/// exp(theta): the turn by |theta| radians about theta.
+Quat rotationBy(const Vec3& theta);
+
+/// Turns a body freely for `dt` seconds: no torque acts, its angular momentum stays what it is.
+void rotateFreely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt);
+
+/// Moves a body for `dt` seconds under a constant acceleration and a constant torque, both in W.
+/// The path is exact; the turn is a symmetric splitting (half the torque before, half after a free
+/// rotation), exact without torque where rotateFreely() is.
+void fly(Pose& pose, Twist& twist, const Inertia& inertia, const Vec3& a_W, const Vec3& torque_W, double dt);
+
+}  // namespace rbs

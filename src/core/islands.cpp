@@ -1,0 +1,288 @@
+#include "islands.h"
+
+#include "broadphase/bounds.h"
+#include "broadphase/sweep_and_prune.h"
+#include "impacts.h"
+#include "integrate.h"
+#include "methods/methods.h"
+#include "text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+
+namespace rbs {
+
+Pose StepStore::poseAt(const Bodies& bodies, Index i, double t) const {
+  Pose pose = bodies.pose[i];
+  if (island[i] != kNone || !bodies.traits[i].led() || t == t0) return pose;
+  pose.p_WB += (t - t0) * bodies.twist[i].v_WB;
+  pose.q_WB = (rotationBy((t - t0) * bodies.twist[i].w_WB) * pose.q_WB).normalized();
+  return pose;
+}
+
+namespace islands {
+
+namespace {
+
+// Union-find over bodies; the root of a set is its smallest member, so that islands come in canonical order.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  Index root(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(Index a, Index b) {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+void append(std::vector<Index>& to, const std::vector<Index>& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+void advanceBatch(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0) || batch.bodies.empty()) return;
+  if (batch.pairs.empty()) {
+    flight::advance(context, batch, t0, t1);
+  } else {
+    soft_step::advance(context, batch, t0, t1);
+  }
+}
+
+void bringTo(Context& context, Island& island, double time) {
+  advanceBatch(context, {island.bodies, island.pairs}, island.time, time);
+  island.time = std::max(island.time, time);
+}
+
+// Goes through the impacts of a step in the order of their times.
+class ImpactLoop {
+ public:
+  explicit ImpactLoop(Context& context) : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
+    const std::uint64_t pairs = step_.contacts.pairs.size();
+    // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
+    // times what it spends anyway, so that a large pile hit from all sides stays affordable.
+    cut_budget_ = 4 * pairs + 256;
+    // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
+    impact_budget_ = 20000 + 200ull * context.scene.bodies.size();
+    for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
+  }
+
+  void run() {
+    while (!queue_.empty()) {
+      const PendingImpact impact = queue_.top();
+      queue_.pop();
+      if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
+      if (impact_budget_ == 0) {
+        overBudget(impact);
+      } else {
+        --impact_budget_;
+        take(impact);
+      }
+    }
+  }
+
+ private:
+  struct Later {
+    bool operator()(const PendingImpact& a, const PendingImpact& b) const {
+      return std::tie(a.time, a.i, a.j) > std::tie(b.time, b.i, b.j);
+    }
+  };
+
+  Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
+
+  // Brings both islands to the impact if the budget allows; a flying body always is. An island that is not
+  // cut takes its part of the impact where it is, a fraction of a step early.
+  bool bringBoth(const PendingImpact& impact) {
+    bool in_time = true;
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)}) {
+      if (!island || island->time >= impact.time) continue;
+      if (island->pairs.size() > cut_budget_) {
+        in_time = false;
+        continue;
+      }
+      cut_budget_ -= island->pairs.size();
+      bringTo(context_, *island, impact.time);
+    }
+    return in_time;
+  }
+
+  void take(const PendingImpact& impact) {
+    const bool in_time = bringBoth(impact);
+    const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
+    if (outcome == impacts::Outcome::Miss) {
+      if (const auto later = impacts::locate(context_, impact.i, impact.j, impact.time); later && later->time > impact.time) {
+        queue_.push(*later);
+      } else if (in_time) {
+        tie(impact.i, impact.j);
+      }
+      return;
+    }
+    ++(in_time ? step_.report.impacts : step_.report.hasty_impacts);
+    if (outcome == impacts::Outcome::Stay && in_time) tie(impact.i, impact.j);
+    ++step_.stamp[impact.i];
+    ++step_.stamp[impact.j];
+    lookAround(impact.i, impact.time);
+    lookAround(impact.j, impact.time);
+  }
+
+  // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
+  void tie(Index i, Index j) {
+    const Index pair = pairOf(i, j);
+    step_.waits[pair] = 0;
+    Index a = step_.island[i], b = step_.island[j];
+    if (a == kNone) std::swap(a, b);
+    if (b != kNone && a != b) {
+      if (a > b) std::swap(a, b);
+      Island& kept = step_.islands[a];
+      Island& gone = step_.islands[b];
+      for (const Index body : gone.bodies) step_.island[body] = a;
+      append(kept.bodies, gone.bodies);
+      append(kept.pairs, gone.pairs);
+      gone.bodies.clear();
+      gone.pairs.clear();
+    }
+    std::vector<Index>& pairs = step_.islands[a].pairs;
+    if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+  }
+
+  // The place of a pair in the list: searched for among the pairs of the broad phase, which are sorted, then
+  // among those added since; added if it is in neither.
+  Index pairOf(Index i, Index j) {
+    std::vector<ContactPair>& pairs = step_.contacts.pairs;
+    const Index known = findPair(i, j);
+    if (known != kNone) return known;
+    ContactPair pair;
+    pair.i = i, pair.j = j;
+    pair.id_i = context_.scene.bodies.id[i], pair.id_j = context_.scene.bodies.id[j];
+    pairs.push_back(pair);
+    step_.waits.push_back(0);
+    return static_cast<Index>(pairs.size() - 1);
+  }
+
+  Index findPair(Index i, Index j) const {
+    const std::vector<ContactPair>& pairs = step_.contacts.pairs;
+    const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(found_);
+    const auto key = std::pair(i, j);
+    const auto it = std::lower_bound(pairs.begin(), end, key, [](const ContactPair& pair, const std::pair<Index, Index>& k) {
+      return std::pair(pair.i, pair.j) < k;
+    });
+    if (it != end && std::pair(it->i, it->j) == key) return static_cast<Index>(it - pairs.begin());
+    for (std::size_t k = found_; k < pairs.size(); ++k)
+      if (pairs[k].i == i && pairs[k].j == j) return static_cast<Index>(k);
+    return kNone;
+  }
+
+  // Finds what body i will meet on its new course.
+  void lookAround(Index i, double time) {
+    const Bodies& bodies = context_.scene.bodies;
+    if (!bodies.traits[i].moved_by_forces()) return;
+    const double from = std::max(time, step_.timeOf(i));
+    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - step_.timeOf(i));
+    for (const Index j : context_.scene.rosters.collidable)
+      if (j != i && step_.bounds[i].overlaps(step_.bounds[j])) consider(i, j, from);
+    for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
+  }
+
+  void consider(Index i, Index j, double from) {
+    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
+    const Index pair = findPair(std::min(i, j), std::max(i, j));
+    const bool contact = pair != kNone && !step_.waits[pair];
+    if (contact && !impacts::mayImpact(context_, i, j)) return;
+    const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
+    if (impact) queue_.push(*impact);
+  }
+
+  // Past the budget of impacts the contact solver stops what would pass through.
+  void overBudget(const PendingImpact& impact) {
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island) bringTo(context_, *island, impact.time);
+    tie(impact.i, impact.j);
+    if (!warned_) {
+      step_.report.warnings.push_back(
+          {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
+                                context_.scene.bodies.name[impact.i] + "' and '" + context_.scene.bodies.name[impact.j] +
+                                "'; the rest lose their rebound. Use a shorter step"});
+      warned_ = true;
+    }
+  }
+
+  Context& context_;
+  StepStore& step_;
+  std::size_t found_;  // pairs of the broad phase; later ones are not sorted
+  std::uint64_t cut_budget_, impact_budget_;
+  std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
+  bool warned_ = false;
+};
+
+// What is left of the step. Islands that no impact has cut are advanced together, by method.
+void finish(Context& context) {
+  StepStore& step = context.step;
+  IslandBatch flyers, touching;
+  for (Island& island : step.islands) {
+    if (island.time > step.t0) {
+      bringTo(context, island, step.t1);
+    } else {
+      IslandBatch& batch = island.pairs.empty() ? flyers : touching;
+      append(batch.bodies, island.bodies);
+      append(batch.pairs, island.pairs);
+      island.time = step.t1;
+    }
+    step.report.flying += island.pairs.empty() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
+    step.report.islands += island.pairs.empty() ? 0 : 1;
+  }
+  std::sort(touching.pairs.begin(), touching.pairs.end());
+  advanceBatch(context, flyers, step.t0, step.t1);
+  advanceBatch(context, touching, step.t0, step.t1);
+}
+
+void moveLedBodies(Context& context) {
+  Bodies& bodies = context.scene.bodies;
+  for (const Index i : context.scene.rosters.led) bodies.pose[i] = context.step.poseAt(bodies, i, context.step.t1);
+}
+
+}  // namespace
+
+Need need(const Census& c) {
+  if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
+  return {true, count(c.moved_by_forces, "body is", "bodies are") + " moved by forces"};
+}
+
+void link(Context& context) {
+  StepStore& step = context.step;
+  const Index n = context.scene.bodies.size();
+  DisjointSets sets(n);
+  std::vector<char> mover(n, 0);
+  for (const Index i : context.scene.rosters.movers) mover[i] = 1;
+  const std::vector<ContactPair>& pairs = step.contacts.pairs;
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (!step.waits[k] && mover[pairs[k].i] && mover[pairs[k].j]) sets.unite(pairs[k].i, pairs[k].j);
+
+  for (const Index i : context.scene.rosters.movers) {
+    const Index root = sets.root(i);
+    if (root == i) {
+      step.island[i] = static_cast<Index>(step.islands.size());
+      step.islands.push_back({{}, {}, step.t0});
+    }
+    step.island[i] = step.island[root];
+    step.islands[step.island[i]].bodies.push_back(i);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (step.waits[k]) continue;
+    const Index body = mover[pairs[k].i] ? pairs[k].i : pairs[k].j;
+    if (mover[body]) step.islands[step.island[body]].pairs.push_back(static_cast<Index>(k));
+  }
+}
+
+void advance(Context& context) {
+  if (!context.step.impacts.empty()) ImpactLoop(context).run();
+  finish(context);
+  moveLedBodies(context);
+}
+
+}  // namespace islands
+}  // namespace rbs

@@ -1,0 +1,117 @@
+#include "methods/impact_law.h"
+
+#include "algebra.h"
+#include "methods/cone.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+struct ImpactPoint {
+  Vec3 r_a, r_b;      // from the centres
+  Mat3 W;             // response in the contact frame, 1/kg
+  double closing_in;  // normal velocity before the impact, m/s; negative when closing
+  Vec3 velocity_in;   // in the contact frame
+  Vec3 impulse = Vec3::Zero();  // in the contact frame
+};
+
+Vec3 velocityAt(const ImpactSide& side, const Vec3& r) { return side.twist.v_WB + side.twist.w_WB.cross(r); }
+
+void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
+  side.twist.v_WB += side.inv_mass * impulse_W;
+  side.twist.w_WB += side.inv_inertia_W * r.cross(impulse_W);
+}
+
+Mat3 response(const ImpactSide& side, const Vec3& r) {
+  const Mat3 lever = crossMatrix(r);
+  return side.inv_mass * Mat3::Identity() - lever * side.inv_inertia_W * lever;
+}
+
+// The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
+// point needs one pass; the up to eight points of a face converge linearly.
+class Impact {
+ public:
+  Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
+      : a_(a), b_(b), mu_(friction), size_(manifold.size) {
+    const auto [t1, t2] = tangents(manifold.n_W);
+    frame_ << t1, t2, manifold.n_W;
+    for (int k = 0; k < size_; ++k) {
+      ImpactPoint& c = points_[k];
+      c.r_a = manifold.points[k].p_W - a.p_WB;
+      c.r_b = manifold.points[k].p_W - b.p_WB;
+      c.W = frame_.transpose() * (response(a, c.r_a) + response(b, c.r_b)) * frame_;
+      c.velocity_in = relative(a, b, c);
+      c.closing_in = c.velocity_in[2];
+    }
+  }
+
+  // Returns the energy gained, as seen from either body: sum of r.(u_before + u_after)/2, J.
+  double solve(double e, ImpactSide& a, ImpactSide& b) {
+    a = a_, b = b_;
+    for (int k = 0; k < size_; ++k) points_[k].impulse.setZero();
+    constexpr int kMaxPasses = 500;
+    for (int pass = 0; pass < kMaxPasses; ++pass) {
+      double change = 0.0, total = 0.0;
+      for (int k = 0; k < size_; ++k) {
+        ImpactPoint& c = points_[k];
+        Vec3 q = relative(a, b, c) - c.W * c.impulse;
+        q[2] += e * std::min(c.closing_in, 0.0);
+        const Vec3 impulse = solveContact(c.W, q, mu_);
+        const Vec3 difference_W = frame_ * (impulse - c.impulse);
+        push(a, c.r_a, -difference_W);
+        push(b, c.r_b, difference_W);
+        change = std::max(change, difference_W.norm());
+        total += impulse.norm();
+        c.impulse = impulse;
+      }
+      if (change <= 1e-15 * total || size_ == 1) break;
+    }
+    double gain = 0.0;
+    for (int k = 0; k < size_; ++k)
+      gain += 0.5 * points_[k].impulse.dot(points_[k].velocity_in + relative(a, b, points_[k]));
+    return gain;
+  }
+
+ private:
+  Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
+    return frame_.transpose() * (velocityAt(b, c.r_b) - velocityAt(a, c.r_a));
+  }
+
+  const ImpactSide a_, b_;
+  double mu_;
+  int size_;
+  Mat3 frame_;
+  std::array<ImpactPoint, 8> points_;
+};
+
+}  // namespace
+
+double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold) {
+  double fastest = 0.0;
+  for (int k = 0; k < manifold.size; ++k) {
+    const Vec3& p = manifold.points[k].p_W;
+    const double u_n = manifold.n_W.dot(velocityAt(b, p - b.p_WB) - velocityAt(a, p - a.p_WB));
+    fastest = std::max(fastest, -u_n);
+  }
+  return fastest;
+}
+
+void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction, double restitution) {
+  Impact impact(a, b, manifold, friction);
+  const double speed = closingSpeed(a, b, manifold);
+  const double mass = 1.0 / (a.inv_mass + b.inv_mass);
+  const double rounding = 1e-13 * mass * speed * speed;
+  if (impact.solve(restitution, a, b) <= rounding) return;
+  double low = 0.0, high = restitution;
+  for (int k = 0; k < 50; ++k) {
+    const double e = 0.5 * (low + high);
+    (impact.solve(e, a, b) <= rounding ? low : high) = e;
+  }
+  impact.solve(low, a, b);
+}
+
+}  // namespace rbs

@@ -1,0 +1,452 @@
+// Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
+//
+// The interval [t0, t1] is cut into n sub-steps of length h. The narrow phase runs once; over the sub-steps
+// the gap s of a contact point follows the motion of its bodies. A sub-step
+//   1. adds the loads to the velocities, and last sub-step's impulses (warm start);
+//   2. solves each contact once with a soft constraint that also closes the position error;
+//   3. moves the bodies;
+//   4. solves each contact once more without the position error (relax), which takes away the speed that
+//      only served to separate the bodies, so that pushing bodies apart adds no kinetic energy.
+//
+// Soft contact. A contact of effective mass m that is open by s with speed u gets a spring and damper of
+// frequency w and damping ratio z, integrated implicitly, which an impulse solver writes as
+//   dl = -a m (u + b s) - c l,   b = w/(2z + h w),   x = h w (2z + h w),   a = x/(1 + x),   c = 1/(1 + x),
+// with l the accumulated impulse (Catto, "Soft constraints", GDC 2011; "Solver2D", 2024). w is a fixed
+// fraction of the sub-step rate, so that it has no unit of its own; the steady error under a force F is
+// F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its own length.
+//
+// A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h.
+//
+// Friction is a vector in the contact plane, |l_T| <= mu l_n, on the circular cone. A sticking point is
+// solved as a 2 x 2 block. A sliding one steps by rho = 1/(largest eigenvalue of its 2 x 2 response) and is
+// projected back: l_T <- P(l_T - rho u_T). The fixed point of that is u_T against l_T, the direction of
+// maximum dissipation, which the block step alone would miss when the response is not isotropic.
+//
+// A body that no impulse touched in a sub-step has moved under its load alone and takes the exact parabola.
+#include "algebra.h"
+#include "integrate.h"
+#include "methods/methods.h"
+#include "narrowphase/collide.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+namespace rbs::soft_step {
+
+namespace {
+
+// w h of a contact: a quarter of a turn a sub-step, the most that stays steady in tall stacks.
+constexpr double kStiffness = 0.5 * kPi;
+constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
+// Points within this share of the smaller length are kept whatever the speeds, so that resting contacts do
+// not flicker.
+constexpr double kMargin = 0.01;
+// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
+constexpr double kSlowTurn = 1e-6;
+
+struct SolverBody {
+  Vec3 v, w;                // m/s, rad/s
+  Vec3 moved, turned;       // since the start, m, rad
+  Mat3 inv_inertia_W;
+  double inv_mass;
+  bool touched = false;     // by an impulse in this sub-step
+  bool round;               // its surface does not turn with it: a sphere
+  Index body;
+};
+
+struct Point {
+  Vec3 r_i, r_j;        // from the centres, m
+  double gap;           // at the start, m
+  double mass_n;        // effective, along the normal, kg
+  Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
+  double rho;           // 1/(largest eigenvalue of the response in the contact plane), kg
+  double l_n = 0.0;     // impulses of this sub-step, N s
+  Eigen::Vector2d l_t{0.0, 0.0};
+  double sum_n = 0.0;   // over all sub-steps
+  Eigen::Vector2d sum_t{0.0, 0.0};
+  double open;          // gap now, m
+  std::uint32_t feature;
+  Vec3 p_W;
+};
+
+struct Block {
+  Index i, j;  // solver bodies
+  Vec3 n, t1, t2;
+  double mu;
+  double push;  // largest speed of separation, m/s
+  Index pair;
+  int first, size;
+};
+
+struct Softness {
+  double bias, mass, impulse;  // b, a, c
+};
+
+Softness softness(double h) {
+  const double omega = kStiffness / h;
+  const double x = kStiffness * (2.0 * kDamping + kStiffness);
+  return {omega / (2.0 * kDamping + kStiffness), x / (1.0 + x), 1.0 / (1.0 + x)};
+}
+
+int subSteps(Fidelity fidelity) { return fidelity == Fidelity::Preview ? 1 : 8; }
+
+class Solver {
+ public:
+  Solver(Context& context, const IslandBatch& batch, double t0, double t1)
+      : context_(context), batch_(batch), t0_(t0), dt_(t1 - t0) {
+    const double share = dt_ / context.step.h();
+    sub_steps_ = std::max(1, static_cast<int>(std::ceil(share * subSteps(context.scene.settings.fidelity) - 1e-9)));
+    h_ = dt_ / sub_steps_;
+    soft_ = softness(h_);
+  }
+
+  void gather();
+  void collide();
+  void prepare();
+  void subStep();
+  void store();
+  int subStepCount() const { return sub_steps_; }
+
+ private:
+  SolverBody makeBody(Index i) const;
+  Index solverBody(Index i);
+  double marginOf(const ContactPair& pair) const;
+  void preparePoint(const Block& block, Point& point, const ContactPair& pair, const Manifold& manifold, int k);
+
+  void kick();
+  void warmStart();
+  template <bool kBias>
+  void solve();
+  void drift();
+  double gapNow(const Block& block, const Point& point) const;
+  static void apply(SolverBody& i, SolverBody& j, const Point& point, const Vec3& impulse);
+
+  Context& context_;
+  const IslandBatch& batch_;
+  double t0_, dt_, h_;
+  int sub_steps_;
+  Softness soft_;
+  std::vector<SolverBody> bodies_;
+  std::vector<Index> slot_;
+  std::vector<Block> blocks_;
+  std::vector<Manifold> manifolds_;
+  std::vector<Point> points_;
+};
+
+// --- set-up
+
+SolverBody Solver::makeBody(Index i) const {
+  const Bodies& bodies = context_.scene.bodies;
+  SolverBody s;
+  s.v = bodies.twist[i].v_WB;
+  s.w = bodies.twist[i].w_WB;
+  s.moved.setZero();
+  s.turned.setZero();
+  s.inv_mass = bodies.inertia[i].inv_mass;
+  s.inv_inertia_W = bodies.inertia[i].isotropic ? Mat3(bodies.inertia[i].inv_moments.asDiagonal())
+                                                : bodies.inertia[i].inverseW(bodies.R_WB(i));
+  s.round = std::holds_alternative<Sphere>(bodies.traits[i].shape);
+  s.body = i;
+  return s;
+}
+
+Index Solver::solverBody(Index i) {
+  if (slot_[i] == kNone) {
+    slot_[i] = static_cast<Index>(bodies_.size());
+    bodies_.push_back(makeBody(i));
+  }
+  return slot_[i];
+}
+
+void Solver::gather() {
+  slot_.assign(context_.scene.bodies.size(), kNone);
+  bodies_.reserve(batch_.bodies.size() + 8);
+  for (const Index i : batch_.bodies) solverBody(i);
+}
+
+// Points that can touch within dt, with room to spare.
+double Solver::marginOf(const ContactPair& pair) const {
+  const Bodies& bodies = context_.scene.bodies;
+  const Twist& i = bodies.twist[pair.i];
+  const Twist& j = bodies.twist[pair.j];
+  const auto spin = [&](Index k) {
+    const Traits& t = bodies.traits[k];
+    return std::holds_alternative<Box>(t.shape) ? bodies.twist[k].w_WB.norm() * t.bounding_radius : 0.0;
+  };
+  const double speed = (j.v_WB - i.v_WB).norm() + spin(pair.i) + spin(pair.j);
+  const Vec3 a = context_.step.load[pair.j].a_W - context_.step.load[pair.i].a_W;
+  const double length = std::min(bodies.traits[pair.i].length, bodies.traits[pair.j].length);
+  return dt_ * (speed + 0.5 * dt_ * a.norm()) + kMargin * length;
+}
+
+void Solver::collide() {
+  const Bodies& bodies = context_.scene.bodies;
+  const double gravity = context_.scene.settings.gravity.norm();
+  for (const Index k : batch_.pairs) {
+    const ContactPair& pair = context_.step.contacts.pairs[k];
+    const Traits& a = bodies.traits[pair.i];
+    const Traits& b = bodies.traits[pair.j];
+    const Manifold manifold = rbs::collide(a.shape, context_.step.poseAt(bodies, pair.i, t0_), b.shape,
+                                           context_.step.poseAt(bodies, pair.j, t0_), marginOf(pair));
+    if (manifold.size == 0) continue;
+    Block block;
+    block.i = solverBody(pair.i);
+    block.j = solverBody(pair.j);
+    block.n = manifold.n_W;
+    std::tie(block.t1, block.t2) = tangents(block.n);
+    block.mu = pairFriction(a.material, b.material);
+    block.push = fallSpeed(gravity, std::min(a.length, b.length));
+    block.pair = k;
+    block.first = static_cast<int>(points_.size());
+    block.size = manifold.size;
+    points_.resize(points_.size() + manifold.size);
+    blocks_.push_back(block);
+    manifolds_.push_back(manifold);
+  }
+}
+
+void Solver::preparePoint(const Block& block, Point& point, const ContactPair& pair, const Manifold& manifold,
+                          int k) {
+  const SolverBody& i = bodies_[block.i];
+  const SolverBody& j = bodies_[block.j];
+  const ManifoldPoint& m = manifold.points[k];
+  point.p_W = m.p_W;
+  point.r_i = m.p_W - context_.step.poseAt(context_.scene.bodies, pair.i, t0_).p_WB;
+  point.r_j = m.p_W - context_.step.poseAt(context_.scene.bodies, pair.j, t0_).p_WB;
+  point.gap = point.open = m.separation;
+  point.feature = m.feature;
+
+  const Mat3 lever_i = crossMatrix(point.r_i), lever_j = crossMatrix(point.r_j);
+  const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() -
+                        lever_i * i.inv_inertia_W * lever_i - lever_j * j.inv_inertia_W * lever_j;
+  point.mass_n = 1.0 / block.n.dot(response * block.n);
+  if (block.mu > 0.0) {
+    Eigen::Matrix<double, 3, 2> T;
+    T << block.t1, block.t2;
+    const Eigen::Matrix2d S = T.transpose() * response * T;
+    point.mass_t = S.inverse();
+    const double half_trace = 0.5 * S.trace();
+    point.rho = 1.0 / (half_trace + std::sqrt(std::max(half_trace * half_trace - S.determinant(), 0.0)));
+  }
+
+  const Contacts& contacts = context_.step.contacts;
+  for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+    const Touch& touch = contacts.touches[t];
+    if (touch.feature != point.feature) continue;
+    point.l_n = touch.normal * h_;
+    if (block.mu > 0.0) point.l_t = h_ * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
+    break;
+  }
+}
+
+void Solver::prepare() {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Block& block = blocks_[b];
+    const ContactPair& pair = context_.step.contacts.pairs[block.pair];
+    for (int k = 0; k < block.size; ++k) preparePoint(block, points_[block.first + k], pair, manifolds_[b], k);
+  }
+}
+
+// --- one sub-step
+
+void Solver::subStep() {
+  kick();
+  warmStart();
+  solve<true>();
+  drift();
+  solve<false>();
+  for (Point& point : points_) point.sum_n += point.l_n, point.sum_t += point.l_t;
+}
+
+void Solver::kick() {
+  for (SolverBody& s : bodies_) {
+    s.touched = false;
+    if (s.inv_mass == 0.0) continue;
+    const Load& load = context_.step.load[s.body];
+    s.v += h_ * load.a_W;
+    s.w += h_ * (s.inv_inertia_W * load.torque_W);
+  }
+}
+
+void Solver::apply(SolverBody& i, SolverBody& j, const Point& point, const Vec3& impulse) {
+  i.v -= i.inv_mass * impulse;
+  i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
+  j.v += j.inv_mass * impulse;
+  j.w += j.inv_inertia_W * point.r_j.cross(impulse);
+  i.touched = j.touched = true;
+}
+
+void Solver::warmStart() {
+  for (const Block& block : blocks_) {
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      const Point& point = points_[k];
+      if (point.l_n == 0.0) continue;
+      apply(bodies_[block.i], bodies_[block.j], point,
+            point.l_n * block.n + point.l_t.x() * block.t1 + point.l_t.y() * block.t2);
+    }
+  }
+}
+
+// The gap after the bodies moved by x and turned by theta. A point of the surface at r has gone to
+// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not
+// turn with it.
+double Solver::gapNow(const Block& block, const Point& point) const {
+  const SolverBody& i = bodies_[block.i];
+  const SolverBody& j = bodies_[block.j];
+  Vec3 shift = j.moved - i.moved;
+  if (!i.round) {
+    const Vec3 turn = i.turned.cross(point.r_i);
+    shift -= turn + 0.5 * i.turned.cross(turn);
+  }
+  if (!j.round) {
+    const Vec3 turn = j.turned.cross(point.r_j);
+    shift += turn + 0.5 * j.turned.cross(turn);
+  }
+  return point.gap + block.n.dot(shift);
+}
+
+template <bool kBias>
+void Solver::solve() {
+  for (const Block& block : blocks_) {
+    SolverBody& i = bodies_[block.i];
+    SolverBody& j = bodies_[block.j];
+    const auto relative = [&](const Point& point) -> Vec3 {
+      return j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
+    };
+
+    if (block.mu > 0.0) {
+      for (int k = block.first; k < block.first + block.size; ++k) {
+        Point& point = points_[k];
+        const double limit = block.mu * point.l_n;
+        if (limit == 0.0 && point.l_t.isZero(0.0)) continue;
+        const Vec3 u = relative(point);
+        const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
+        Eigen::Vector2d l_t = point.l_t - point.mass_t * u_t;
+        if (l_t.squaredNorm() > limit * limit) {
+          l_t = point.l_t - point.rho * u_t;
+          const double length = l_t.norm();
+          if (length > limit) l_t *= limit / length;
+        }
+        const Eigen::Vector2d change = l_t - point.l_t;
+        point.l_t = l_t;
+        apply(i, j, point, change.x() * block.t1 + change.y() * block.t2);
+      }
+    }
+
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      Point& point = points_[k];
+      const double u_n = block.n.dot(relative(point));
+      point.open = gapNow(block, point);
+      double change;
+      if (point.open > 0.0) {
+        change = -point.mass_n * (u_n + point.open / h_);
+      } else if (kBias) {
+        const double bias = std::max(soft_.bias * point.open, -block.push);
+        change = -soft_.mass * point.mass_n * (u_n + bias) - soft_.impulse * point.l_n;
+      } else {
+        change = -point.mass_n * u_n;
+      }
+      const double l_n = std::max(point.l_n + change, 0.0);
+      change = l_n - point.l_n;
+      if (change == 0.0) continue;
+      point.l_n = l_n;
+      apply(i, j, point, change * block.n);
+    }
+  }
+}
+
+void Solver::drift() {
+  Bodies& bodies = context_.scene.bodies;
+  for (SolverBody& s : bodies_) {
+    if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
+      s.moved += h_ * s.v;  // led bodies move on their own clock; here only the gaps follow them
+      s.turned += h_ * s.w;
+      continue;
+    }
+    const Inertia& inertia = bodies.inertia[s.body];
+    Vec3 step = h_ * s.v;
+    if (!s.touched) step -= 0.5 * h_ * h_ * context_.step.load[s.body].a_W;
+    s.moved += step;
+    s.turned += h_ * s.w;
+    bodies.pose[s.body].p_WB += step;
+    Quat& q_WB = bodies.pose[s.body].q_WB;
+    if (inertia.isotropic || s.w.norm() * h_ < kSlowTurn) {
+      q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
+    } else {
+      rotateFreely(q_WB, s.w, inertia, h_);
+      s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
+    }
+  }
+}
+
+// --- results
+
+void Solver::store() {
+  Bodies& bodies = context_.scene.bodies;
+  for (const SolverBody& s : bodies_) {
+    if (context_.step.island[s.body] == kNone) continue;
+    bodies.twist[s.body] = {s.v, s.w};
+  }
+  Contacts& contacts = context_.step.contacts;
+  for (const Index k : batch_.pairs) contacts.pairs[k].size = 0;
+  for (const Block& block : blocks_) {
+    ContactPair& pair = contacts.pairs[block.pair];
+    pair.first = static_cast<Index>(contacts.touches.size());
+    pair.size = static_cast<Index>(block.size);
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      const Point& point = points_[k];
+      const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 { return t.x() * block.t1 + t.y() * block.t2; };
+      Touch touch;
+      touch.feature = point.feature;
+      touch.normal = point.l_n / h_;
+      touch.friction_W = inPlane(point.l_t) / h_;
+      touch.p_W = point.p_W + 0.5 * (bodies_[block.i].moved + bodies_[block.j].moved);
+      touch.n_W = block.n;
+      touch.separation = gapNow(block, point);
+      touch.normal_impulse = point.sum_n;
+      touch.friction_impulse_W = inPlane(point.sum_t);
+      contacts.touches.push_back(touch);
+    }
+  }
+}
+
+// The rows of the method, each timed under its name.
+enum Row { kCollide, kPrepare, kSolve, kStore, kRows };
+
+}  // namespace
+
+const std::vector<const char*>& stageNames() {
+  static const std::vector<const char*> names{"narrowphase.collide", "contacts.prepare", "contacts.substeps",
+                                              "contacts.store"};
+  return names;
+}
+
+void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return;
+  using Clock = std::chrono::steady_clock;
+  std::vector<double>& seconds = context.step.contact_seconds;
+  seconds.resize(kRows);
+  auto mark = Clock::now();
+  const auto charge = [&](Row row) {
+    const auto now = Clock::now();
+    seconds[row] += std::chrono::duration<double>(now - mark).count();
+    mark = now;
+  };
+
+  Solver solver(context, batch, t0, t1);
+  solver.gather();
+  solver.collide();
+  charge(kCollide);
+  solver.prepare();
+  charge(kPrepare);
+  for (int k = 0; k < solver.subStepCount(); ++k) solver.subStep();
+  charge(kSolve);
+  solver.store();
+  charge(kStore);
+}
+
+}  // namespace rbs::soft_step

@@ -1,0 +1,188 @@
+// The manifold of two boxes.
+//
+// The normal is the separating axis of farthestAxis(). Where a face of a box looks along it, up to a few
+// degrees, that face is the reference: the face of the other box turned most against it is clipped by the
+// sides of the reference, and each corner of what remains is a point. Otherwise two edges cross in one point.
+// The reference is A's face unless B's is clearly better aligned, so that boxes lying flat on each other keep
+// their points, with the same features, while the axis wavers by rounding.
+#include "narrowphase/box_axes.h"
+#include "narrowphase/convex.h"
+#include "narrowphase/pairs.h"
+
+#include <cmath>
+#include <limits>
+
+namespace rbs {
+
+namespace {
+
+// A face serves as reference when the cosine of its angle to the normal is within this of 1 (2.6 degrees).
+constexpr double kAligned = 1e-3;
+// How far a point may overhang the reference face, as a fraction of its half edge, before it is clipped.
+constexpr double kOverhang = 1e-5;
+// Below this fraction of the size, the difference of two witness points has lost its direction.
+constexpr double kNear = 1e-6;
+
+// A corner of the clipped face: place along the reference face's edges, height over it, and the edge that
+// starts here: 0 to 3 of the incident face, 4 to 7 a side of the reference face.
+struct Corner {
+  double u, v, height;
+  std::uint32_t edge;
+};
+
+struct Polygon {
+  int size = 0;
+  std::array<Corner, 8> corners;
+
+  // Clipping a quadrilateral by four lines leaves at most eight corners.
+  void add(const Corner& corner) {
+    if (size < 8) corners[size++] = corner;
+  }
+};
+
+// Keeps the part with sign * coordinate <= limit (Sutherland and Hodgman, CACM 17(1), 1974); the new edge
+// is named `edge`.
+void clip(Polygon& polygon, double Corner::*coordinate, double sign, double limit, std::uint32_t edge) {
+  std::array<double, 8> excess;
+  bool clipped = false;
+  for (int k = 0; k < polygon.size; ++k) {
+    excess[k] = sign * (polygon.corners[k].*coordinate) - limit;
+    clipped = clipped || excess[k] > 0.0;
+  }
+  if (!clipped) return;
+  Polygon kept;
+  for (int k = 0; k < polygon.size; ++k) {
+    const int next = k + 1 == polygon.size ? 0 : k + 1;
+    const Corner &c = polygon.corners[k], &d = polygon.corners[next];
+    const bool inside = excess[k] <= 0.0;
+    if (inside) kept.add(c);
+    if (inside == (excess[next] <= 0.0)) continue;
+    const double t = excess[k] / (excess[k] - excess[next]);
+    kept.add({c.u + t * (d.u - c.u), c.v + t * (d.v - c.v), c.height + t * (d.height - c.height),
+              inside ? edge : c.edge});
+  }
+  polygon = kept;
+}
+
+// A face of a box: its axis, and which end of it.
+struct Face {
+  int axis;
+  double sign;
+  double alignment;  // cosine to the direction it was chosen for
+};
+
+Face faceAlong(const Vec3& direction) {
+  int axis;
+  const double alignment = direction.cwiseAbs().maxCoeff(&axis);
+  return {axis, direction[axis] < 0.0 ? -1.0 : 1.0, alignment};
+}
+
+std::uint32_t faceNumber(const Face& face) {
+  return 2u * face.axis + (face.sign > 0.0 ? 1u : 0u);
+}
+
+struct PlacedBox {
+  Vec3 half;
+  const Pose& X_W;
+};
+
+// The points of the incident box Y over the reference face of box X. `n_X` is the manifold's normal, from X
+// to Y, in X's frame; a point's separation is measured along it, from the reference face up to Y's face.
+void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, const Mat3& R_XY,
+                   const Vec3& p_XY, const Vec3& n_X, const Face& reference, bool reference_is_b,
+                   double margin) {
+  const Vec3 up_Y = reference.sign * R_XY.row(reference.axis).transpose();
+  const Face incident = faceAlong(-up_Y);
+  const int k = (incident.axis + 1) % 3, l = (incident.axis + 2) % 3;
+  const int u = (reference.axis + 1) % 3, v = (reference.axis + 2) % 3;
+  const Vec3 centre = p_XY + incident.sign * y.half[incident.axis] * R_XY.col(incident.axis);
+  const Vec3 edge_k = y.half[k] * R_XY.col(k), edge_l = y.half[l] * R_XY.col(l);
+
+  Polygon polygon;
+  for (std::uint32_t corner = 0; corner < 4; ++corner) {
+    const double sk = corner == 1 || corner == 2 ? 1.0 : -1.0, sl = corner >= 2 ? 1.0 : -1.0;
+    const Vec3 q = centre + sk * edge_k + sl * edge_l;
+    polygon.add({q[u], q[v], reference.sign * q[reference.axis] - x.half[reference.axis], corner});
+  }
+  const double limit_u = (1.0 + kOverhang) * x.half[u], limit_v = (1.0 + kOverhang) * x.half[v];
+  clip(polygon, &Corner::u, 1.0, limit_u, 4);
+  clip(polygon, &Corner::u, -1.0, limit_u, 5);
+  clip(polygon, &Corner::v, 1.0, limit_v, 6);
+  clip(polygon, &Corner::v, -1.0, limit_v, 7);
+
+  const Mat3 R_WX = x.X_W.q_WB.toRotationMatrix();
+  const double cosine = reference.sign * n_X[reference.axis];
+  const std::uint32_t faces =
+      ((reference_is_b ? 6u : 0u) + faceNumber(reference)) * 6u + faceNumber(incident);
+  for (int c = 0; c < polygon.size; ++c) {
+    const Corner& corner = polygon.corners[c];
+    const double separation = corner.height / cosine;
+    if (separation > margin) continue;
+    Vec3 q;
+    q[u] = corner.u, q[v] = corner.v;
+    q[reference.axis] = reference.sign * (x.half[reference.axis] + corner.height);
+    const std::uint32_t edge_in = polygon.corners[c == 0 ? polygon.size - 1 : c - 1].edge;
+    manifold.add(x.X_W.p_WB + R_WX * (q - 0.5 * separation * n_X), separation,
+                 faces * 64u + edge_in * 8u + corner.edge);
+  }
+}
+
+// The nearest points of the lines of the two edges that span the axis, when both lie on the edges.
+void addEdgePoint(Manifold& manifold, const PlacedBox& a, const PlacedBox& b, const RelativePose& X_AB,
+                  const BoxAxis& axis, double margin) {
+  const int i = axis.edge_a, j = axis.edge_b;
+  const Vec3 n_B = X_AB.R_AB.transpose() * axis.n_A;
+  Vec3 on_a = BoxCore{a.half}(axis.n_A), on_b_B = BoxCore{b.half}(-n_B);
+  const std::uint32_t signs = (on_a[(i + 1) % 3] > 0.0 ? 1u : 0u) + (on_a[(i + 2) % 3] > 0.0 ? 2u : 0u) +
+                              (on_b_B[(j + 1) % 3] > 0.0 ? 4u : 0u) + (on_b_B[(j + 2) % 3] > 0.0 ? 8u : 0u);
+  on_a[i] = 0.0, on_b_B[j] = 0.0;
+  const Vec3 on_b = X_AB.p_AB + X_AB.R_AB * on_b_B;
+  const Vec3 along_b = X_AB.R_AB.col(j), r = on_b - on_a;
+  const double cosine = along_b[i], sine_squared = 1.0 - cosine * cosine, r_b = r.dot(along_b);
+  const double s = (r[i] - cosine * r_b) / sine_squared, t = (cosine * r[i] - r_b) / sine_squared;
+  if (std::abs(s) > (1.0 + kOverhang) * a.half[i] || std::abs(t) > (1.0 + kOverhang) * b.half[j]) return;
+  if (axis.separation > margin) return;
+  const Vec3 middle_A = 0.5 * (on_a + s * Vec3::Unit(i) + on_b + t * along_b);
+  manifold.add(a.X_W.p_WB + a.X_W.q_WB * middle_A, axis.separation,
+               0x80000000u | ((3u * i + j) * 16u + signs));
+}
+
+}  // namespace
+
+Manifold collideBoxes(const Box& box_a, const Pose& X_WA, const Box& box_b, const Pose& X_WB, double margin) {
+  const PlacedBox a{0.5 * box_a.size, X_WA}, b{0.5 * box_b.size, X_WB};
+  const RelativePose X_AB(X_WA, X_WB);
+  const std::optional<BoxAxis> axis = farthestAxis(a.half, b.half, X_AB, margin);
+  Manifold manifold;
+  if (!axis) return manifold;
+  manifold.n_W = X_WA.q_WB * axis->n_A;
+
+  const Vec3 n_B = X_AB.R_AB.transpose() * axis->n_A;
+  const Face face_a = faceAlong(axis->n_A), face_b = faceAlong(-n_B);
+  if (face_b.alignment > face_a.alignment + kAligned) {
+    if (face_b.alignment >= 1.0 - kAligned)
+      addFacePoints(manifold, b, a, X_AB.R_AB.transpose(), X_AB.R_AB.transpose() * -X_AB.p_AB, -n_B, face_b,
+                    true, margin);
+  } else if (face_a.alignment >= 1.0 - kAligned) {
+    addFacePoints(manifold, a, b, X_AB.R_AB, X_AB.p_AB, axis->n_A, face_a, false, margin);
+  }
+  if (manifold.size == 0 && axis->edge_a >= 0) addEdgePoint(manifold, a, b, X_AB, *axis, margin);
+  return manifold.size > 0 ? manifold : collideConvex(box_a, X_WA, box_b, X_WB, margin);
+}
+
+// Overlapping boxes are judged by their axes. So is the direction of a tiny gap, where a face or two edges
+// span it: then the gap along the axis is the distance.
+Gap gapBoxes(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
+  const RelativePose X_AB(X_WA, X_WB);
+  const BoxAxis axis =
+      *farthestAxis(0.5 * a.size, 0.5 * b.size, X_AB, std::numeric_limits<double>::infinity());
+  const double size = a.size.maxCoeff() + b.size.maxCoeff();
+  if (axis.separation > 0.0) {
+    const ConvexGap gap = convexGap(a, b, X_AB);
+    const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-14 * size;
+    if (!spanned) return {std::max(gap.distance, axis.separation), X_WA.q_WB * gap.n_A};
+  }
+  return {axis.separation, X_WA.q_WB * axis.n_A};
+}
+
+}  // namespace rbs

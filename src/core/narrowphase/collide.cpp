@@ -1,0 +1,80 @@
+#include "narrowphase/collide.h"
+
+#include "narrowphase/convex.h"
+#include "narrowphase/pairs.h"
+
+#include <limits>
+
+namespace rbs {
+
+namespace {
+
+/// How one ordered pair of kinds of shapes meets.
+struct Meeting {
+  Manifold (*collide)(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
+  Gap (*gap)(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
+};
+
+template <class A, class B>
+using CollidePair = Manifold (*)(const A&, const Pose&, const B&, const Pose&, double);
+template <class A, class B>
+using GapPair = Gap (*)(const A&, const Pose&, const B&, const Pose&);
+
+// Hands the alternatives of the variants to routines for them.
+template <class A, class B, CollidePair<A, B> collide_pair, GapPair<A, B> gap_pair>
+constexpr Meeting meeting() {
+  return {[](const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
+            return collide_pair(*std::get_if<A>(&a), X_WA, *std::get_if<B>(&b), X_WB, margin);
+          },
+          [](const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+            return gap_pair(*std::get_if<A>(&a), X_WA, *std::get_if<B>(&b), X_WB);
+          }};
+}
+
+Manifold collidePlanes(const Plane&, const Pose&, const Plane&, const Pose&, double) {
+  return {};
+}
+
+Gap gapPlanes(const Plane&, const Pose&, const Plane&, const Pose&) {
+  return {std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+}
+
+// Half of the table is empty: that pair is the other one with A and B swapped. Two convex shapes without a
+// routine of their own meet by meeting<A, B, collideConvex, gapConvex>().
+constexpr Meeting kSwapped{nullptr, nullptr};
+constexpr auto kSpheres = meeting<Sphere, Sphere, collideSpheres, gapSpheres>();
+constexpr auto kSphereBox = meeting<Sphere, Box, collideSphereBox, gapSphereBox>();
+constexpr auto kSpherePlane = meeting<Sphere, Plane, collideSpherePlane, gapSpherePlane>();
+constexpr auto kBoxes = meeting<Box, Box, collideBoxes, gapBoxes>();
+constexpr auto kBoxPlane = meeting<Box, Plane, collideBoxPlane, gapBoxPlane>();
+constexpr auto kPlanes = meeting<Plane, Plane, collidePlanes, gapPlanes>();
+
+constexpr Meeting kTable[][std::variant_size_v<Shape>] = {
+    // with   sphere     box         plane
+    /* sphere */ {kSpheres, kSphereBox, kSpherePlane},
+    /* box    */ {kSwapped, kBoxes, kBoxPlane},
+    /* plane  */ {kSwapped, kSwapped, kPlanes},
+};
+static_assert(std::size(kTable) == std::variant_size_v<Shape>, "one row for each shape");
+
+const Meeting& meetingOf(const Shape& a, const Shape& b) {
+  return kTable[a.index()][b.index()];
+}
+
+}  // namespace
+
+Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
+  if (const Meeting& m = meetingOf(a, b); m.collide != nullptr) return m.collide(a, X_WA, b, X_WB, margin);
+  Manifold manifold = meetingOf(b, a).collide(b, X_WB, a, X_WA, margin);
+  manifold.n_W = -manifold.n_W;
+  return manifold;
+}
+
+Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  if (const Meeting& m = meetingOf(a, b); m.gap != nullptr) return m.gap(a, X_WA, b, X_WB);
+  Gap swapped = meetingOf(b, a).gap(b, X_WB, a, X_WA);
+  swapped.n_W = -swapped.n_W;
+  return swapped;
+}
+
+}  // namespace rbs

@@ -1,0 +1,56 @@
+// Any two convex shapes, by GJK and EPA: what a new shape gets for a support function.
+#pragma once
+
+#include "narrowphase/collide.h"
+#include "narrowphase/epa.h"
+#include "narrowphase/gjk.h"
+#include "narrowphase/manifold.h"
+
+namespace rbs {
+
+/// The gap of two convex shapes and the points of their surfaces that span it.
+struct ConvexGap {
+  double distance;
+  Vec3 n_A;     ///< unit, from A to B, in A's frame
+  Vec3 middle_A;  ///< midway between the two nearest (or deepest) points, in A's frame
+};
+
+template <class ShapeA, class ShapeB>
+ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) {
+  // Cores nearer than this fraction of their coordinates have no direction in GJK's v; EPA finds one.
+  constexpr double kTouching = 1e-13;
+  const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
+  const GjkResult distance = gjk(difference, difference.centre());
+  Vec3 on_a, on_b;
+  ConvexGap gap;
+  if (!distance.overlap && distance.upper > kTouching * distance.scale) {
+    gap.n_A = distance.v / -distance.upper;
+    gap.distance = distance.upper;
+    on_a = distance.simplex.witnessA(), on_b = distance.simplex.witnessB();
+  } else {
+    const EpaResult depth = epa(std::cref(difference), distance.simplex, distance.scale);
+    gap.n_A = depth.n;
+    gap.distance = -depth.upper;
+    on_a = depth.a, on_b = depth.b;
+  }
+  gap.distance -= coreRadius(a) + coreRadius(b);
+  gap.middle_A = 0.5 * (on_a + coreRadius(a) * gap.n_A + on_b - coreRadius(b) * gap.n_A);
+  return gap;
+}
+
+template <class ShapeA, class ShapeB>
+Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
+  const ConvexGap gap = convexGap(a, b, RelativePose(X_WA, X_WB));
+  return {gap.distance, X_WA.q_WB * gap.n_A};
+}
+
+template <class ShapeA, class ShapeB>
+Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
+  const ConvexGap gap = convexGap(a, b, RelativePose(X_WA, X_WB));
+  Manifold manifold;
+  manifold.n_W = X_WA.q_WB * gap.n_A;
+  if (gap.distance <= margin) manifold.add(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, 0);
+  return manifold;
+}
+
+}  // namespace rbs

@@ -1,0 +1,218 @@
+// A polytope inside A - B grows around the origin. Its face nearest to the origin, at distance `lower` along
+// its outward normal n, is pushed out to w = support(n): all faces that w sees are removed, and the horizon
+// they leave is joined to w. Since A - B holds the polytope and ends at the plane through w,
+//   lower  <=  depth  <=  n.w
+// (the first while the origin is inside). The smallest n.w met so far is the answer, so that it always is a
+// translation that separates.
+//
+// Distances are signed: an origin outside by rounding is nearest to the face with the smallest, negative one,
+// and needs no special case. Ties go to the older face.
+#include "narrowphase/epa.h"
+
+#include "algebra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace rbs {
+
+namespace {
+
+constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+
+// Corners anticlockwise seen from outside; edge k runs from corner k to corner k + 1 and borders
+// `neighbour[k]`, whose own edge `twin[k]` runs back.
+struct Face {
+  std::array<int, 3> corner;
+  std::array<int, 3> neighbour{-1, -1, -1};
+  std::array<int, 3> twin{};
+  Vec3 n;
+  double distance = 0.0;
+  bool alive = true;
+};
+
+int next(int edge) {
+  return edge == 2 ? 0 : edge + 1;
+}
+
+class Polytope {
+ public:
+  explicit Polytope(const Simplex& s) : points_(s.points.begin(), s.points.end()) {
+    const Vec3 e1 = points_[1].w - points_[0].w, e2 = points_[2].w - points_[0].w;
+    if (e1.cross(e2).dot(points_[3].w - points_[0].w) > 0.0) std::swap(points_[1], points_[2]);
+    makeFace(0, 1, 2), makeFace(0, 3, 1), makeFace(0, 2, 3), makeFace(1, 3, 2);
+    join(0, 0, 1, 2), join(0, 1, 3, 2), join(0, 2, 2, 0);
+    join(1, 0, 2, 2), join(1, 1, 3, 0), join(2, 1, 3, 1);
+  }
+
+  const Face& nearestFace() const {
+    const Face* best = nullptr;
+    for (const Face& face : faces_)
+      if (face.alive && (best == nullptr || face.distance < best->distance)) best = &face;
+    return *best;
+  }
+
+  // Replaces what `point` sees by the cone from it over the horizon. False, with nothing changed, when
+  // the cone would have a face without area.
+  bool expand(const Face& seen, const SupportPoint& point) {
+    horizon_.clear();
+    removed_.clear();
+    const int start = static_cast<int>(&seen - faces_.data());
+    remove(start);
+    for (int edge = 0; edge < 3; ++edge) walk(faces_[start].neighbour[edge], faces_[start].twin[edge], point.w);
+
+    const int apex = static_cast<int>(points_.size());
+    points_.push_back(point);
+    const int first = static_cast<int>(faces_.size());
+    bool sound = horizon_.size() >= 3;
+    for (const auto& [face, edge] : horizon_)
+      sound = makeFace(faces_[face].corner[next(edge)], faces_[face].corner[edge], apex) && sound;
+    if (!sound) {
+      faces_.resize(first);
+      points_.pop_back();
+      for (const int face : removed_) faces_[face].alive = true;
+      return false;
+    }
+    const int count = static_cast<int>(horizon_.size());
+    for (int k = 0; k < count; ++k) {
+      join(first + k, 0, horizon_[k].first, horizon_[k].second);
+      join(first + k, 1, first + (k + 1) % count, 2);
+    }
+    return true;
+  }
+
+  const SupportPoint& point(int index) const { return points_[index]; }
+
+ private:
+  bool makeFace(int i, int j, int k) {
+    const Vec3& p = points_[i].w;
+    const Vec3 e1 = points_[j].w - p, e2 = points_[k].w - p;
+    Face face{{i, j, k}, {-1, -1, -1}, {}, e1.cross(e2)};
+    const double area = face.n.norm();
+    const bool sound = area > kRounding * e1.norm() * e2.norm();
+    if (sound) face.n /= area;
+    // From the corner nearest to the origin, where rounding is least.
+    const auto nearer = [&](int l, int m) { return points_[l].w.squaredNorm() < points_[m].w.squaredNorm(); };
+    face.distance = face.n.dot(points_[std::min({i, j, k}, nearer)].w);
+    faces_.push_back(face);
+    return sound;
+  }
+
+  void join(int face, int edge, int other, int other_edge) {
+    faces_[face].neighbour[edge] = other, faces_[face].twin[edge] = other_edge;
+    faces_[other].neighbour[other_edge] = face, faces_[other].twin[other_edge] = edge;
+  }
+
+  void remove(int face) {
+    faces_[face].alive = false;
+    removed_.push_back(face);
+  }
+
+  // Floods over the faces that w sees, entering `face` through `edge`; the edges at which it stops come out
+  // in order around the horizon.
+  void walk(int face, int edge, const Vec3& w) {
+    Face& f = faces_[face];
+    if (!f.alive) return;
+    if (f.n.dot(w) <= f.distance) {
+      horizon_.emplace_back(face, edge);
+      return;
+    }
+    remove(face);
+    const int left = next(edge), right = next(left);
+    walk(f.neighbour[left], f.twin[left], w);
+    walk(f.neighbour[right], f.twin[right], w);
+  }
+
+  std::vector<SupportPoint> points_;
+  std::vector<Face> faces_;
+  std::vector<std::pair<int, int>> horizon_;
+  std::vector<int> removed_;
+};
+
+// Adds to the simplex the support point, among those along the given directions and their opposites, with
+// the largest `height` over it. Returns that height.
+template <class Height>
+double grow(const SupportFunction& support, Simplex& simplex, std::initializer_list<Vec3> directions,
+            const Height& height) {
+  SupportPoint best;
+  double best_height = -1.0;
+  for (const Vec3& direction : directions)
+    for (const double sign : {1.0, -1.0}) {
+      const SupportPoint p = support(sign * direction);
+      const double h = height(p.w);
+      if (h > best_height) best_height = h, best = p;
+    }
+  simplex.add(best);
+  return best_height;
+}
+
+// Makes any simplex a tetrahedron. Empty when A - B is flat; then `n` is normal to it.
+bool makeTetrahedron(const SupportFunction& support, Simplex& s, double scale, Vec3& n) {
+  const double flat = kRounding * scale;
+  if (s.size == 1 && grow(support, s, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, [&](const Vec3& w) {
+        return (w - s.points[0].w).norm();
+      }) <= flat)
+    return false;
+  const Vec3& p = s.points[0].w;
+  const Vec3 along = (s.points[1].w - p).normalized();
+  if (s.size == 2) {
+    const auto [t1, t2] = tangents(along);
+    n = t1;
+    if (grow(support, s, {t1, t2}, [&](const Vec3& w) { return along.cross(w - p).norm(); }) <= flat)
+      return false;
+  }
+  if (s.size == 3) {
+    n = along.cross(s.points[2].w - p).normalized();
+    if (grow(support, s, {n}, [&](const Vec3& w) { return std::abs(n.dot(w - p)); }) <= flat) return false;
+  }
+  return true;
+}
+
+// Witnesses where the origin projects on a face, by its barycentric coordinates.
+void setWitnesses(const Polytope& polytope, const Face& face, EpaResult& result) {
+  const SupportPoint &p = polytope.point(face.corner[0]), &q = polytope.point(face.corner[1]),
+                     &r = polytope.point(face.corner[2]);
+  const Vec3 e1 = q.w - p.w, e2 = r.w - p.w, to_origin = face.distance * face.n - p.w;
+  const Vec3 n = e1.cross(e2);
+  const double s = to_origin.cross(e2).dot(n) / n.squaredNorm();
+  const double t = e1.cross(to_origin).dot(n) / n.squaredNorm();
+  result.a = p.a + s * (q.a - p.a) + t * (r.a - p.a);
+  result.b = p.b + s * (q.b - p.b) + t * (r.b - p.b);
+}
+
+EpaResult flatResult(const Simplex& simplex, const Vec3& n) {
+  EpaResult result;
+  result.n = n;
+  result.a = simplex.witnessA();
+  result.b = simplex.witnessB();
+  return result;
+}
+
+}  // namespace
+
+EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale) {
+  Simplex tetrahedron = simplex;
+  Vec3 flat_normal = Vec3::UnitZ();
+  if (!makeTetrahedron(support, tetrahedron, scale, flat_normal)) return flatResult(simplex, flat_normal);
+
+  Polytope polytope(tetrahedron);
+  EpaResult result;
+  result.upper = std::numeric_limits<double>::infinity();
+  for (; result.iterations < kEpaIterations; ++result.iterations) {
+    const Face& face = polytope.nearestFace();
+    const SupportPoint p = support(face.n);
+    const double upper = face.n.dot(p.w);
+    result.lower = face.distance;
+    if (upper < result.upper) {
+      result.upper = upper;
+      result.n = face.n;
+      setWitnesses(polytope, face, result);
+    }
+    if (result.upper - result.lower <= kRounding * scale || !polytope.expand(face, p)) break;
+  }
+  return result;
+}
+
+}  // namespace rbs

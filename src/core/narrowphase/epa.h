@@ -1,0 +1,30 @@
+// The penetration depth of two convex sets, and the direction that separates them soonest: the expanding
+// polytope algorithm. G. van den Bergen, "Proximity queries and penetration depth computation on 3D game
+// objects", GDC 2001.
+#pragma once
+
+#include "narrowphase/simplex.h"
+
+#include <functional>
+
+namespace rbs {
+
+/// Gives the point of A - B farthest along a direction.
+using SupportFunction = std::function<SupportPoint(const Vec3&)>;
+
+struct EpaResult {
+  Vec3 n = Vec3::UnitZ();  ///< unit; moving B by `upper` along n separates A and B
+  double upper = 0.0;      ///< the depth, at most; negative: a gap that n proves
+  double lower = 0.0;      ///< the depth, at least
+  Vec3 a = Vec3::Zero();   ///< deepest point of A; a - b = upper n, up to upper - lower
+  Vec3 b = Vec3::Zero();   ///< deepest point of B
+  int iterations = 0;      ///< kEpaIterations when it was cut off; the interval still holds
+};
+
+inline constexpr int kEpaIterations = 256;
+
+/// `simplex` (1 to 4 points of A - B) holds the origin or touches it, up to rounding; `scale` is the size
+/// of the coordinates (GjkResult::scale), m. A flat A - B has depth 0 along its normal.
+EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale);
+
+}  // namespace rbs

@@ -1,0 +1,29 @@
+// A contact manifold: the points at which two convex shapes touch or nearly touch.
+#pragma once
+
+#include "rigid_body_sim/types.h"
+
+#include <array>
+#include <cstdint>
+
+namespace rbs {
+
+/// One point of a manifold.
+struct ManifoldPoint {
+  Vec3 p_W;                   ///< midway between the two surfaces
+  double separation;          ///< gap along the normal; negative is overlap
+  std::uint32_t feature = 0;  ///< same number for the same pair of features from step to step
+};
+
+/// Up to eight points that share one normal.
+struct Manifold {
+  Vec3 n_W = Vec3::UnitZ();  ///< unit normal, from A to B
+  int size = 0;              ///< 0: no contact within the margin
+  std::array<ManifoldPoint, 8> points;
+
+  void add(const Vec3& p_W, double separation, std::uint32_t feature) {
+    points[size++] = {p_W, separation, feature};
+  }
+};
+
+}  // namespace rbs

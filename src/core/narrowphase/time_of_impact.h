@@ -1,0 +1,28 @@
+// When two moving shapes first touch.
+#pragma once
+
+#include "rigid_body_sim/shape.h"
+#include "rigid_body_sim/types.h"
+
+#include <optional>
+
+namespace rbs {
+
+/// A motion in closed form: p(t) = p + v s + a s²/2 and q(t) = exp(w s) q, with s = t - t0.
+struct Motion {
+  double t0 = 0.0;
+  Pose pose;                  ///< at t0
+  Twist twist;                ///< at t0; w_WB stays constant
+  Vec3 a_W = Vec3::Zero();    ///< constant acceleration
+
+  Pose at(double t) const;
+  Vec3 velocityAt(double t) const { return twist.v_WB + (t - t0) * a_W; }
+};
+
+/// The first time in [from, to] at which A and B touch while approaching each other, never later than
+/// the truth. A pair that touches or overlaps at `from` and approaches is found at `from`; one that
+/// separates is not found until it comes back. Empty when there is none.
+std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const Shape& b,
+                                   const Motion& motion_b, double from, double to);
+
+}  // namespace rbs

@@ -1,0 +1,26 @@
+// The step as a table.
+#pragma once
+
+#include "context.h"
+#include "rigid_body_sim/snapshot.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// The stages a scene needs, in order. Made anew when the census changes its mind.
+class Pipeline {
+ public:
+  void filter(const Census& census);
+  /// Runs one step and times every stage.
+  void run(Context& context);
+  /// All stages, also those that do not run, with their reasons and their times in the last step.
+  std::vector<StageInfo> describe(const Census& census) const;
+
+ private:
+  std::vector<std::size_t> active_;      // rows of the table
+  std::vector<double> seconds_;          // by row
+  std::vector<double> contact_seconds_;  // by row of the contact method
+};
+
+}  // namespace rbs

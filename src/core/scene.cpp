@@ -1,0 +1,231 @@
+// The check that finds every fault of a scene, and the words for its enumerators.
+#include "rigid_body_sim/scene.h"
+
+#include "number_text.h"
+
+#include <cmath>
+#include <iterator>
+#include <set>
+
+namespace rbs {
+namespace {
+
+constexpr std::size_t kLongestName = 64;
+// An orientation need not be normalised, since numbers typed by hand never quite are. It must have a
+// direction beyond doubt, and is normalised where a body is made of it.
+constexpr double kMinQuaternionNorm = 1e-3, kMaxQuaternionNorm = 1e3;
+
+std::string range(double low, double high, const std::string& unit) {
+  return numberText(low) + " to " + numberText(high) + (unit.empty() ? "" : " " + unit);
+}
+
+/// Collects faults. A comparison is written so that NaN fails it.
+class Faults {
+ public:
+  void add(const std::string& path, const std::string& value, const std::string& allowed) {
+    problems_.push_back({path, value, allowed});
+  }
+  void number(const std::string& path, double x, double low, double high, const std::string& unit = "") {
+    if (!(x >= low && x <= high)) add(path, numberText(x), range(low, high, unit));
+  }
+  void vector(const std::string& path, const Vec3& v, double longest, const std::string& unit) {
+    if (!(v.norm() <= longest))
+      add(path, vectorText(v), "finite, at most " + numberText(longest) + " " + unit);
+  }
+  void append(std::vector<Problem> more) {
+    problems_.insert(problems_.end(), std::make_move_iterator(more.begin()),
+                     std::make_move_iterator(more.end()));
+  }
+  std::vector<Problem> take() { return std::move(problems_); }
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+bool isLetter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+bool isBodyName(const std::string& name) {
+  if (name.size() > kLongestName || (!name.empty() && isDigit(name[0]))) return false;
+  for (const char c : name) {
+    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return false;
+  }
+  return true;
+}
+
+void checkShape(const BodyDef& body, const std::string& path, Faults& faults) {
+  if (std::holds_alternative<Plane>(body.shape)) {
+    if (body.kind == BodyKind::Dynamic) {
+      faults.add(path + ".kind", "dynamic", "static or kinematic: a plane has no mass");
+    }
+    if (body.mass || body.density) {
+      faults.add(path + (body.mass ? ".mass" : ".density"),
+                 numberText(body.mass ? *body.mass : *body.density), "nothing: a plane has no mass");
+    }
+    return;
+  }
+  const Vec3 size = fullExtents(body.shape);
+  const bool sound = size.minCoeff() >= Limits::min_size && size.maxCoeff() <= Limits::max_size;
+  if (!sound || !size.allFinite()) {
+    const bool round = std::holds_alternative<Sphere>(body.shape);
+    faults.add(path + ".size", round ? numberText(size.x()) : vectorText(size),
+               (round ? "a diameter of " : "edges of ") + range(Limits::min_size, Limits::max_size, "m"));
+  }
+}
+
+void checkMotion(const BodyDef& body, const std::string& path, Faults& faults) {
+  faults.vector(path + ".position", body.pose.p_WB, Limits::max_position, "m from the origin");
+  const double norm = body.pose.q_WB.norm();
+  if (!(norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm)) {
+    const auto& q = body.pose.q_WB.coeffs();
+    faults.add(path + ".orientation",
+               "[" + numberText(q[0]) + ", " + numberText(q[1]) + ", " + numberText(q[2]) + ", " +
+                   numberText(q[3]) + "]",
+               "a quaternion [x, y, z, w] of norm " + range(kMinQuaternionNorm, kMaxQuaternionNorm, "") +
+                   ", which is normalised on use");
+  }
+  faults.vector(path + ".velocity", body.twist.v_WB, Limits::max_speed, "m/s");
+  faults.vector(path + ".spin", body.twist.w_WB, Limits::max_spin, "rad/s");
+  if (body.kind == BodyKind::Static) {
+    const std::string allowed = "zero: a static body never moves (kinematic bodies do)";
+    if (!body.twist.v_WB.isZero(0.0)) faults.add(path + ".velocity", vectorText(body.twist.v_WB), allowed);
+    if (!body.twist.w_WB.isZero(0.0)) faults.add(path + ".spin", vectorText(body.twist.w_WB), allowed);
+  }
+}
+
+void checkMass(const BodyDef& body, const std::string& path, Faults& faults) {
+  if (std::holds_alternative<Plane>(body.shape)) return;
+  if (body.mass) faults.number(path + ".mass", *body.mass, Limits::min_mass, Limits::max_mass, "kg");
+  if (body.density) {
+    faults.number(path + ".density", *body.density, Limits::min_density, Limits::max_density, "kg/m³");
+  }
+  if (body.mass && body.density) {
+    faults.add(path + ".density", numberText(*body.density), "at most one of mass and density");
+  }
+  if (body.mass || body.kind != BodyKind::Dynamic) return;
+  const double mass = body.density.value_or(kDefaultDensity) * volume(body.shape);
+  if (mass > 0.0 && std::isfinite(mass) && (mass < Limits::min_mass || mass > Limits::max_mass)) {
+    faults.add(path + ".size", vectorText(fullExtents(body.shape)),
+               "with its density a mass of " + range(Limits::min_mass, Limits::max_mass, "kg") + ", not " +
+                   numberText(mass) + " kg");
+  }
+}
+
+void checkMaterial(const Material& material, const std::string& path, Faults& faults) {
+  faults.number(path + ".friction", material.friction, 0.0, Limits::max_friction);
+  faults.number(path + ".restitution", material.restitution, 0.0, 1.0);
+  if (material.drag_coefficient) {
+    faults.number(path + ".drag_coefficient", *material.drag_coefficient, 0.0, Limits::max_drag);
+  }
+}
+
+void checkColor(const Color& color, const std::string& path, Faults& faults) {
+  static const char* const channels[] = {"red", "green", "blue", "alpha"};
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    if (!(color[i] >= 0.0f && color[i] <= 1.0f)) {
+      faults.add(path, numberText(color[i]), std::string(channels[i]) + " from 0 to 1");
+    }
+  }
+}
+
+void checkSurroundings(const SceneDef& scene, Faults& faults) {
+  faults.vector("gravity", scene.gravity, Limits::max_gravity, "m/s²");
+  faults.number("step", scene.step, Limits::min_step, Limits::max_step, "s");
+  if (scene.air) {
+    faults.number("air.density", scene.air->density, Limits::min_density, Limits::max_density, "kg/m³");
+  }
+  if (scene.wind) {
+    if (!scene.air) faults.add("wind", vectorText(scene.wind->velocity), "only together with air");
+    faults.vector("wind.velocity", scene.wind->velocity, Limits::max_wind, "m/s");
+    faults.number("wind.gust", scene.wind->gust, 0.0, Limits::max_wind, "m/s");
+  }
+  faults.vector("view.eye", scene.view.eye, Limits::max_position, "m from the origin");
+  faults.vector("view.target", scene.view.target, Limits::max_position, "m from the origin");
+  if (scene.view.eye == scene.view.target) {
+    faults.add("view.target", vectorText(scene.view.target), "another place than view.eye");
+  }
+}
+
+void checkNamesDiffer(const std::vector<BodyDef>& bodies, Faults& faults) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].name.empty()) continue;
+    if (!names.insert(bodies[i].name).second) {
+      faults.add("bodies[" + std::to_string(i) + "].name", "'" + bodies[i].name + "'",
+                 "unique names; an earlier body has this one");
+    }
+  }
+}
+
+std::string describe(const Problem& problem) {
+  if (problem.value.empty()) return problem.path + "; " + problem.allowed;
+  return problem.path + ": " + problem.value + " (allowed: " + problem.allowed + ")";
+}
+
+/// One line a problem; after the first few only their number.
+std::string describe(const std::vector<Problem>& problems) {
+  constexpr std::size_t most = 20;
+  std::string text;
+  for (std::size_t i = 0; i < problems.size() && i < most; ++i) {
+    text += (i == 0 ? "" : "\n") + describe(problems[i]);
+  }
+  if (problems.size() > most) text += "\nand " + std::to_string(problems.size() - most) + " more";
+  return text;
+}
+
+}  // namespace
+
+InvalidInput::InvalidInput(std::vector<Problem> problems)
+    : std::invalid_argument(describe(problems)), problems_(std::move(problems)) {}
+
+const char* kindName(BodyKind kind) {
+  switch (kind) {
+    case BodyKind::Dynamic:
+      return "dynamic";
+    case BodyKind::Static:
+      return "static";
+    case BodyKind::Kinematic:
+      return "kinematic";
+  }
+  return "";
+}
+
+const char* fidelityName(Fidelity fidelity) {
+  switch (fidelity) {
+    case Fidelity::Preview:
+      return "preview";
+    case Fidelity::Interactive:
+      return "interactive";
+  }
+  return "";
+}
+
+std::vector<Problem> validate(const BodyDef& body, const std::string& path) {
+  Faults faults;
+  if (!isBodyName(body.name)) {
+    faults.add(path + ".name", "'" + body.name + "'",
+               "letters, digits, '_', '-' and '/', at most 64, not starting with a digit");
+  }
+  checkShape(body, path, faults);
+  checkMotion(body, path, faults);
+  checkMass(body, path, faults);
+  checkMaterial(body.material, path + ".material", faults);
+  if (body.color) checkColor(*body.color, path + ".color", faults);
+  return faults.take();
+}
+
+std::vector<Problem> validate(const SceneDef& scene) {
+  Faults faults;
+  checkSurroundings(scene, faults);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    faults.append(validate(scene.bodies[i], "bodies[" + std::to_string(i) + "]"));
+  }
+  checkNamesDiffer(scene.bodies, faults);
+  return faults.take();
+}
+
+}  // namespace rbs

@@ -1,0 +1,146 @@
+// Reading scene files. docs/scenes.md lists the keys; this file is their one definition.
+//
+// Everything that can be wrong is collected and thrown at once: what has the wrong form while reading,
+// and what has a wrong value by validate(), whose paths are led back to the lines of the file.
+#include "body_reader.h"
+#include "number_text.h"
+#include "rigid_body_sim/scenes.h"
+#include "scene_limits.h"
+#include "yaml_fields.h"
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+
+namespace rbs {
+namespace {
+
+void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
+  top.read("name", scene.name);
+  top.read("property", scene.property);
+  top.read("gravity", scene.gravity);
+  top.read("step", scene.step);
+  if (const auto choice = top.choose("fidelity", {"preview", "interactive"})) {
+    scene.fidelity = *choice == 0 ? Fidelity::Preview : Fidelity::Interactive;
+  }
+  top.read("seed", scene.seed);
+  readGroup(top, "air", problems, [&](Fields& air) { air.read("density", scene.air.emplace().density); });
+  readGroup(top, "wind", problems, [&](Fields& wind) {
+    scene.wind.emplace();
+    wind.read("velocity", scene.wind->velocity);
+    wind.read("gust", scene.wind->gust);
+  });
+  readGroup(top, "view", problems, [&](Fields& view) {
+    view.read("eye", scene.view.eye);
+    view.read("target", scene.view.target);
+  });
+}
+
+template <class Read>
+void readItems(Fields& parent, const std::string& key, FileProblems& problems, Read read) {
+  const YamlNode* list = parent.find(key);
+  if (!list) return;
+  if (list->kind != YamlNode::Kind::Sequence) parent.report(key, describe(*list), "a list");
+  for (std::size_t i = 0; i < list->items.size(); ++i) {
+    Fields fields(list->items[i], parent.pathOf(key) + "[" + std::to_string(i) + "]", problems);
+    read(fields);
+    fields.refuseOthers();
+  }
+}
+
+SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems) {
+  SavedState state;
+  if (fields.read("time", state.time) && state.time < 0.0) {
+    fields.report("time", numberText(state.time), "0 s or more");
+  }
+  fields.read("steps", state.steps);
+  readItems(fields, "contacts", problems, [&](Fields& item) {
+    SavedState::Contact& contact = state.contacts.emplace_back();
+    for (auto [key, index] : {std::pair{"a", &contact.a}, std::pair{"b", &contact.b}}) {
+      if (item.require(key, "the index of a body", *index) && *index >= bodies) {
+        item.report(key, std::to_string(*index), "the index of a body, below " + std::to_string(bodies));
+      }
+    }
+    readItems(item, "points", problems, [&](Fields& p) {
+      SavedState::Contact::Point& point = contact.points.emplace_back();
+      p.require("feature", "the number of the feature", point.feature);
+      p.require("normal", "the normal impulse", point.normal);
+      p.require("tangent", "the friction impulse, [x, y, z]", point.tangent_W);
+    });
+  });
+  return state;
+}
+
+/// Leads a path of the expanded scene back to the entry of the file: "bodies[507].size" to "bodies[2].size".
+std::string pathInFile(const std::string& path, const std::vector<std::size_t>& entries) {
+  const std::string list = "bodies[";
+  if (path.compare(0, list.size(), list) != 0) return path;
+  std::size_t digits = 0;
+  const std::size_t body = std::stoul(path.substr(list.size()), &digits);
+  return list + std::to_string(entries.at(body)) + path.substr(list.size() + digits);
+}
+
+/// An entry that makes many bodies reports a fault once, with the value of its first body.
+void addFaults(const SceneDef& scene, const std::vector<std::size_t>& entries, const YamlNode& root,
+               FileProblems& problems) {
+  std::set<std::pair<std::string, std::string>> told;
+  for (const Problem& problem : validate(scene)) {
+    const std::string path = pathInFile(problem.path, entries);
+    if (told.emplace(path, problem.allowed).second) {
+      problems.add(lineOf(root, path), path, problem.value, problem.allowed);
+    }
+  }
+}
+
+[[noreturn]] void refuseFile(const std::string& file, const std::string& value, const std::string& allowed) {
+  throw InvalidInput({{file, value, allowed}});
+}
+
+std::string readText(const std::string& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) refuseFile(file, "no such file", "a scene file");
+  if (!std::filesystem::is_regular_file(status)) refuseFile(file, "not a regular file", "a scene file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) refuseFile(file, "cannot be opened", "a file that may be read");
+  std::string text(kMostSceneBytes + 1, '\0');
+  stream.read(&text[0], static_cast<std::streamsize>(text.size()));
+  if (stream.bad()) refuseFile(file, "cannot be read", "a file that may be read");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+}  // namespace
+
+SceneFile parseScene(const std::string& text, const std::string& file, std::optional<std::uint64_t> seed) {
+  if (text.size() > kMostSceneBytes) refuseFile(file, "more than 16 MiB", "at most 16 MiB");
+  FileProblems problems(file);
+  const YamlNode root = parseYaml(text, problems);
+  Fields top(root, "", problems);
+  SceneFile result;
+  readSurroundings(top, problems, result.scene);
+  if (seed) result.scene.seed = *seed;
+
+  BodyReader reader(problems, result.scene.seed);
+  if (const YamlNode* bodies = top.find("bodies")) reader.read(*bodies);
+  result.scene.bodies = reader.takeBodies();
+  const bool complete = problems.empty();
+  readGroup(top, "state", problems, [&](Fields& fields) {
+    const std::size_t bodies =
+        complete ? result.scene.bodies.size() : std::numeric_limits<std::size_t>::max();
+    result.state = readState(fields, bodies, problems);
+  });
+  top.refuseOthers();
+  addFaults(result.scene, reader.entries(), root, problems);
+  problems.throwIfAny();
+  return result;
+}
+
+SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
+  SceneFile result = parseScene(readText(file), file, seed);
+  if (result.scene.name == SceneDef{}.name) result.scene.name = std::filesystem::path(file).stem().string();
+  return result;
+}
+
+}  // namespace rbs

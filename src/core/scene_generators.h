@@ -1,0 +1,40 @@
+// Many bodies from one entry of a scene file: grids of copies, and walls laid like bricks.
+#pragma once
+
+#include "random.h"
+#include "rigid_body_sim/scene.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+/// Copies of a body on a grid that begins at the body's own position.
+struct Repeat {
+  std::array<std::uint32_t, 3> count{1, 1, 1};  ///< along x, y and z of W, each >= 1
+  Vec3 spacing = Vec3::Zero();                  ///< m, from one copy to the next
+  double jitter = 0.0;                          ///< each copy is moved by up to this along each axis, m
+  bool turn = false;                            ///< whether each copy gets a random attitude
+  std::array<double, 2> scale{1.0, 1.0};  ///< each copy's size is multiplied by a number from this range
+  std::vector<std::string> shapes;        ///< each copy is one of these at random; empty: that of the body
+};
+
+/// Boxes laid in rows, each one box shorter than the row below: a wall in the plane of x and z. The
+/// body's position is the middle of the bottom row.
+struct Pyramid {
+  std::uint32_t rows = 1;  ///< >= 1, boxes in the bottom row as well
+  double gap = 0.0;        ///< between neighbours of a row, m
+};
+
+double bodyCount(const Repeat& repeat);
+double bodyCount(const Pyramid& pyramid);
+
+/// In order x fastest, then y, then z; named after the body: "ball_1", "ball_2" ... A body without a
+/// name gives bodies without names.
+std::vector<BodyDef> expand(const BodyDef& body, const Repeat& repeat, SplitMix64 random);
+/// From left to right, the bottom row first. The body's shape is a box.
+std::vector<BodyDef> expand(const BodyDef& body, const Pyramid& pyramid);
+
+}  // namespace rbs

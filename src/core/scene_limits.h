@@ -1,0 +1,11 @@
+// How large a scene file may be.
+#pragma once
+
+#include <cstddef>
+
+namespace rbs {
+
+inline constexpr std::size_t kMostBodies = 100'000;
+inline constexpr std::size_t kMostSceneBytes = 16u << 20;
+
+}  // namespace rbs

@@ -1,0 +1,154 @@
+// Writing scene files. A number is written with as many digits as it takes to read it back bit for bit;
+// what has the default's very bits is left out.
+#include "number_text.h"
+#include "rigid_body_sim/scenes.h"
+#include "scene_limits.h"
+
+#include <cstdio>
+#include <cstring>
+
+namespace rbs {
+namespace {
+
+bool sameBits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+bool sameBits(const Vec3& a, const Vec3& b) {
+  return sameBits(a.x(), b.x()) && sameBits(a.y(), b.y()) && sameBits(a.z(), b.z());
+}
+bool sameBits(const Quat& a, const Quat& b) {
+  return sameBits(a.x(), b.x()) && sameBits(a.y(), b.y()) && sameBits(a.z(), b.z()) && sameBits(a.w(), b.w());
+}
+
+std::string text(double number) {
+  return numberText(number);
+}
+std::string text(std::uint32_t number) {
+  return std::to_string(number);
+}
+std::string text(std::uint64_t number) {
+  return std::to_string(number);
+}
+std::string text(const Vec3& v) {
+  return vectorText(v);
+}
+std::string text(const Quat& q) {
+  return "[" + text(q.x()) + ", " + text(q.y()) + ", " + text(q.z()) + ", " + text(q.w()) + "]";
+}
+std::string text(const Color& c) {
+  return "[" + numberText(c[0]) + ", " + numberText(c[1]) + ", " + numberText(c[2]) + ", " +
+         numberText(c[3]) + "]";
+}
+
+/// A double-quoted scalar of YAML.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      result += {'\\', c};
+    } else if (byte < 0x20 || byte == 0x7f) {
+      char escape[8];
+      std::snprintf(escape, sizeof escape, "\\x%02x", byte);
+      result += escape;
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
+}
+
+/// A mapping on one line: {key: value, key: value}.
+class Line {
+ public:
+  Line& add(const std::string& key, const std::string& value) {
+    text_ += (text_.empty() ? "" : ", ") + key + ": " + value;
+    return *this;
+  }
+  template <class Value>
+  Line& addUnless(const Value& usual, const std::string& key, const Value& value) {
+    return sameBits(usual, value) ? *this : add(key, rbs::text(value));
+  }
+  template <class Value>
+  Line& addGiven(const std::string& key, const std::optional<Value>& value) {
+    return value ? add(key, rbs::text(*value)) : *this;
+  }
+  std::string close() const { return "{" + text_ + "}"; }
+
+ private:
+  std::string text_;
+};
+
+std::string bodyText(const BodyDef& body) {
+  static const BodyDef usual;
+  Line line;
+  if (!body.name.empty()) line.add("name", quoted(body.name));
+  line.add("shape", shapeName(body.shape));
+  if (std::holds_alternative<Sphere>(body.shape)) line.add("size", text(fullExtents(body.shape).x()));
+  if (std::holds_alternative<Box>(body.shape)) line.add("size", text(fullExtents(body.shape)));
+  if (body.kind != usual.kind) line.add("kind", kindName(body.kind));
+  line.addUnless(usual.pose.p_WB, "position", body.pose.p_WB)
+      .addUnless(usual.pose.q_WB, "orientation", body.pose.q_WB)
+      .addUnless(usual.twist.v_WB, "velocity", body.twist.v_WB)
+      .addUnless(usual.twist.w_WB, "spin", body.twist.w_WB)
+      .addGiven("mass", body.mass)
+      .addGiven("density", body.density)
+      .addUnless(usual.material.friction, "friction", body.material.friction)
+      .addUnless(usual.material.restitution, "restitution", body.material.restitution)
+      .addGiven("drag_coefficient", body.material.drag_coefficient)
+      .addGiven("color", body.color);
+  if (body.group != usual.group) line.add("group", text(body.group));
+  if (body.mask != usual.mask) line.add("mask", text(body.mask));
+  return line.close();
+}
+
+std::string contactText(const SavedState::Contact& contact) {
+  std::string points;
+  for (const SavedState::Contact::Point& point : contact.points) {
+    points += points.empty() ? "" : ", ";
+    points += Line()
+                  .add("feature", text(point.feature))
+                  .add("normal", text(point.normal))
+                  .add("tangent", text(point.tangent_W))
+                  .close();
+  }
+  return Line().add("a", text(contact.a)).add("b", text(contact.b)).add("points", "[" + points + "]").close();
+}
+
+std::string stateText(const SavedState& state) {
+  std::string result = "state:\n  time: " + text(state.time) + "\n  steps: " + text(state.steps) + "\n";
+  if (!state.contacts.empty()) result += "  contacts:\n";
+  for (const SavedState::Contact& contact : state.contacts) result += "    - " + contactText(contact) + "\n";
+  return result;
+}
+
+std::string headText(const SceneDef& scene) {
+  std::string result = "name: " + quoted(scene.name) + "\nproperty: " + quoted(scene.property) +
+                       "\ngravity: " + text(scene.gravity) + "\nstep: " + text(scene.step) +
+                       "\nfidelity: " + fidelityName(scene.fidelity) + "\nseed: " + text(scene.seed) + "\n";
+  if (scene.air) result += "air: " + Line().add("density", text(scene.air->density)).close() + "\n";
+  if (scene.wind) {
+    result += "wind: " +
+              Line().add("velocity", text(scene.wind->velocity)).add("gust", text(scene.wind->gust)).close() +
+              "\n";
+  }
+  return result +
+         "view: " + Line().add("eye", text(scene.view.eye)).add("target", text(scene.view.target)).close() +
+         "\n";
+}
+
+}  // namespace
+
+std::string writeScene(const SceneDef& scene, const std::optional<SavedState>& state) {
+  std::vector<Problem> problems = validate(scene);
+  if (!problems.empty()) throw InvalidInput(std::move(problems));
+  std::string result = headText(scene) + (scene.bodies.empty() ? "bodies: []\n" : "bodies:\n");
+  for (const BodyDef& body : scene.bodies) result += "  - " + bodyText(body) + "\n";
+  if (state) result += stateText(*state);
+  if (result.size() > kMostSceneBytes || scene.bodies.size() > kMostBodies) {
+    throw InvalidInput({{"bodies", std::to_string(scene.bodies.size()), "what fits a scene file of 16 MiB"}});
+  }
+  return result;
+}
+
+}  // namespace rbs

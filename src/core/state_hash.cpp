@@ -1,0 +1,86 @@
+#include "state_hash.h"
+
+#include <cstring>
+#include <string>
+#include <type_traits>
+
+namespace rbs {
+
+namespace {
+
+class Hash {
+ public:
+  template <class Number>
+  void add(Number value) {
+    static_assert(std::is_arithmetic_v<Number>);
+    unsigned char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    for (const unsigned char byte : bytes) value_ = (value_ ^ byte) * 0x100000001b3ull;
+  }
+  void add(const Vec3& v) { add(v.x()), add(v.y()), add(v.z()); }
+  void add(const Pose& pose) { add(pose.p_WB), add(Vec3(pose.q_WB.vec())), add(pose.q_WB.w()); }
+  void add(const std::string& text) {
+    for (const char c : text) add(c);
+    add(text.size());
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0xcbf29ce484222325ull;
+};
+
+void addBody(Hash& hash, const Bodies& bodies, Index i) {
+  const Traits& t = bodies.traits[i];
+  hash.add(bodies.name[i]);
+  hash.add(bodies.pose[i]);
+  hash.add(bodies.twist[i].v_WB);
+  hash.add(bodies.twist[i].w_WB);
+  hash.add(t.shape.index());
+  hash.add(fullExtents(t.shape));
+  hash.add(static_cast<int>(t.kind));
+  hash.add(t.held);
+  hash.add(t.frozen);
+  hash.add(t.mass);
+  hash.add(t.material.friction);
+  hash.add(t.material.restitution);
+  hash.add(t.dragCoefficient());
+  hash.add(t.group);
+  hash.add(t.mask);
+}
+
+void addSettings(Hash& hash, const SceneDef& settings) {
+  hash.add(settings.gravity);
+  hash.add(settings.step);
+  hash.add(static_cast<int>(settings.fidelity));
+  hash.add(settings.seed);
+  hash.add(settings.air ? settings.air->density : -1.0);
+  hash.add(settings.wind ? settings.wind->velocity : Vec3::Zero().eval());
+  hash.add(settings.wind ? settings.wind->gust : -1.0);
+}
+
+}  // namespace
+
+std::uint64_t stateHash(const SceneStore& scene) {
+  Hash hash;
+  addSettings(hash, scene.settings);
+  hash.add(scene.time);
+  hash.add(scene.steps);
+  for (Index i = 0; i < scene.bodies.size(); ++i) addBody(hash, scene.bodies, i);
+  for (const TimedWrench& w : scene.wrenches)
+    hash.add(scene.bodies.indexOf(w.body)), hash.add(w.force_W), hash.add(w.torque_W), hash.add(w.until);
+  for (const HandGrab& g : scene.grabs)
+    hash.add(scene.bodies.indexOf(g.body)), hash.add(g.grab.p_B), hash.add(g.grab.p_W), hash.add(g.grab.frequency),
+        hash.add(g.grab.max_acceleration);
+  for (const HandHold& h : scene.holds) hash.add(scene.bodies.indexOf(h.body)), hash.add(h.target);
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    if (pair.size == 0) continue;
+    hash.add(scene.bodies.indexOf(pair.id_i)), hash.add(scene.bodies.indexOf(pair.id_j));
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      const Touch& touch = scene.contacts.touches[t];
+      hash.add(touch.feature), hash.add(touch.normal), hash.add(touch.friction_W);
+    }
+  }
+  return hash.value();
+}
+
+}  // namespace rbs

@@ -1,0 +1,22 @@
+// Numbers and counts in words, for reasons and messages.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+namespace rbs {
+
+/// A number with up to six significant digits: "9.81".
+inline std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+/// "1 body", "3 bodies".
+inline std::string count(std::uint64_t n, const char* one, const char* many) {
+  return std::to_string(n) + ' ' + (n == 1 ? one : many);
+}
+
+}  // namespace rbs

@@ -1,0 +1,80 @@
+#include "body_menu.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+namespace {
+
+visualization_msgs::MenuEntry entry(MenuAction action, const char* title) {
+  visualization_msgs::MenuEntry result;
+  result.id = static_cast<std::uint32_t>(action);
+  result.title = title;
+  result.command_type = visualization_msgs::MenuEntry::FEEDBACK;
+  return result;
+}
+
+// A copy above the original: the balls that hold the two just miss each other.
+void duplicate(World& world, const BodyDescription& body) {
+  const std::vector<BodyDef> bodies = world.capture().bodies;
+  const auto original =
+      std::find_if(bodies.begin(), bodies.end(), [&](const BodyDef& def) { return def.name == body.name; });
+  if (original == bodies.end()) return;
+  constexpr double kClear = 1.01;
+  BodyDef copy = *original;
+  copy.name.clear();
+  copy.pose.p_WB.z() += kClear * 2.0 * boundingRadius(body.shape);
+  world.addBody(copy);
+}
+
+// Away from where the mouse met the body, which is the viewer's side, and upward; straight up where that
+// has no horizontal direction. The speed v = 2 sqrt(g L), with L the size of the body and g standard
+// gravity, is the same throw for a crumb and for a house: v^2 / (2 g) = 2 L high.
+Vec3 pushVelocity(const BodyDescription& body, const Pose& pose, const std::optional<Vec3>& hit_W) {
+  constexpr double kStandardGravity = 9.80665;  // m/s^2
+  const double size = characteristicLength(body.shape);
+  Vec3 away = hit_W ? Vec3(pose.p_WB - *hit_W) : Vec3::UnitX();
+  away.z() = 0.0;
+  const bool has_direction = away.norm() > 1e-3 * size;
+  const Vec3 direction = has_direction ? Vec3(away.normalized() + 0.5 * Vec3::UnitZ()) : Vec3::UnitZ();
+  return 2.0 * std::sqrt(kStandardGravity * size) * direction.normalized();
+}
+
+void setKind(World& world, BodyId id, BodyKind kind) {
+  BodyEdit edit;
+  edit.kind = kind;
+  world.editBody(id, edit);
+}
+
+}  // namespace
+
+std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body) {
+  std::vector<visualization_msgs::MenuEntry> entries = {entry(MenuAction::Delete, "Delete")};
+  if (std::holds_alternative<Plane>(body.shape)) return entries;
+  entries.push_back(entry(MenuAction::Duplicate, "Duplicate"));
+  entries.push_back(entry(MenuAction::Resize, "Resize"));
+  if (body.kind == BodyKind::Dynamic) entries.push_back(entry(MenuAction::Push, "Push"));
+  if (body.kind != BodyKind::Static) entries.push_back(entry(MenuAction::MakeStatic, "Make static"));
+  if (body.kind != BodyKind::Dynamic) entries.push_back(entry(MenuAction::MakeDynamic, "Make dynamic"));
+  return entries;
+}
+
+void runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
+                   const std::optional<Vec3>& hit_W) {
+  switch (action) {
+    case MenuAction::Delete:
+      return world.removeBody(body.id);
+    case MenuAction::Duplicate:
+      return duplicate(world, body);
+    case MenuAction::MakeStatic:
+      return setKind(world, body.id, BodyKind::Static);
+    case MenuAction::MakeDynamic:
+      return setKind(world, body.id, BodyKind::Dynamic);
+    case MenuAction::Push:
+      return world.applyImpulse(body.id, body.mass * pushVelocity(body, pose, hit_W), pose.p_WB);
+    case MenuAction::Resize:
+      return;
+  }
+}
+
+}  // namespace rbs

@@ -1,0 +1,145 @@
+#include "body_spec.h"
+
+#include "convert.h"
+#include "names.h"
+
+#include <functional>
+
+namespace rbs {
+namespace {
+
+using Spec = rigid_body_sim::BodySpec;
+
+/// Runs one part of the work and keeps what is wrong with it, so that all parts are heard.
+template <class Part>
+void collect(std::vector<Problem>& problems, Part part) {
+  try {
+    part();
+  } catch (const InvalidInput& refusal) {
+    problems.insert(problems.end(), refusal.problems().begin(), refusal.problems().end());
+  }
+}
+
+void throwIfAny(const std::vector<Problem>& problems) {
+  if (!problems.empty()) throw InvalidInput(problems);
+}
+
+std::optional<double> unlessZero(double value) {
+  return value == 0.0 ? std::nullopt : std::optional<double>(value);
+}
+
+std::optional<Color> colorFrom(const std_msgs::ColorRGBA& msg) {
+  if (isZero(msg)) return std::nullopt;
+  Color color = fromMsg(msg);
+  if (color[3] == 0.0f) color[3] = 1.0f;
+  return color;
+}
+
+/// Pose and twist, from the axes of frame_id to those of W.
+void placeBody(const Spec& spec, const World& world, BodyDef& body) {
+  const Pose X_WF = frameNamed(world, spec.frame_id);
+  body.pose = compose(X_WF, fromMsg(spec.pose));
+  const Twist twist_F = fromMsg(spec.twist);
+  body.twist = {X_WF.q_WB * twist_F.v_WB, X_WF.q_WB * twist_F.w_WB};
+}
+
+void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, BodyDef& body,
+                 std::vector<Problem>& problems) {
+  Material& material = body.material;
+  collect(problems, [&] {
+    material.friction = oneOrNone(msg.friction, path + ".friction").value_or(material.friction);
+  });
+  collect(problems, [&] {
+    material.restitution = oneOrNone(msg.restitution, path + ".restitution").value_or(material.restitution);
+  });
+  collect(problems,
+          [&] { material.drag_coefficient = oneOrNone(msg.drag_coefficient, path + ".drag_coefficient"); });
+}
+
+BodyDef bodyFrom(const Spec& spec, const World& world, const std::string& path, std::vector<Problem>& problems) {
+  BodyDef body;
+  body.name = spec.name;
+  collect(problems, [&] {
+    body.shape = makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
+  });
+  collect(problems, [&] { placeBody(spec, world, body); });
+  body.kind = spec.is_static ? BodyKind::Static : BodyKind::Dynamic;
+  body.mass = unlessZero(spec.mass);
+  body.density = unlessZero(spec.density);
+  body.color = colorFrom(spec.color);
+  setMaterial(spec.material, path + ".material", body, problems);
+  const std::vector<Problem> faults = validate(body, path);
+  problems.insert(problems.end(), faults.begin(), faults.end());
+  return body;
+}
+
+/// Puts the bodies without a pose above the origin, each over the ones before it.
+void findPlaces(const std::vector<Spec>& specs, const World& world, std::vector<BodyDef>& bodies) {
+  double clearance = 0.5;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!isZero(specs[i].pose) || std::holds_alternative<Plane>(bodies[i].shape)) continue;
+    bodies[i].pose = {world.freePlace(bodies[i].shape, clearance), Quat::Identity()};
+    clearance = bodies[i].pose.p_WB.z() + 1.1 * boundingRadius(bodies[i].shape);
+  }
+}
+
+std::vector<BodyDef> bodiesFrom(const std::vector<Spec>& specs, const World& world,
+                                const std::function<std::string(std::size_t)>& path) {
+  std::vector<BodyDef> bodies;
+  std::vector<Problem> problems;
+  for (std::size_t i = 0; i < specs.size(); ++i) bodies.push_back(bodyFrom(specs[i], world, path(i), problems));
+  throwIfAny(problems);
+  findPlaces(specs, world, bodies);
+  return bodies;
+}
+
+Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
+  Spec spec;
+  spec.name = request.name;
+  spec.shape = request.shape;
+  spec.size = request.size;
+  spec.pose = request.pose;
+  spec.frame_id = request.frame_id;
+  spec.twist = request.twist;
+  spec.density = request.density;
+  spec.mass = request.mass;
+  spec.is_static = request.is_static;
+  spec.material = request.material;
+  spec.color = request.color;
+  return spec;
+}
+
+}  // namespace
+
+std::vector<BodyDef> bodiesFrom(const std::vector<Spec>& specs, const World& world) {
+  return bodiesFrom(specs, world, [](std::size_t i) { return "bodies[" + std::to_string(i) + "]"; });
+}
+
+BodyDef bodyFrom(const rigid_body_sim::SpawnBody::Request& request, const World& world) {
+  return bodiesFrom({specFrom(request)}, world, [](std::size_t) { return "body"; }).front();
+}
+
+BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request) {
+  BodyEdit edit;
+  std::vector<Problem> problems;
+  edit.mass = unlessZero(request.mass);
+  edit.density = unlessZero(request.density);
+  edit.color = colorFrom(request.color);
+  collect(problems, [&] {
+    if (const auto twist = oneOrNone(request.twist, "twist")) edit.twist = fromMsg(*twist);
+  });
+  collect(problems, [&] {
+    if (const auto is_static = oneOrNone(request.is_static, "is_static")) {
+      edit.kind = *is_static ? BodyKind::Static : BodyKind::Dynamic;
+    }
+  });
+  const rigid_body_sim::Material& material = request.material;
+  collect(problems, [&] { edit.friction = oneOrNone(material.friction, "material.friction"); });
+  collect(problems, [&] { edit.restitution = oneOrNone(material.restitution, "material.restitution"); });
+  collect(problems,
+          [&] { edit.drag_coefficient = oneOrNone(material.drag_coefficient, "material.drag_coefficient"); });
+  throwIfAny(problems);
+  return edit;
+}
+
+}  // namespace rbs

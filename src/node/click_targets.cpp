@@ -1,0 +1,62 @@
+#include "click_targets.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "body_markers.h"
+#include "convert.h"
+
+namespace rbs {
+namespace {
+
+constexpr std::size_t kMostTargets = 300;
+
+}  // namespace
+
+void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, BodyId selected) {
+  constexpr std::chrono::seconds kRevision(1);  // how often moving bodies change who is nearest
+  const auto now = std::chrono::steady_clock::now();
+  const bool is_large = snapshot.states.size() > kMostTargets;
+  const bool moved_on = focus != focus_ || selected != selected_ || now - chosen_at_ > kRevision;
+  const bool show = snapshot.bodies != described_ || (is_large && moved_on);
+  if (show) {
+    choose(snapshot, focus, selected);
+    focus_ = focus;
+    selected_ = selected;
+    chosen_at_ = now;
+    described_ = snapshot.bodies;
+  }
+  const double view_distance = (snapshot.view.eye - snapshot.view.target).norm();
+  for (const int i : chosen_) {
+    const BodyDescription& body = (*snapshot.bodies)[i];
+    const Pose& pose = snapshot.states[i].pose;
+    if (show) {
+      board_.show(clickTarget(body, pose, view_distance));
+    } else {
+      board_.move(body.name, toMsg(pose));
+    }
+  }
+}
+
+// The nearest bodies by their centres, the selected one first of all.
+void ClickTargets::choose(const Snapshot& snapshot, const Vec3& focus, BodyId selected) {
+  chosen_.resize(snapshot.states.size());
+  std::iota(chosen_.begin(), chosen_.end(), 0);
+  if (chosen_.size() > kMostTargets) {
+    const auto distance = [&](int i) {
+      const BodyState& state = snapshot.states[i];
+      return state.id == selected ? -1.0 : (state.pose.p_WB - focus).squaredNorm();
+    };
+    std::nth_element(chosen_.begin(), chosen_.begin() + kMostTargets, chosen_.end(),
+                     [&](int i, int j) { return distance(i) < distance(j); });
+    chosen_.resize(kMostTargets);
+  }
+  std::set<std::string> names;
+  for (const int i : chosen_) names.insert((*snapshot.bodies)[i].name);
+  for (const std::string& name : names_) {
+    if (!names.count(name)) board_.erase(name);
+  }
+  names_.swap(names);
+}
+
+}  // namespace rbs

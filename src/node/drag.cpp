@@ -1,0 +1,98 @@
+#include "drag.h"
+
+#include <algorithm>
+
+namespace rbs {
+namespace {
+
+// The shape with this full extent along axis `axis`: of a sphere, the diameter.
+Shape withExtent(const Shape& shape, int axis, double extent) {
+  if (std::holds_alternative<Sphere>(shape)) return Sphere{0.5 * extent};
+  Box box = std::get<Box>(shape);
+  box.size[axis] = extent;
+  return box;
+}
+
+// A handle moved by d along the normal n of its face makes the extent e = e0 + d, e0 being that at the
+// press. The centre moves by half of what the body grows, along n, so that the opposite face stays.
+BodyEdit resized(const Resize& grip, const Vec3& handle_W, const Shape& shape, const Pose& pose) {
+  constexpr double kLeast = 0.05;  // of the extent at the press: a handle cannot turn a body inside out
+  int axis;
+  grip.n_B.cwiseAbs().maxCoeff(&axis);
+  const double d = (handle_W - grip.handle_W).dot(grip.n_W);
+  const double extent = std::max(grip.extent + d, kLeast * grip.extent);
+  const double growth = extent - fullExtents(shape)[axis];
+  BodyEdit edit;
+  edit.shape = withExtent(shape, axis, extent);
+  edit.pose = Pose{pose.p_WB + pose.q_WB * (0.5 * growth * grip.n_B), pose.q_WB};
+  return edit;
+}
+
+}  // namespace
+
+Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle)
+    : body_(body), marker_(std::move(marker)), grip_(grip), handle_(handle) {}
+
+void Drag::hear(const std::optional<Pose>& handle) {
+  heard_ = Clock::now();
+  if (!handle) return;
+  handle_ = *handle;
+  moved_ = true;
+}
+
+bool Drag::silent() const {
+  return Clock::now() - heard_ > std::chrono::milliseconds(750);
+}
+
+bool Drag::due(const Snapshot& now) const {
+  return moved_ || now.paused != applied_to_paused_;
+}
+
+void Drag::apply(World& world, const Snapshot& now) {
+  const int i = now.find(body_);
+  if (i < 0) return;
+  moved_ = false;
+  applied_to_paused_ = now.paused;
+  const BodyDescription& body = (*now.bodies)[i];
+  if (const Resize* grip = std::get_if<Resize>(&grip_)) {
+    world.editBody(body_, resized(*grip, handle_.p_WB, body.shape, now.states[i].pose));
+  } else if (!now.paused && body.kind == BodyKind::Dynamic) {
+    lead(world);
+  } else {
+    release(world);
+    put(world, now.states[i].pose);
+  }
+}
+
+// The gripped point p_B of the marker is where the mouse is: p_W = p_WM + R_WM p_B.
+void Drag::lead(World& world) {
+  if (const Pull* grip = std::get_if<Pull>(&grip_)) {
+    Grab spring;
+    spring.p_B = grip->p_B;
+    spring.p_W = handle_.p_WB + handle_.q_WB * grip->p_B;
+    world.grab(body_, spring);
+  } else {
+    world.hold(body_, handle_);
+  }
+  led_ = true;
+}
+
+// A pulled body keeps its attitude R_WB, so its gripped point is at p_W when p_WB = p_W - R_WB p_B.
+void Drag::put(World& world, const Pose& pose) const {
+  BodyEdit edit;
+  if (const Pull* grip = std::get_if<Pull>(&grip_)) {
+    const Vec3 p_W = handle_.p_WB + handle_.q_WB * grip->p_B;
+    edit.pose = Pose{p_W - pose.q_WB * grip->p_B, pose.q_WB};
+  } else {
+    edit.pose = handle_;
+  }
+  world.editBody(body_, edit);
+}
+
+void Drag::release(World& world) {
+  if (!led_) return;
+  led_ = false;
+  world.release(body_);
+}
+
+}  // namespace rbs

@@ -1,0 +1,26 @@
+// Events: what happened to the world, found by comparing each snapshot with the one before. So it does not
+// matter whether a service, a marker or a topic did it.
+#pragma once
+
+#include "timeline.h"
+#include "topic.h"
+
+namespace rbs {
+
+class EventPublisher {
+ public:
+  explicit EventPublisher(ros::NodeHandle& node);
+  void publish(const Timeline::Moment& moment);
+
+ private:
+  void compareBodies(const Snapshot& before, const Snapshot& now);
+  void compareSurroundings(const Snapshot& before, const Snapshot& now);
+  void compareRun(const Snapshot& before, const Snapshot& now);
+  void send(const std::string& kind, const std::string& body, const std::string& text);
+
+  ros::Publisher publisher_;
+  ros::Time stamp_;
+  std::shared_ptr<const Snapshot> last_;
+};
+
+}  // namespace rbs

@@ -1,0 +1,72 @@
+// Interactive bodies: what a person does to bodies with the mouse in RViz.
+//
+// A click selects; a drag of the body pulls it; the selection has a gizmo to carry it, or handles to resize
+// it; a right click opens a menu. All of it works while the world is paused, too.
+#pragma once
+
+#include <ros/ros.h>
+#include <std_msgs/String.h>
+
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "click_targets.h"
+#include "drag.h"
+#include "marker_board.h"
+#include "rigid_body_sim/simulator.h"
+
+namespace rbs {
+
+/// Serves ~interactive_bodies and listens to ~select (the name of a body; "" selects none).
+///
+/// ROS hands over feedback while it holds the server's lock. It is only put into a box there, and update()
+/// takes it out: so one thread alone uses all else.
+class InteractiveBodies {
+ public:
+  explicit InteractiveBodies(Simulator& simulator);
+
+  /// Does what was asked for since the last call, so call it as often as frames are drawn. The markers
+  /// follow the bodies at most 15 times a second.
+  void update(const Snapshot& snapshot);
+
+ private:
+  using Feedback = visualization_msgs::InteractiveMarkerFeedback;
+  using FeedbackPtr = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
+  using Clock = std::chrono::steady_clock;
+
+  struct Box {
+    std::vector<FeedbackPtr> feedback;
+    std::optional<std::string> selection;
+  };
+  Box empty();
+
+  void handle(const Feedback& feedback, const Snapshot& snapshot);
+  void press(const Feedback& feedback, const Snapshot& snapshot, int body);
+  void hear(const Feedback& feedback);
+  void choose(const Feedback& feedback, const Snapshot& snapshot, int body);
+  void leadDrags(const Snapshot& snapshot);
+  void endDrag(const std::string& client);
+  void select(BodyId id, const Vec3& p_W);
+  void showMarkers(const Snapshot& snapshot);
+  void showSelection(const Snapshot& snapshot);
+  int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
+  bool attempt(const char* what, const std::function<void(World&)>& command);
+
+  Simulator& simulator_;
+  std::mutex box_mutex_;
+  Box box_;
+  MarkerBoard board_;
+  ClickTargets targets_;
+  std::map<std::string, Drag> drags_;  ///< by client: each has one mouse
+  BodyId selected_;
+  bool resizes_ = false;  ///< whether the selection has handles in place of the gizmo
+  std::optional<Vec3> focus_;  ///< of the last click; none: the view's target
+  Clock::time_point shown_;
+  ros::Subscriber select_;
+};
+
+}  // namespace rbs

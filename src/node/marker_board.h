@@ -1,0 +1,49 @@
+// The interactive markers that clients see, kept at what they should be with as few messages as possible.
+#pragma once
+
+#include <interactive_markers/interactive_marker_server.h>
+#include <visualization_msgs/InteractiveMarker.h>
+
+#include <map>
+#include <set>
+#include <string>
+
+namespace rbs {
+
+/// Shows, moves and erases interactive markers by name. Nothing is sent before publish(). A marker that a
+/// client drags is left alone: replacing it would end the drag, and while it lasts the client leads.
+class MarkerBoard {
+ public:
+  using Callback = interactive_markers::InteractiveMarkerServer::FeedbackCallback;
+
+  /// Serves on `topic`/update, /update_full and /feedback. `callback` runs on a thread of ROS for every
+  /// feedback message, with a lock of the server held: it must not wait for anyone who uses this board.
+  MarkerBoard(const std::string& topic, Callback callback);
+
+  /// Shows this marker, in place of another look or pose of the same name.
+  void show(const visualization_msgs::InteractiveMarker& marker);
+  /// Moves a marker that is shown, if that can be seen.
+  void move(const std::string& name, const geometry_msgs::Pose& pose);
+  void erase(const std::string& name);
+  bool shows(const std::string& name) const { return shown_.count(name) != 0; }
+
+  /// A client drags this marker from now on.
+  void grip(const std::string& name) { gripped_.insert(name); }
+  /// The drag is over, or a client moved the marker on its own: the next move() puts it right.
+  void letGo(const std::string& name);
+
+  void publish() { server_.applyChanges(); }
+
+ private:
+  struct Shown {
+    visualization_msgs::InteractiveMarker marker;  ///< as last sent
+    bool astray = false;                           ///< a client has moved it since
+  };
+
+  interactive_markers::InteractiveMarkerServer server_;
+  Callback callback_;
+  std::map<std::string, Shown> shown_;
+  std::set<std::string> gripped_;
+};
+
+}  // namespace rbs

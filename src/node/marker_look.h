@@ -1,0 +1,36 @@
+// The look of a body as RViz markers: all but where the body is.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+#include <vector>
+
+#include "rigid_body_sim/snapshot.h"
+
+namespace rbs {
+
+struct MarkerLook {
+  std::string frame;    ///< the world, or the frame of the body, to which the marker is then locked
+  bool is_mesh = true;  ///< else one of RViz's own spheres and cubes
+  Shape shape;
+  double plane_side = 0.0;  ///< of the square that stands for a plane, m; 0 for another shape
+  Color color{};
+};
+
+bool operator==(const MarkerLook& a, const MarkerLook& b);
+
+/// The look of a body in this frame, for a scene with this view.
+MarkerLook lookOf(const BodyDescription& body, const std::string& frame, bool is_mesh, const View& view);
+
+/// Smallest extent that is drawn, m.
+double drawnSize(const MarkerLook& look);
+
+/// The markers of a body at `pose`, one a tone, in the namespaces "bodies" and "bodies_dark". Their (ns, id)
+/// stay the same while the body lives.
+std::vector<visualization_msgs::Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pose);
+
+/// The message that takes this marker away.
+visualization_msgs::Marker removalOf(const visualization_msgs::Marker& marker);
+
+}  // namespace rbs

@@ -1,0 +1,131 @@
+#include "markers.h"
+
+#include <algorithm>
+#include <map>
+
+#include "convert.h"
+
+namespace rbs {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr std::size_t kMostMeshes = 200;  // of moving bodies
+
+bool isFinite(const Pose& pose) {
+  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
+}
+
+// A ten-thousandth of the body, or of a radian, is less than a pixel.
+bool visiblyApart(const Pose& a, const Pose& b, double size) {
+  constexpr double kVisible = 1e-4;
+  return (b.p_WB - a.p_WB).norm() > kVisible * size || a.q_WB.angularDistance(b.q_WB) > kVisible;
+}
+
+void append(const std::vector<Marker>& markers, MarkerArray& news) {
+  news.markers.insert(news.markers.end(), markers.begin(), markers.end());
+}
+
+}  // namespace
+
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, TfMode tf, const std::string& tf_prefix)
+    : tf_(tf), tf_prefix_(tf_prefix) {
+  constexpr int kQueue = 100;
+  std::lock_guard<std::mutex> lock(mutex_);
+  publisher_ = private_node.advertise<MarkerArray>(
+      "visualization_marker_array", kQueue,
+      [this](const ros::SingleSubscriberPublisher& newcomer) { greet(newcomer); });
+}
+
+void MarkerPublisher::greet(const ros::SingleSubscriberPublisher& newcomer) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  MarkerArray all;
+  for (const Shown& shown : shown_) append(shown.markers, all);
+  newcomer.publish(all);
+}
+
+void MarkerPublisher::publish(const Snapshot& snapshot) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (publisher_.getNumSubscribers() == 0) {
+    shown_.clear();
+    described_.reset();
+    return;
+  }
+  if (!isTime(snapshot)) return;
+  MarkerArray news;
+  if (snapshot.bodies != described_) follow(snapshot, news);
+  move(snapshot, news);
+  if (!news.markers.empty()) publisher_.publish(news);
+}
+
+bool MarkerPublisher::isTime(const Snapshot& snapshot) {
+  constexpr double kPeriod = 1.0 / 30.0, kBodiesPerSecond = 10000.0;
+  constexpr double kEarly = 0.9;  // the caller's timer may come a little early
+  const double period = std::max(kPeriod, snapshot.states.size() / kBodiesPerSecond);
+  const ros::WallTime now = ros::WallTime::now();
+  if ((now - sent_).toSec() < kEarly * period) return false;
+  sent_ = now;
+  return true;
+}
+
+std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const {
+  std::vector<MarkerLook> looks;
+  std::size_t movable = 0;
+  for (const BodyDescription& body : *snapshot.bodies) {
+    std::string frame = kWorldFrame;
+    bool is_mesh = true;
+    if (body.kind != BodyKind::Static) {
+      const bool has_frame = tf_ == TfMode::All && movable < TfPublisher::kMostBodies;
+      if (has_frame) frame = tf_prefix_ + body.name;
+      is_mesh = has_frame && movable < kMostMeshes;
+      ++movable;
+    }
+    looks.push_back(lookOf(body, frame, is_mesh, snapshot.view));
+  }
+  return looks;
+}
+
+// A marker of the same (ns, id) in the same frame takes the place of the old one and needs no DELETE. RViz
+// keeps a marker locked that once was, so where the frame changes the old one is taken away first.
+void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& news) {
+  std::map<BodyId, Shown> old;
+  for (Shown& shown : shown_) old.emplace(shown.id, std::move(shown));
+  shown_.clear();
+  const std::vector<MarkerLook> looks = looksOf(snapshot);
+  MarkerArray additions;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const BodyState& state = snapshot.states[i];
+    const auto it = old.find(state.id);
+    if (it != old.end() && it->second.look == looks[i]) {
+      shown_.push_back(std::move(it->second));
+      old.erase(it);
+      continue;
+    }
+    shown_.push_back({state.id, looks[i], state.pose, markersOf(state.id, looks[i], state.pose)});
+    append(shown_.back().markers, additions);
+    if (it != old.end() && it->second.look.frame == looks[i].frame &&
+        it->second.markers.size() <= shown_.back().markers.size()) {
+      old.erase(it);
+    }
+  }
+  for (const auto& [id, gone] : old) {
+    for (const Marker& marker : gone.markers) news.markers.push_back(removalOf(marker));
+  }
+  append(additions.markers, news);
+  described_ = snapshot.bodies;
+}
+
+void MarkerPublisher::move(const Snapshot& snapshot, MarkerArray& news) {
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    Shown& shown = shown_[i];
+    const Pose& pose = snapshot.states[i].pose;
+    const bool is_locked = shown.look.frame != kWorldFrame;
+    if (is_locked || !isFinite(pose) || !visiblyApart(shown.pose, pose, drawnSize(shown.look))) continue;
+    shown.pose = pose;
+    for (Marker& marker : shown.markers) marker.pose = toMsg(pose);
+    append(shown.markers, news);
+  }
+}
+
+}  // namespace rbs

@@ -1,0 +1,57 @@
+// Markers: the bodies as RViz's MarkerArray display draws them.
+//
+// A message that moves a marker must carry its whole mesh again. So the mesh of a body that tf follows is
+// sent once, locked to the frame of the body. What tf does not follow stands in the world frame and is
+// sent again when it has moved: static bodies, which hardly ever do, and those of scenes too large for tf.
+// Since RViz builds a locked mesh anew in every frame, only so many moving bodies are meshes; the others
+// are its own spheres and cubes.
+#pragma once
+
+#include <ros/ros.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "marker_look.h"
+#include "tf_publisher.h"
+
+namespace rbs {
+
+/// Publishes ~visualization_marker_array. A new subscriber gets every body once; later messages hold what
+/// changed since. Thread-safe.
+class MarkerPublisher {
+ public:
+  /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name.
+  MarkerPublisher(ros::NodeHandle& private_node, TfMode tf, const std::string& tf_prefix);
+
+  /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
+  void publish(const Snapshot& snapshot);
+
+ private:
+  /// A body as the subscribers know it.
+  struct Shown {
+    BodyId id;
+    MarkerLook look;
+    Pose pose;
+    std::vector<visualization_msgs::Marker> markers;
+  };
+
+  void greet(const ros::SingleSubscriberPublisher& newcomer);
+  bool isTime(const Snapshot& snapshot);
+  std::vector<MarkerLook> looksOf(const Snapshot& snapshot) const;
+  void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
+  void move(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
+
+  const TfMode tf_;
+  const std::string tf_prefix_;
+  std::mutex mutex_;
+  std::vector<Shown> shown_;                                       ///< in the order of described_
+  std::shared_ptr<const std::vector<BodyDescription>> described_;  ///< what shown_ shows
+  ros::WallTime sent_;
+  ros::Publisher publisher_;
+};
+
+}  // namespace rbs

@@ -1,0 +1,30 @@
+// Triangle meshes of the shapes, as the markers of RViz want them.
+//
+// RViz lights a TRIANGLE_LIST only where it has one colour, and a ball of one colour does not show that it
+// turns. So spheres and planes come in two tones, each a mesh of its own, which fit together like the
+// fields of a chessboard.
+#pragma once
+
+#include <geometry_msgs/Point.h>
+
+#include <vector>
+
+#include "rigid_body_sim/types.h"
+
+namespace rbs {
+
+/// Corners in the body frame, m: three a triangle, counter-clockwise seen from outside.
+using TriangleMesh = std::vector<geometry_msgs::Point>;
+
+enum class Tone { Light, Dark };
+
+/// Four of the eight octants of a sphere about the origin. `radius` in m.
+TriangleMesh sphereMesh(double radius, Tone tone);
+
+/// A box about the origin, `size` its full extents, m: twelve triangles.
+TriangleMesh boxMesh(const Vec3& size);
+
+/// Every other tile of a square about the origin in the plane z = 0. `side` in m.
+TriangleMesh squareMesh(double side, Tone tone);
+
+}  // namespace rbs

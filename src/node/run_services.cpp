@@ -1,0 +1,60 @@
+// Services that start, stop and pace the simulation.
+#include "services.h"
+
+#include "words.h"
+
+#include <rigid_body_sim/SetSpeed.h>
+#include <rigid_body_sim/Step.h>
+#include <std_srvs/Trigger.h>
+
+#include <algorithm>
+
+namespace rbs {
+
+using rigid_body_sim::SetSpeed;
+using rigid_body_sim::Step;
+using std_srvs::Trigger;
+
+Services::Services(Session& session) : session_(session), simulator_(session.simulator()), node_("~") {
+  offerBodyEdits();
+  offerPushes();
+  offerSurroundings();
+  offerReading();
+  offerRun();
+  offerScenes();
+}
+
+void Services::offerRun() {
+  const auto stateInWords = [this] {
+    const std::shared_ptr<const Snapshot> snapshot = simulator_.snapshot();
+    return words(snapshot->paused ? "paused" : "running", " at ", snapshot->time, " s");
+  };
+  offer<Trigger>("pause", [=](const Trigger::Request&, Trigger::Response&) {
+    simulator_.pause();
+    return stateInWords();
+  });
+  offer<Trigger>("resume", [=](const Trigger::Request&, Trigger::Response&) {
+    simulator_.resume();
+    return stateInWords();
+  });
+  offer<Trigger>("toggle_pause", [=](const Trigger::Request&, Trigger::Response&) {
+    simulator_.togglePause();
+    return stateInWords();
+  });
+  offer<Step>("step", [this](const Step::Request& request, Step::Response& response) {
+    const std::uint32_t n = std::max(request.n, 1u);
+    simulator_.step(n);
+    response.time = simulator_.snapshot()->time;
+    return words("took ", n, n == 1 ? " step" : " steps", ", now at ", response.time, " s");
+  });
+  offer<SetSpeed>("set_speed", [this](const SetSpeed::Request& request, SetSpeed::Response&) {
+    simulator_.setSpeed(request.factor);
+    return request.factor == 0.0 ? "as fast as possible" : words("speed is ", request.factor, " x real time");
+  });
+  offer<Trigger>("reset", [this](const Trigger::Request&, Trigger::Response&) {
+    session_.reset();
+    return words("reset '", simulator_.snapshot()->scene, "'");
+  });
+}
+
+}  // namespace rbs

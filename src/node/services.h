@@ -1,0 +1,76 @@
+// The services of the node: each posts a command to the simulator, waits until it is done and answers.
+//
+// An answer has `success` and `message`: what was done and assumed, or every reason why not, and then the
+// world is as it was. The call itself never fails.
+#pragma once
+
+#include "session.h"
+
+#include <ros/ros.h>
+
+#include <exception>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+class Services {
+ public:
+  /// Offers all services, private to the node.
+  explicit Services(Session& session);
+
+ private:
+  /// What a service does: answers with a message, or throws.
+  template <class Service>
+  using Handler = std::function<std::string(const typename Service::Request&, typename Service::Response&)>;
+
+  /// The same for one that works on the world, between two steps.
+  template <class Service>
+  using Edit = std::string (*)(World&, const typename Service::Request&, typename Service::Response&);
+
+  template <class Service>
+  void offer(const std::string& name, Handler<Service> handler);
+  template <class Service>
+  void offerEdit(const std::string& name, Edit<Service> edit);
+
+  void offerBodyEdits();
+  void offerPushes();
+  void offerReading();
+  void offerSurroundings();
+  void offerRun();
+  void offerScenes();
+
+  Session& session_;
+  Simulator& simulator_;
+  ros::NodeHandle node_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+template <class Service>
+void Services::offer(const std::string& name, Handler<Service> handler) {
+  using Request = typename Service::Request;
+  using Response = typename Service::Response;
+  const boost::function<bool(Request&, Response&)> answer = [handler](Request& request, Response& response) {
+    try {
+      response.message = handler(request, response);
+      response.success = true;
+    } catch (const std::exception& refusal) {
+      response.message = refusal.what();
+      response.success = false;
+    }
+    return true;
+  };
+  servers_.push_back(node_.advertiseService(name, answer));
+}
+
+template <class Service>
+void Services::offerEdit(const std::string& name, Edit<Service> edit) {
+  offer<Service>(name, [this, edit](const auto& request, auto& response) {
+    std::string message;
+    simulator_.edit([&](World& world) { message = edit(world, request, response); });
+    return message;
+  });
+}
+
+}  // namespace rbs

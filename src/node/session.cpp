@@ -1,0 +1,55 @@
+#include "session.h"
+
+namespace rbs {
+
+Session::Session(const Options& options)
+    : Session(options, readScene(findScene(options.folder, options.scene), options.seed).scene) {}
+
+Session::Session(const Options& options, SceneDef first)
+    : options_(options),
+      own_air_(first.air.has_value()),
+      scene_wind_(first.wind.value_or(Wind{})),
+      usual_wind_(scene_wind_),
+      simulator_(std::move(first), options.run),
+      timeline_(*simulator_.snapshot(), options.wall_stamps) {}
+
+void Session::loadScene(const std::string& name_or_file) {
+  const std::string file = findScene(options_.folder, name_or_file);
+  replace({readScene(file, options_.seed).scene, std::nullopt}, file);
+}
+
+void Session::loadState(const std::string& file) {
+  SceneFile saved = readScene(file);
+  if (!saved.state) throw InvalidInput({{file, "", "holds a scene but no saved state: use load_scene"}});
+  replace(saved, file);
+}
+
+void Session::replace(const SceneFile& file, const std::string& text) {
+  timeline_.replaceWorld(simulator_, {"loaded", text}, [&] { simulator_.load(file.scene, file.state); });
+  std::lock_guard<std::mutex> lock(mutex_);
+  own_air_ = file.scene.air.has_value();
+  usual_wind_ = scene_wind_ = file.scene.wind.value_or(Wind{});
+}
+
+void Session::reset() {
+  timeline_.replaceWorld(simulator_, {"reset", ""}, [&] { simulator_.reset(); });
+  std::lock_guard<std::mutex> lock(mutex_);
+  usual_wind_ = scene_wind_;
+}
+
+bool Session::hasOwnAir() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return own_air_;
+}
+
+Wind Session::usualWind() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return usual_wind_;
+}
+
+void Session::setUsualWind(const Wind& wind) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  usual_wind_ = wind;
+}
+
+}  // namespace rbs

@@ -1,0 +1,57 @@
+// Session: the scene that is loaded, and what replaces it.
+#pragma once
+
+#include "timeline.h"
+
+#include "rigid_body_sim/scenes.h"
+#include "rigid_body_sim/simulator.h"
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+namespace rbs {
+
+class Session {
+ public:
+  struct Options {
+    std::string folder;                 ///< of the catalogue of scenes
+    std::string scene = "playground";   ///< the first one
+    std::optional<std::uint64_t> seed;  ///< instead of that of every scene
+    bool wall_stamps = false;           ///< stamp messages with wall time
+    Simulator::Options run;
+  };
+
+  /// Throws InvalidInput for a faulty or unknown scene.
+  explicit Session(const Options& options);
+
+  Simulator& simulator() { return simulator_; }
+  Timeline& timeline() { return timeline_; }
+  const std::string& folder() const { return options_.folder; }
+
+  /// Replaces the world by a scene of the catalogue or of a file. Throws InvalidInput for a bad one.
+  void loadScene(const std::string& name_or_file);
+  /// Replaces the world by a state that was saved. Throws InvalidInput for a file without one.
+  void loadState(const std::string& file);
+  /// Back to the world as it was loaded.
+  void reset();
+
+  /// Whether the scene has air of its own, and not by a switch of the wind.
+  bool hasOwnAir() const;
+  /// The wind that a switch turns on: the one it turned off, or else that of the scene, or else the default.
+  Wind usualWind() const;
+  void setUsualWind(const Wind& wind);
+
+ private:
+  Session(const Options& options, SceneDef first);
+  void replace(const SceneFile& file, const std::string& text);
+
+  const Options options_;
+  mutable std::mutex mutex_;
+  bool own_air_;
+  Wind scene_wind_, usual_wind_;
+  Simulator simulator_;
+  Timeline timeline_;
+};
+
+}  // namespace rbs

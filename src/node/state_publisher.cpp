@@ -1,0 +1,71 @@
+#include "state_publisher.h"
+
+#include "convert.h"
+
+#include <rigid_body_sim/BodyDescriptions.h>
+#include <rigid_body_sim/BodyStates.h>
+#include <rigid_body_sim/Contacts.h>
+
+#include <unordered_map>
+
+namespace rbs {
+
+StatePublisher::StatePublisher(ros::NodeHandle& node)
+    : descriptions_(node.advertise<rigid_body_sim::BodyDescriptions>("body_descriptions", 1, true)),
+      states_(Topic::of<rigid_body_sim::BodyStates>(node, "body_states", 10)),
+      contacts_(Topic::of<rigid_body_sim::Contacts>(node, "contacts", 10)) {}
+
+void StatePublisher::publish(const Timeline::Moment& moment) {
+  if (moment.snapshot->bodies != described_) publishDescriptions(moment);
+  if (states_.wanted(moment.changed)) publishStates(moment);
+  if (contacts_.wanted(moment.changed)) publishContacts(moment);
+}
+
+void StatePublisher::publishDescriptions(const Timeline::Moment& moment) {
+  described_ = moment.snapshot->bodies;
+  rigid_body_sim::BodyDescriptions message;
+  message.header.stamp = moment.stamp;
+  message.header.frame_id = kWorldFrame;
+  message.version = moment.snapshot->description_version;
+  for (const BodyDescription& body : *described_) message.bodies.push_back(toMsg(body));
+  descriptions_.publish(message);
+}
+
+void StatePublisher::publishStates(const Timeline::Moment& moment) {
+  const Snapshot& snapshot = *moment.snapshot;
+  rigid_body_sim::BodyStates message;
+  message.header.stamp = moment.stamp;
+  message.header.frame_id = kWorldFrame;
+  message.version = snapshot.description_version;
+  message.ids.reserve(snapshot.states.size());
+  message.poses.reserve(snapshot.states.size());
+  message.twists.reserve(snapshot.states.size());
+  for (const BodyState& state : snapshot.states) {
+    message.ids.push_back(state.id.serial);
+    message.poses.push_back(toMsg(state.pose));
+    message.twists.push_back(toMsg(state.twist));
+  }
+  states_.send(message);
+}
+
+void StatePublisher::publishContacts(const Timeline::Moment& moment) {
+  std::unordered_map<std::uint64_t, std::string> names;
+  for (const BodyDescription& body : *moment.snapshot->bodies) names[body.id.serial] = body.name;
+  rigid_body_sim::Contacts message;
+  message.header.stamp = moment.stamp;
+  message.header.frame_id = kWorldFrame;
+  for (const ContactPoint& contact : moment.snapshot->contacts) {
+    rigid_body_sim::Contact point;
+    point.body_a = names[contact.a.serial];
+    point.body_b = names[contact.b.serial];
+    point.position = toPoint(contact.p_W);
+    point.normal = toMsg(contact.n_W);
+    point.separation = finite(contact.separation);
+    point.normal_impulse = finite(contact.normal_impulse);
+    point.friction_impulse = toMsg(contact.friction_impulse);
+    message.contacts.push_back(point);
+  }
+  contacts_.send(message);
+}
+
+}  // namespace rbs

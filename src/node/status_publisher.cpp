@@ -1,0 +1,141 @@
+#include "status_publisher.h"
+
+#include "convert.h"
+#include "words.h"
+
+#include <rigid_body_sim/Status.h>
+#include <rigid_body_sim/Wind.h>
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstdio>
+
+namespace rbs {
+namespace {
+
+std::string hexadecimal(std::uint64_t number) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016" PRIx64, number);
+  return digits;
+}
+
+rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
+  rigid_body_sim::StageStatus msg;
+  msg.name = stage.name;
+  msg.active = stage.active;
+  msg.reason = stage.reason;
+  msg.seconds = stage.seconds;
+  return msg;
+}
+
+void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
+  msg.step_seconds = report.seconds;
+  msg.pairs = report.pairs;
+  msg.contacts = report.contacts;
+  msg.islands = report.islands;
+  msg.flying = report.flying;
+  msg.impacts = report.impacts;
+  msg.hasty_impacts = report.hasty_impacts;
+  msg.deepest_penetration = finite(report.deepest_penetration);
+  for (const Warning& warning : report.warnings) msg.warnings.push_back(warning.kind + ": " + warning.text);
+}
+
+void fillTotals(const Totals& totals, rigid_body_sim::Status& msg) {
+  msg.kinetic_energy = finite(totals.kinetic_energy);
+  msg.potential_energy = finite(totals.potential_energy);
+  msg.momentum = toMsg(totals.momentum);
+  msg.angular_momentum = toMsg(totals.angular_momentum);
+}
+
+rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
+  const Snapshot& snapshot = *moment.snapshot;
+  rigid_body_sim::Status msg;
+  msg.header.stamp = moment.stamp;
+  msg.scene = snapshot.scene;
+  msg.paused = snapshot.paused;
+  msg.time = snapshot.time;
+  msg.steps = snapshot.steps;
+  msg.step = snapshot.step;
+  msg.requested_speed = snapshot.requested_speed;
+  msg.achieved_speed = finite(snapshot.achieved_speed);
+  msg.bodies = snapshot.bodies->size();
+  msg.gravity = toMsg(snapshot.gravity);
+  msg.wind = snapshot.air.wind;
+  msg.hash = hexadecimal(snapshot.hash);
+  fillReport(snapshot.report, msg);
+  fillTotals(snapshot.totals, msg);
+  for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
+  return msg;
+}
+
+rigid_body_sim::Wind windMsg(const Timeline::Moment& moment) {
+  const AirState& air = moment.snapshot->air;
+  rigid_body_sim::Wind msg;
+  msg.header.stamp = moment.stamp;
+  msg.header.frame_id = kWorldFrame;
+  msg.air = air.air;
+  msg.enabled = air.wind;
+  msg.density = air.density;
+  msg.mean = toMsg(air.mean);
+  msg.gust = air.gust;
+  msg.velocity = toMsg(air.velocity);
+  return msg;
+}
+
+/// Whether the simulation runs at less than nine tenths of the speed it is asked for.
+bool fallsBehind(const Snapshot& snapshot) {
+  return !snapshot.paused && snapshot.achieved_speed > 0.0 &&
+         snapshot.achieved_speed < 0.9 * snapshot.requested_speed;
+}
+
+std::size_t frozenBodies(const Snapshot& snapshot) {
+  return std::count_if(snapshot.bodies->begin(), snapshot.bodies->end(),
+                       [](const BodyDescription& body) { return body.frozen; });
+}
+
+}  // namespace
+
+StatusPublisher::StatusPublisher(ros::NodeHandle& node)
+    : status_(Topic::of<rigid_body_sim::Status>(node, "status", 10)),
+      wind_(Topic::of<rigid_body_sim::Wind>(node, "wind", 10)) {
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("simulation", this, &StatusPublisher::describeSimulation);
+}
+
+void StatusPublisher::publish(const Timeline::Moment& moment) {
+  if (status_.wanted(true)) status_.send(statusMsg(moment));
+  if (wind_.wanted(true)) wind_.send(windMsg(moment));
+}
+
+void StatusPublisher::diagnose(const Timeline::Moment& moment) {
+  diagnosed_ = moment.snapshot;
+  diagnostics_.update();
+}
+
+void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using Level = diagnostic_msgs::DiagnosticStatus;
+  const Snapshot& snapshot = *diagnosed_;
+  const std::size_t frozen = frozenBodies(snapshot);
+  status.summary(Level::OK, snapshot.paused ? "paused" : "running");
+  if (fallsBehind(snapshot)) {
+    status.mergeSummary(Level::WARN, "slower than asked for: fewer bodies or a lower speed would help");
+  }
+  for (const Warning& warning : snapshot.report.warnings) status.mergeSummary(Level::WARN, warning.text);
+  if (frozen > 0) status.mergeSummary(Level::ERROR, bodyCount(frozen) + " frozen: delete or reset");
+  status.add("scene", snapshot.scene);
+  status.add("bodies", snapshot.bodies->size());
+  status.add("frozen bodies", frozen);
+  status.add("requested speed", snapshot.requested_speed);
+  status.add("achieved speed", snapshot.achieved_speed);
+  status.add("wall time of the last step, s", snapshot.report.seconds);
+  status.add("deepest penetration, m", snapshot.report.deepest_penetration);
+}
+
+std::string statusLine(const Snapshot& snapshot) {
+  const std::string pace = snapshot.paused ? std::string("paused") : words(snapshot.achieved_speed, " x real time");
+  return words(snapshot.scene, "  ", snapshot.time, " s  ", pace, "  ", bodyCount(snapshot.bodies->size()), "  ",
+               snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds, " ms a step  deepest ",
+               snapshot.report.deepest_penetration, " m");
+}
+
+}  // namespace rbs

@@ -1,0 +1,30 @@
+// How the simulation is doing: ~status, ~wind, /diagnostics and the line on the terminal.
+#pragma once
+
+#include "timeline.h"
+#include "topic.h"
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+namespace rbs {
+
+class StatusPublisher {
+ public:
+  explicit StatusPublisher(ros::NodeHandle& node);
+
+  void publish(const Timeline::Moment& moment);
+  /// Sends /diagnostics, once a second however often it is called.
+  void diagnose(const Timeline::Moment& moment);
+
+ private:
+  void describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+  Topic status_, wind_;
+  diagnostic_updater::Updater diagnostics_;
+  std::shared_ptr<const Snapshot> diagnosed_;
+};
+
+/// One line about the simulation, for a terminal.
+std::string statusLine(const Snapshot& snapshot);
+
+}  // namespace rbs

@@ -1,0 +1,24 @@
+#include "words.h"
+
+namespace rbs {
+
+std::string inWords(const Vec3& v) { return words('(', v.x(), ", ", v.y(), ", ", v.z(), ')'); }
+
+std::string bodyCount(std::size_t n) { return words(n, n == 1 ? " body" : " bodies"); }
+
+std::string describe(const BodyDescription& body) {
+  std::string text = words(kindName(body.kind), ' ', shapeName(body.shape));
+  if (!std::holds_alternative<Plane>(body.shape)) {
+    text += words(", size ", inWords(fullExtents(body.shape)), " m, mass ", body.mass, " kg");
+  }
+  text += words(", friction ", body.material.friction, ", restitution ", body.material.restitution);
+  return body.frozen ? text + ", frozen" : text;
+}
+
+std::string describe(const AirState& air) {
+  if (!air.air) return "no air";
+  if (!air.wind) return words("air of ", air.density, " kg/m³ at rest");
+  return words("air of ", air.density, " kg/m³, wind ", inWords(air.mean), " m/s, gust ", air.gust, " m/s");
+}
+
+}  // namespace rbs

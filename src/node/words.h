@@ -1,0 +1,24 @@
+// Numbers, bodies and the air in words, for answers, events and the log.
+#pragma once
+
+#include "rigid_body_sim/snapshot.h"
+
+#include <sstream>
+#include <string>
+
+namespace rbs {
+
+/// Any values one after the other, numbers with up to six significant digits: "mass 1.5 kg".
+template <class... Values>
+std::string words(const Values&... values) {
+  std::ostringstream stream;
+  (stream << ... << values);
+  return stream.str();
+}
+
+std::string inWords(const Vec3& v);           ///< "(1, 0, 2.5)"
+std::string bodyCount(std::size_t n);         ///< "1 body", "3 bodies"
+std::string describe(const BodyDescription& body);  ///< kind, shape, size, mass and material
+std::string describe(const AirState& air);          ///< density, wind and gust
+
+}  // namespace rbs

@@ -1,0 +1,103 @@
+// Services that change the air and gravity, and those that read.
+#include "services.h"
+
+#include "convert.h"
+#include "names.h"
+#include "words.h"
+
+#include <rigid_body_sim/GetBody.h>
+#include <rigid_body_sim/ListBodies.h>
+#include <rigid_body_sim/SetGravity.h>
+#include <rigid_body_sim/SetWind.h>
+#include <std_srvs/SetBool.h>
+
+namespace rbs {
+namespace {
+
+using rigid_body_sim::GetBody;
+using rigid_body_sim::ListBodies;
+using rigid_body_sim::SetGravity;
+using rigid_body_sim::SetWind;
+using std_srvs::SetBool;
+
+/// Throws InvalidInput for a wind that a scene would not take.
+void check(const Wind& wind) {
+  SceneDef scene;
+  scene.air = Air{};
+  scene.wind = wind;
+  const std::vector<Problem> problems = validate(scene);
+  if (!problems.empty()) throw InvalidInput(problems);
+}
+
+/// Makes the air move, and adds air where there is none. Answers in words.
+std::string blow(World& world, const Wind& wind) {
+  check(wind);
+  const bool has_air = world.scene().air.has_value();
+  if (!has_air) world.setAir(Air{});
+  world.setWind(wind);
+  return words("wind on: ", describe(world.snapshot().air), has_air ? "" : "; the scene had no air, it was added");
+}
+
+/// Stills the air, and takes it away where the scene has none of its own.
+std::string still(World& world, bool own_air) {
+  if (own_air) {
+    world.setWind(std::nullopt);
+  } else {
+    world.setAir(std::nullopt);
+  }
+  return words("wind off: ", describe(world.snapshot().air), own_air ? "" : ", since the scene has none of its own");
+}
+
+std::string enableWind(Session& session, bool on) {
+  std::string message;
+  session.simulator().edit([&](World& world) {
+    const std::optional<Wind> wind = world.scene().wind;
+    if (wind) session.setUsualWind(*wind);
+    message = on ? blow(world, session.usualWind()) : still(world, session.hasOwnAir());
+  });
+  return message;
+}
+
+std::string setWind(World& world, const SetWind::Request& request, SetWind::Response&) {
+  return blow(world, Wind{fromMsg(request.velocity), request.gust});
+}
+
+std::string setGravity(World& world, const SetGravity::Request& request, SetGravity::Response&) {
+  world.setGravity(fromMsg(request.gravity));
+  return words("gravity is ", inWords(world.scene().gravity), " m/s²");
+}
+
+std::string getBody(const Snapshot& snapshot, const GetBody::Request& request, GetBody::Response& response) {
+  const std::size_t index = indexNamed(snapshot, request.name);
+  const BodyDescription& body = (*snapshot.bodies)[index];
+  response.body.description = toMsg(body);
+  response.body.pose = toMsg(snapshot.states[index].pose);
+  response.body.twist = toMsg(snapshot.states[index].twist);
+  return words("'", body.name, "' at ", inWords(snapshot.states[index].pose.p_WB), " m: ", describe(body));
+}
+
+std::string listBodies(const Snapshot& snapshot, ListBodies::Response& response) {
+  for (const BodyDescription& body : *snapshot.bodies) response.names.push_back(body.name);
+  return bodyCount(response.names.size());
+}
+
+}  // namespace
+
+void Services::offerSurroundings() {
+  offer<SetBool>("enable_wind", [this](const SetBool::Request& request, SetBool::Response&) {
+    return enableWind(session_, request.data);
+  });
+  offerEdit<SetWind>("set_wind", setWind);
+  offerEdit<SetGravity>("set_gravity", setGravity);
+}
+
+void Services::offerReading() {
+  offer<GetBody>("get_body", [this](const GetBody::Request& request, GetBody::Response& response) {
+    return getBody(*simulator_.snapshot(), request, response);
+  });
+  offer<ListBodies>("list_bodies", [this](const ListBodies::Request&, ListBodies::Response& response) {
+    return listBodies(*simulator_.snapshot(), response);
+  });
+}
+
+}  // namespace rbs
