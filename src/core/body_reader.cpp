@@ -120,7 +120,7 @@ void BodyReader::read(const YamlNode& list) {
 // An entry of faulty form makes no bodies, since they would not be those that were meant. What it says
 // in good form is checked all the same, so that all its faults are told at once.
 void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
-  const std::size_t faults = problems_.size();
+  const std::size_t faults = problems_.count();
   const std::string path = "bodies[" + std::to_string(index) + "]";
   const SplitMix64 random = random_.split();
   Fields fields(node, path, problems_);
@@ -138,7 +138,7 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
     fields.report("", numberText(count) + " bodies",
                   "at most " + std::to_string(kMostBodies) + " in a scene");
   }
-  if (problems_.size() == faults) {
+  if (problems_.count() == faults) {
     add(repeat ? expand(body, *repeat, random) : pyramid ? expand(body, *pyramid) : std::vector{body}, index);
     return;
   }

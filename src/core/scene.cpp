@@ -57,6 +57,11 @@ bool isBodyName(const std::string& name) {
   return true;
 }
 
+bool hasSoundSize(const Shape& shape) {
+  const Vec3 size = fullExtents(shape);
+  return size.allFinite() && size.minCoeff() >= Limits::min_size && size.maxCoeff() <= Limits::max_size;
+}
+
 void checkShape(const BodyDef& body, const std::string& path, Faults& faults) {
   if (std::holds_alternative<Plane>(body.shape)) {
     if (body.kind == BodyKind::Dynamic) {
@@ -68,9 +73,8 @@ void checkShape(const BodyDef& body, const std::string& path, Faults& faults) {
     }
     return;
   }
-  const Vec3 size = fullExtents(body.shape);
-  const bool sound = size.minCoeff() >= Limits::min_size && size.maxCoeff() <= Limits::max_size;
-  if (!sound || !size.allFinite()) {
+  if (!hasSoundSize(body.shape)) {
+    const Vec3 size = fullExtents(body.shape);
     const bool round = std::holds_alternative<Sphere>(body.shape);
     faults.add(path + ".size", round ? numberText(size.x()) : vectorText(size),
                (round ? "a diameter of " : "edges of ") + range(Limits::min_size, Limits::max_size, "m"));
@@ -106,9 +110,11 @@ void checkMass(const BodyDef& body, const std::string& path, Faults& faults) {
   if (body.mass && body.density) {
     faults.add(path + ".density", numberText(*body.density), "at most one of mass and density");
   }
-  if (body.mass || body.kind != BodyKind::Dynamic) return;
-  const double mass = body.density.value_or(kDefaultDensity) * volume(body.shape);
-  if (mass > 0.0 && std::isfinite(mass) && (mass < Limits::min_mass || mass > Limits::max_mass)) {
+  if (body.mass || body.kind != BodyKind::Dynamic || !hasSoundSize(body.shape)) return;
+  const double density = body.density.value_or(kDefaultDensity);
+  if (!(density >= Limits::min_density && density <= Limits::max_density)) return;
+  const double mass = density * volume(body.shape);
+  if (mass < Limits::min_mass || mass > Limits::max_mass) {
     faults.add(path + ".size", vectorText(fullExtents(body.shape)),
                "with its density a mass of " + range(Limits::min_mass, Limits::max_mass, "kg") + ", not " +
                    numberText(mass) + " kg");

@@ -62,11 +62,12 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
         item.report(key, std::to_string(*index), "the index of a body, below " + std::to_string(bodies));
       }
     }
+    if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();
       p.require("feature", "the number of the feature", point.feature);
-      p.require("normal", "the normal impulse", point.normal);
-      p.require("tangent", "the friction impulse, [x, y, z]", point.tangent_W);
+      p.require("normal", "the normal force", point.normal);
+      p.require("tangent", "the friction force, [x, y, z]", point.tangent_W);
     });
   });
   return state;
@@ -105,7 +106,7 @@ std::string readText(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuseFile(file, "cannot be opened", "a file that may be read");
   std::string text(kMostSceneBytes + 1, '\0');
-  stream.read(&text[0], static_cast<std::streamsize>(text.size()));
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (stream.bad()) refuseFile(file, "cannot be read", "a file that may be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
@@ -125,7 +126,7 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   BodyReader reader(problems, result.scene.seed);
   if (const YamlNode* bodies = top.find("bodies")) reader.read(*bodies);
   result.scene.bodies = reader.takeBodies();
-  const bool complete = problems.empty();
+  const bool complete = problems.count() == 0;
   readGroup(top, "state", problems, [&](Fields& fields) {
     const std::size_t bodies =
         complete ? result.scene.bodies.size() : std::numeric_limits<std::size_t>::max();

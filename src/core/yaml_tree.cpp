@@ -10,7 +10,9 @@
 namespace rbs {
 namespace {
 
+constexpr std::size_t kMostProblems = 1000;    // more than anyone reads
 constexpr std::size_t kDeepest = 12;           // a scene file nests six deep
+constexpr std::size_t kMostKeys = 64;          // a body has about twenty
 constexpr std::size_t kMostNodes = 2'000'000;  // about 200 MB of tree
 
 /// Throws all problems so far and this one.
@@ -112,6 +114,9 @@ class TreeBuilder : public YAML::EventHandler {
 
   void takeKey(int line, const std::string& key) {
     Level& level = levels_.back();
+    if (level.node.items.size() == kMostKeys) {
+      refuse(problems_, line, path(), "", "at most " + std::to_string(kMostKeys) + " keys in a mapping");
+    }
     level.has_key = true;
     level.key_line = line;
     level.key = key;
@@ -173,6 +178,8 @@ const YamlNode* YamlNode::find(const std::string& name) const {
 
 void FileProblems::add(int line, const std::string& path, const std::string& value,
                        const std::string& allowed) {
+  ++count_;
+  if (problems_.size() == kMostProblems) return;
   const std::string place = file_ + ":" + std::to_string(line);
   problems_.push_back({line, {path.empty() ? place : place + ": " + path, value, allowed}});
 }
@@ -183,6 +190,7 @@ void FileProblems::throwIfAny() const {
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Problem> problems;
+  problems.reserve(sorted.size());
   for (auto& [line, problem] : sorted) problems.push_back(std::move(problem));
   throw InvalidInput(std::move(problems));
 }

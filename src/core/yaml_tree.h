@@ -30,13 +30,13 @@ class FileProblems {
   explicit FileProblems(std::string file) : file_(std::move(file)) {}
 
   void add(int line, const std::string& path, const std::string& value, const std::string& allowed);
-  bool empty() const { return problems_.empty(); }
-  std::size_t size() const { return problems_.size(); }
+  std::size_t count() const { return count_; }
   void throwIfAny() const;  ///< in the order of the lines
 
  private:
   std::string file_;
-  std::vector<std::pair<int, Problem>> problems_;  ///< line and fault
+  std::size_t count_ = 0;
+  std::vector<std::pair<int, Problem>> problems_;  ///< line and fault; the first thousand
 };
 
 /// The root of the one document in `text`. A repeated key is added to `problems`. What leaves no tree

@@ -2,6 +2,7 @@
 
 #include "body_menu.h"
 #include "convert.h"
+#include "meshes.h"
 
 namespace rbs {
 namespace {
@@ -10,12 +11,12 @@ using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
-constexpr int kFaces = 6;
-constexpr double kPatch = 0.05;  // side of a plane's click target over the view distance
+constexpr double kPatch = 0.05;  // side of a plane's click target over the distance of the view's eye
 
 // Size of what belongs to a body in the view, m.
-double scaleOf(const Shape& shape, double view_distance) {
-  return std::holds_alternative<Plane>(shape) ? kPatch * view_distance : 2.0 * boundingRadius(shape);
+double scaleOf(const Shape& shape, const View& view) {
+  if (std::holds_alternative<Plane>(shape)) return kPatch * (view.eye - view.target).norm();
+  return 2.0 * boundingRadius(shape);
 }
 
 InteractiveMarker markerAt(const std::string& name, const Pose& pose, double scale) {
@@ -45,6 +46,24 @@ InteractiveMarkerControl axisControl(const std::string& name, int mode, const Ve
   return control;
 }
 
+// Slightly larger than the body, so that the mouse meets it before the drawn body. It cannot be quite
+// invisible: RViz logs a line for every marker that is. RViz's own sphere has so many triangles that a
+// hundred of these would halve its frame rate.
+Marker clickShape(const Shape& shape, const View& view) {
+  constexpr double kOutside = 1.02;
+  constexpr Color kNearlyInvisible{1.0f, 1.0f, 1.0f, 0.01f};
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    Marker ball = coloredShape(Marker::TRIANGLE_LIST, Vec3(1.0, 1.0, 1.0), kNearlyInvisible);
+    ball.points = icosahedronMesh(kOutside * sphere->radius);
+    return ball;
+  }
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    return coloredShape(Marker::CUBE, kOutside * box->size, kNearlyInvisible);
+  }
+  const double side = scaleOf(shape, view);
+  return coloredShape(Marker::CUBE, Vec3(side, side, 0.02 * side), {1.0f, 1.0f, 1.0f, 0.3f});
+}
+
 }  // namespace
 
 std::string handleName(int face) {
@@ -63,29 +82,22 @@ Vec3 faceNormal(int face) {
   return (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(face / 2);
 }
 
-InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, double view_distance) {
-  constexpr double kOutside = 1.02;  // in front of the drawn body, so that the mouse meets it first
-  const double scale = scaleOf(body.shape, view_distance);
-  const bool is_plane = std::holds_alternative<Plane>(body.shape);
-  const Vec3 size = is_plane ? Vec3(scale, scale, 0.02 * scale) : Vec3(kOutside * fullExtents(body.shape));
-  const Color color = is_plane ? Color{1.0f, 1.0f, 1.0f, 0.3f} : Color{1.0f, 1.0f, 1.0f, 0.0f};
-  const int type = std::holds_alternative<Sphere>(body.shape) ? Marker::SPHERE : Marker::CUBE;
-
+InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, const View& view) {
   InteractiveMarkerControl control;
   control.name = "body";
   control.interaction_mode = InteractiveMarkerControl::MOVE_3D;
   control.orientation.w = 1.0;
-  control.markers.push_back(coloredShape(type, size, color));
+  control.markers.push_back(clickShape(body.shape, view));
 
-  InteractiveMarker marker = markerAt(body.name, pose, scale);
+  InteractiveMarker marker = markerAt(body.name, pose, scaleOf(body.shape, view));
   marker.controls.push_back(control);
   marker.menu_entries = menuEntries(body);
   return marker;
 }
 
-InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, double view_distance) {
-  constexpr double kAround = 1.3;  // rings and arrows outside the body
-  InteractiveMarker marker = markerAt(kGizmoName, pose, kAround * scaleOf(body.shape, view_distance));
+InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view) {
+  constexpr double kAround = 1.5;  // rings and arrows outside the body
+  InteractiveMarker marker = markerAt(kGizmoName, pose, kAround * scaleOf(body.shape, view));
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name(1, "xyz"[axis]);
     const Vec3 direction = Vec3::Unit(axis);
@@ -97,7 +109,7 @@ InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, double vi
 
 InteractiveMarker faceHandle(const BodyDescription& body, const Pose& pose, int face) {
   const Vec3 n_B = faceNormal(face);
-  const double side = 0.2 * boundingRadius(body.shape);
+  const double side = 0.3 * boundingRadius(body.shape);
   const double distance = 0.5 * fullExtents(body.shape)[face / 2] + side;
   Color color{0.2f, 0.2f, 0.2f, 1.0f};
   color[face / 2] = 0.9f;

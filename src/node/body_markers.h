@@ -13,6 +13,7 @@
 namespace rbs {
 
 // No body's name has a dot, so these are never the name of one.
+inline constexpr int kFaces = 6;
 inline constexpr const char* kGizmoName = "selection.gizmo";
 /// Name of the handle of face 0 to 5: +x, -x, +y, -y, +z, -z of the body.
 std::string handleName(int face);
@@ -23,13 +24,12 @@ Vec3 faceNormal(int face);
 
 /// An invisible shape just outside the body, named after it, with its menu. It moves in the plane of the
 /// view. Of a plane only a patch at its origin can be clicked, or the camera could not be turned with the
-/// mouse on the floor. `view_distance`: from the eye to its target, m.
+/// mouse on the floor. The patch is sized for `view`.
 visualization_msgs::InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose,
-                                                  double view_distance);
+                                                  const View& view);
 
 /// Three arrows and three rings around the body, along its axes.
-visualization_msgs::InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose,
-                                            double view_distance);
+visualization_msgs::InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view);
 
 /// A cube in front of one face of a sphere or box, to be dragged along the normal.
 visualization_msgs::InteractiveMarker faceHandle(const BodyDescription& body, const Pose& pose, int face);

@@ -26,12 +26,11 @@ void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, BodyId se
     chosen_at_ = now;
     described_ = snapshot.bodies;
   }
-  const double view_distance = (snapshot.view.eye - snapshot.view.target).norm();
   for (const int i : chosen_) {
     const BodyDescription& body = (*snapshot.bodies)[i];
     const Pose& pose = snapshot.states[i].pose;
     if (show) {
-      board_.show(clickTarget(body, pose, view_distance));
+      board_.show(clickTarget(body, pose, snapshot.view));
     } else {
       board_.move(body.name, toMsg(pose));
     }

@@ -9,7 +9,9 @@ namespace {
 
 using visualization_msgs::InteractiveMarkerFeedback;
 
-bool isFinite(const Pose& pose) { return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite(); }
+bool isFinite(const Pose& pose) {
+  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
+}
 
 std::optional<Vec3> hitPoint(const InteractiveMarkerFeedback& feedback) {
   const Vec3 p_W = fromMsg(feedback.mouse_point);
@@ -17,8 +19,8 @@ std::optional<Vec3> hitPoint(const InteractiveMarkerFeedback& feedback) {
   return p_W;
 }
 
-// Where a marker at X_WM is hit at p_W, seen from the marker, which sits on the body: p_B = R_WM^T (p_W - p_WM).
-// Without a hit it is the centre.
+// Where a marker at X_WM is hit at p_W, seen from the marker, which sits on the body: p_B = R_WM^T (p_W -
+// p_WM). Without a hit it is the centre.
 Grip gripOf(const std::string& marker, const Pose& handle, const std::optional<Vec3>& hit_W,
             const BodyDescription& body) {
   if (marker == kGizmoName) return Carry{};
@@ -35,30 +37,164 @@ InteractiveBodies::InteractiveBodies(Simulator& simulator)
     : simulator_(simulator),
       board_(ros::NodeHandle("~").resolveName("interactive_bodies"),
              [this](const FeedbackPtr& feedback) {
-               std::lock_guard<std::mutex> lock(box_mutex_);
-               box_.feedback.push_back(feedback);
+               std::lock_guard<std::mutex> lock(inbox_mutex_);
+               inbox_.feedback.push_back(feedback);
              }),
       targets_(board_) {
   constexpr int kQueue = 10;
-  const boost::function<void(const std_msgs::StringConstPtr&)> ask = [this](const std_msgs::StringConstPtr& name) {
-    std::lock_guard<std::mutex> lock(box_mutex_);
-    box_.selection = name->data;
-  };
+  const boost::function<void(const std_msgs::StringConstPtr&)> ask =
+      [this](const std_msgs::StringConstPtr& name) {
+        std::lock_guard<std::mutex> lock(inbox_mutex_);
+        inbox_.selection = name->data;
+      };
   select_ = ros::NodeHandle("~").subscribe<std_msgs::String>("select", kQueue, ask);
 }
 
 void InteractiveBodies::update(const Snapshot& snapshot) {
-  const Box box = empty();
-  for (const FeedbackPtr& feedback : box.feedback) handle(*feedback, snapshot);
-  if (box.selection) {
-    const int body = snapshot.find(*box.selection);
-    select(body < 0 ? BodyId{} : snapshot.states[body].id, ...);
+  Inbox news;
+  {
+    std::lock_guard<std::mutex> lock(inbox_mutex_);
+    std::swap(news, inbox_);
   }
+  for (const FeedbackPtr& feedback : news.feedback) handle(*feedback, snapshot);
+  if (news.selection) selectNamed(*news.selection, snapshot);
   leadDrags(snapshot);
+  showMarkers(snapshot);
+}
+
+void InteractiveBodies::handle(const Feedback& feedback, const Snapshot& snapshot) {
+  const int body = bodyOf(feedback.marker_name, snapshot);
+  if (body < 0 || !board_.shows(feedback.marker_name)) return board_.erase(feedback.marker_name);
+  if (!isFinite(fromMsg(feedback.pose))) return board_.putBack(feedback.marker_name);
+  switch (feedback.event_type) {
+    case Feedback::MOUSE_DOWN:
+      return press(feedback, snapshot, body);
+    case Feedback::POSE_UPDATE:
+    case Feedback::KEEP_ALIVE:
+    case Feedback::MOUSE_UP:
+      return followMouse(feedback);
+    case Feedback::MENU_SELECT:
+      return runMenu(feedback, snapshot, body);
+  }
+}
+
+void InteractiveBodies::press(const Feedback& feedback, const Snapshot& snapshot, int body) {
+  if (const auto old = drags_.find(feedback.client_id); old != drags_.end()) endDrag(old);
+  const Pose handle = fromMsg(feedback.pose);
+  const std::optional<Vec3> hit_W = hitPoint(feedback);
+  const BodyDescription& description = (*snapshot.bodies)[body];
+  drags_.emplace(feedback.client_id, Drag(description.id, feedback.marker_name,
+                                          gripOf(feedback.marker_name, handle, hit_W, description), handle));
+  board_.grip(feedback.marker_name);
+  if (feedback.marker_name == description.name) select(description.id, hit_W.value_or(handle.p_WB));
+}
+
+// RViz sends one more pose after the button is up; it belongs to no drag.
+void InteractiveBodies::followMouse(const Feedback& feedback) {
+  const auto drag = drags_.find(feedback.client_id);
+  if (drag == drags_.end() || drag->second.marker() != feedback.marker_name) {
+    if (feedback.event_type == Feedback::POSE_UPDATE) board_.putBack(feedback.marker_name);
+    return;
+  }
+  const bool is_still = feedback.event_type == Feedback::KEEP_ALIVE;
+  drag->second.hear(is_still ? std::nullopt : std::make_optional(fromMsg(feedback.pose)));
+  if (feedback.event_type == Feedback::MOUSE_UP) endDrag(drag);
+}
+
+void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapshot, int body) {
+  const BodyDescription& description = (*snapshot.bodies)[body];
+  const std::optional<Vec3> hit_W = hitPoint(feedback);
+  const Pose& pose = snapshot.states[body].pose;
+  const auto action = static_cast<MenuAction>(feedback.menu_entry_id);
+  const bool resized_before = resizes_ && selected_ == description.id;
+  select(description.id, hit_W.value_or(pose.p_WB));
+  if (action == MenuAction::Resize) {
+    resizes_ = !resized_before;
+  } else {
+    attempt("follow the menu", [&](World& world) { runMenuAction(world, action, description, pose, hit_W); });
+  }
+}
+
+void InteractiveBodies::leadDrags(const Snapshot& snapshot) {
+  for (auto it = drags_.begin(); it != drags_.end();) {
+    const auto drag = it++;
+    if (drag->second.silent() || snapshot.find(drag->second.body()) < 0) {
+      endDrag(drag);
+    } else if (drag->second.due(snapshot)) {
+      lead(drag->second);
+    }
+  }
+}
+
+void InteractiveBodies::lead(Drag& drag) {
+  attempt("drag", [&](World& world) { drag.apply(world, *simulator_.snapshot()); });
+}
+
+// The last move of the mouse counts, even where the button came up before the next update().
+void InteractiveBodies::endDrag(std::map<std::string, Drag>::iterator drag) {
+  const std::shared_ptr<const Snapshot> now = simulator_.snapshot();
+  if (now->find(drag->second.body()) >= 0) {
+    if (drag->second.due(*now)) lead(drag->second);
+    attempt("release", [&](World& world) { drag->second.release(world); });
+  }
+  board_.letGo(drag->second.marker());
+  targets_.refresh();
+  drags_.erase(drag);
+}
+
+void InteractiveBodies::select(BodyId id, const Vec3& focus_W) {
+  if (id != selected_) resizes_ = false;
+  selected_ = id;
+  focus_W_ = focus_W;
+}
+
+void InteractiveBodies::selectNamed(const std::string& name, const Snapshot& snapshot) {
+  const int body = snapshot.find(name);
+  if (body >= 0) {
+    select(snapshot.states[body].id, snapshot.states[body].pose.p_WB);
+  } else {
+    selected_ = BodyId{};
+    if (!name.empty()) ROS_WARN_NAMED("interactive_bodies", "cannot select '%s': no such body", name.c_str());
+  }
+}
+
+void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
   constexpr std::chrono::milliseconds kPeriod(66);
   if (Clock::now() - shown_ < kPeriod) return;
   shown_ = Clock::now();
-  showMarkers(snapshot);
+  targets_.update(snapshot, focus_W_.value_or(snapshot.view.target), selected_);
+  showSelection(snapshot);
+  board_.publish();
+}
+
+void InteractiveBodies::showSelection(const Snapshot& snapshot) {
+  const int i = snapshot.find(selected_);
+  const bool has_faces = i >= 0 && !std::holds_alternative<Plane>((*snapshot.bodies)[i].shape);
+  const bool has_handles = resizes_ && has_faces;
+  if (i < 0 || has_handles) board_.erase(kGizmoName);
+  for (int face = 0; face < kFaces; ++face) {
+    if (has_handles) {
+      board_.show(faceHandle((*snapshot.bodies)[i], snapshot.states[i].pose, face));
+    } else {
+      board_.erase(handleName(face));
+    }
+  }
+  if (i >= 0 && !has_handles) {
+    board_.show(gizmo((*snapshot.bodies)[i], snapshot.states[i].pose, snapshot.view));
+  }
+}
+
+int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapshot) const {
+  const bool is_of_selection = marker == kGizmoName || handleFace(marker) >= 0;
+  return is_of_selection ? snapshot.find(selected_) : snapshot.find(marker);
+}
+
+void InteractiveBodies::attempt(const char* what, const std::function<void(World&)>& command) {
+  try {
+    simulator_.edit(command);
+  } catch (const InvalidInput& error) {
+    ROS_WARN_THROTTLE_NAMED(1.0, "interactive_bodies", "cannot %s: %s", what, error.what());
+  }
 }
 
 }  // namespace rbs

@@ -8,6 +8,7 @@
 #include <std_msgs/String.h>
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -23,8 +24,8 @@ namespace rbs {
 
 /// Serves ~interactive_bodies and listens to ~select (the name of a body; "" selects none).
 ///
-/// ROS hands over feedback while it holds the server's lock. It is only put into a box there, and update()
-/// takes it out: so one thread alone uses all else.
+/// ROS hands over feedback while it holds the server's lock. It is only put into the inbox there, and
+/// update() takes it out: so one thread alone uses all else.
 class InteractiveBodies {
  public:
   explicit InteractiveBodies(Simulator& simulator);
@@ -38,33 +39,35 @@ class InteractiveBodies {
   using FeedbackPtr = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
   using Clock = std::chrono::steady_clock;
 
-  struct Box {
+  /// What came in since the last update().
+  struct Inbox {
     std::vector<FeedbackPtr> feedback;
-    std::optional<std::string> selection;
+    std::optional<std::string> selection;  ///< name of a body, or ""
   };
-  Box empty();
 
   void handle(const Feedback& feedback, const Snapshot& snapshot);
   void press(const Feedback& feedback, const Snapshot& snapshot, int body);
-  void hear(const Feedback& feedback);
-  void choose(const Feedback& feedback, const Snapshot& snapshot, int body);
+  void followMouse(const Feedback& feedback);
+  void runMenu(const Feedback& feedback, const Snapshot& snapshot, int body);
   void leadDrags(const Snapshot& snapshot);
-  void endDrag(const std::string& client);
-  void select(BodyId id, const Vec3& p_W);
+  void lead(Drag& drag);
+  void endDrag(std::map<std::string, Drag>::iterator drag);
+  void select(BodyId id, const Vec3& focus_W);
+  void selectNamed(const std::string& name, const Snapshot& snapshot);
   void showMarkers(const Snapshot& snapshot);
   void showSelection(const Snapshot& snapshot);
   int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
-  bool attempt(const char* what, const std::function<void(World&)>& command);
+  void attempt(const char* what, const std::function<void(World&)>& command);
 
   Simulator& simulator_;
-  std::mutex box_mutex_;
-  Box box_;
+  std::mutex inbox_mutex_;
+  Inbox inbox_;
   MarkerBoard board_;
   ClickTargets targets_;
   std::map<std::string, Drag> drags_;  ///< by client: each has one mouse
   BodyId selected_;
-  bool resizes_ = false;  ///< whether the selection has handles in place of the gizmo
-  std::optional<Vec3> focus_;  ///< of the last click; none: the view's target
+  bool resizes_ = false;         ///< whether the selection has handles in place of the gizmo
+  std::optional<Vec3> focus_W_;  ///< where the last click was; none: the view's target
   Clock::time_point shown_;
   ros::Subscriber select_;
 };

@@ -25,19 +25,17 @@ MarkerBoard::MarkerBoard(const std::string& topic, Callback callback)
 void MarkerBoard::show(const visualization_msgs::InteractiveMarker& marker) {
   if (gripped_.count(marker.name)) return;
   const auto it = shown_.find(marker.name);
-  if (it != shown_.end() && looksSame(it->second.marker, marker)) return move(marker.name, marker.pose);
+  if (it != shown_.end() && looksSame(it->second, marker)) return move(marker.name, marker.pose);
   server_.insert(marker, callback_);
-  shown_[marker.name] = {marker, false};
+  shown_[marker.name] = marker;
 }
 
 void MarkerBoard::move(const std::string& name, const geometry_msgs::Pose& pose) {
   const auto it = shown_.find(name);
   if (it == shown_.end() || gripped_.count(name)) return;
-  Shown& shown = it->second;
-  if (!shown.astray && !visiblyApart(shown.marker.pose, pose, shown.marker.scale)) return;
+  if (!visiblyApart(it->second.pose, pose, it->second.scale)) return;
   server_.setPose(name, pose);
-  shown.marker.pose = pose;
-  shown.astray = false;
+  it->second.pose = pose;
 }
 
 void MarkerBoard::erase(const std::string& name) {
@@ -48,7 +46,11 @@ void MarkerBoard::erase(const std::string& name) {
 
 void MarkerBoard::letGo(const std::string& name) {
   gripped_.erase(name);
-  if (const auto it = shown_.find(name); it != shown_.end()) it->second.astray = true;
+  putBack(name);
+}
+
+void MarkerBoard::putBack(const std::string& name) {
+  if (const auto it = shown_.find(name); it != shown_.end()) server_.setPose(name, it->second.pose);
 }
 
 }  // namespace rbs

@@ -29,20 +29,18 @@ class MarkerBoard {
 
   /// A client drags this marker from now on.
   void grip(const std::string& name) { gripped_.insert(name); }
-  /// The drag is over, or a client moved the marker on its own: the next move() puts it right.
+  /// The drag is over.
   void letGo(const std::string& name);
+  /// Puts a marker that a client has moved back to where show() or move() had it. Otherwise the server sends
+  /// on whatever pose came in.
+  void putBack(const std::string& name);
 
   void publish() { server_.applyChanges(); }
 
  private:
-  struct Shown {
-    visualization_msgs::InteractiveMarker marker;  ///< as last sent
-    bool astray = false;                           ///< a client has moved it since
-  };
-
   interactive_markers::InteractiveMarkerServer server_;
   Callback callback_;
-  std::map<std::string, Shown> shown_;
+  std::map<std::string, visualization_msgs::InteractiveMarker> shown_;
   std::set<std::string> gripped_;
 };
 

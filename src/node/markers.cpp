@@ -11,7 +11,7 @@ namespace {
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
-constexpr std::size_t kMostMeshes = 200;  // of moving bodies
+constexpr std::size_t kMostMeshes = 100;  // of moving bodies
 
 bool isFinite(const Pose& pose) {
   return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();

@@ -65,6 +65,35 @@ TriangleMesh boxMesh(const Vec3& size) {
   return mesh;
 }
 
+// With the golden ratio g, the even permutations of (0, +-1, +-g) are the corners of an icosahedron with the
+// edge 2 (Coxeter, Regular Polytopes, 3.7). Its faces are all the triples of corners with that distance from
+// each other, and their distance from the origin is g^2 / sqrt(3).
+TriangleMesh icosahedronMesh(double radius) {
+  const double g = (1.0 + std::sqrt(5.0)) / 2.0;
+  const double scale = radius * std::sqrt(3.0) / (g * g);
+  std::vector<Vec3> corners;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double s : {1.0, -1.0}) {
+      for (const double t : {g, -g}) {
+        corners.push_back(scale * (s * Vec3::Unit((axis + 1) % 3) + t * Vec3::Unit((axis + 2) % 3)));
+      }
+    }
+  }
+  const auto isEdge = [&](const Vec3& a, const Vec3& b) { return (a - b).norm() < 2.1 * scale; };
+  TriangleMesh mesh;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      for (std::size_t k = 0; k < j; ++k) {
+        const Vec3 &a = corners[i], &b = corners[j], &c = corners[k];
+        if (!isEdge(a, b) || !isEdge(b, c) || !isEdge(c, a)) continue;
+        const bool is_outward = (b - a).cross(c - a).dot(a) > 0.0;
+        is_outward ? addTriangle(mesh, a, b, c) : addTriangle(mesh, a, c, b);
+      }
+    }
+  }
+  return mesh;
+}
+
 TriangleMesh squareMesh(double side, Tone tone) {
   const auto corner = [side](int i, int j) -> Vec3 {
     return {side * i / kTiles - 0.5 * side, side * j / kTiles - 0.5 * side, 0.0};

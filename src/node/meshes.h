@@ -24,6 +24,9 @@ TriangleMesh sphereMesh(double radius, Tone tone);
 /// A box about the origin, `size` its full extents, m: twelve triangles.
 TriangleMesh boxMesh(const Vec3& size);
 
+/// An icosahedron about the origin whose faces touch a sphere from outside. `radius` of the sphere, m.
+TriangleMesh icosahedronMesh(double radius);
+
 /// Every other tile of a square about the origin in the plane z = 0. `side` in m.
 TriangleMesh squareMesh(double side, Tone tone);
 

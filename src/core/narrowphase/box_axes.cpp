@@ -19,6 +19,11 @@ double signOf(double x) {
   return x < 0.0 ? -1.0 : 1.0;
 }
 
+int largest(const Vec3& v) {
+  const int first = v[1] > v[0] ? 1 : 0;
+  return v[2] > v[first] ? 2 : first;
+}
+
 }  // namespace
 
 std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, const RelativePose& X_AB,
@@ -29,14 +34,14 @@ std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, cons
   const double rounding = kRounding * (half_a.sum() + half_b.sum());
 
   const Vec3 along_a = p.cwiseAbs() - half_a - S * half_b;
-  int face_a;
-  const double best_a = along_a.maxCoeff(&face_a);
+  const int face_a = largest(along_a);
+  const double best_a = along_a[face_a];
   if (best_a > margin) return std::nullopt;
 
   const Vec3 p_B = R.transpose() * p;
   const Vec3 along_b = p_B.cwiseAbs() - half_b - S.transpose() * half_a;
-  int face_b;
-  const double best_b = along_b.maxCoeff(&face_b);
+  const int face_b = largest(along_b);
+  const double best_b = along_b[face_b];
   if (best_b > margin) return std::nullopt;
 
   double best = best_a;
@@ -50,9 +55,9 @@ std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, cons
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     for (int j = 0; j < 3; ++j) {
       const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double unscaled = std::abs(p[i2] * R(i1, j) - p[i1] * R(i2, j)) -
-                              (half_a[i1] * S(i2, j) + half_a[i2] * S(i1, j) + half_b[j1] * S(i, j2) +
-                               half_b[j2] * S(i, j1));
+      const double unscaled =
+          std::abs(p[i2] * R(i1, j) - p[i1] * R(i2, j)) -
+          (half_a[i1] * S(i2, j) + half_a[i2] * S(i1, j) + half_b[j1] * S(i, j2) + half_b[j2] * S(i, j1));
       if (unscaled < 0.0 && unscaled <= best) continue;
       const double squared = R(i1, j) * R(i1, j) + R(i2, j) * R(i2, j);
       if (squared < kParallel) continue;

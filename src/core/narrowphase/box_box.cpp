@@ -42,26 +42,27 @@ struct Polygon {
 
 // Keeps the part with sign * coordinate <= limit (Sutherland and Hodgman, CACM 17(1), 1974); the new edge
 // is named `edge`.
-void clip(Polygon& polygon, double Corner::*coordinate, double sign, double limit, std::uint32_t edge) {
+template <double Corner::*coordinate>
+void clip(Polygon& polygon, double sign, double limit, std::uint32_t edge) {
   std::array<double, 8> excess;
-  bool clipped = false;
+  double most = 0.0;
   for (int k = 0; k < polygon.size; ++k) {
     excess[k] = sign * (polygon.corners[k].*coordinate) - limit;
-    clipped = clipped || excess[k] > 0.0;
+    most = std::max(most, excess[k]);
   }
-  if (!clipped) return;
-  Polygon kept;
-  for (int k = 0; k < polygon.size; ++k) {
-    const int next = k + 1 == polygon.size ? 0 : k + 1;
-    const Corner &c = polygon.corners[k], &d = polygon.corners[next];
+  if (most == 0.0) return;
+  const Polygon whole = polygon;
+  polygon.size = 0;
+  for (int k = 0; k < whole.size; ++k) {
+    const int next = k + 1 == whole.size ? 0 : k + 1;
+    const Corner &c = whole.corners[k], &d = whole.corners[next];
     const bool inside = excess[k] <= 0.0;
-    if (inside) kept.add(c);
+    if (inside) polygon.add(c);
     if (inside == (excess[next] <= 0.0)) continue;
     const double t = excess[k] / (excess[k] - excess[next]);
-    kept.add({c.u + t * (d.u - c.u), c.v + t * (d.v - c.v), c.height + t * (d.height - c.height),
-              inside ? edge : c.edge});
+    polygon.add({c.u + t * (d.u - c.u), c.v + t * (d.v - c.v), c.height + t * (d.height - c.height),
+                 inside ? edge : c.edge});
   }
-  polygon = kept;
 }
 
 // A face of a box: its axis, and which end of it.
@@ -72,9 +73,10 @@ struct Face {
 };
 
 Face faceAlong(const Vec3& direction) {
-  int axis;
-  const double alignment = direction.cwiseAbs().maxCoeff(&axis);
-  return {axis, direction[axis] < 0.0 ? -1.0 : 1.0, alignment};
+  const Vec3 cosines = direction.cwiseAbs();
+  int axis = cosines[1] > cosines[0] ? 1 : 0;
+  if (cosines[2] > cosines[axis]) axis = 2;
+  return {axis, direction[axis] < 0.0 ? -1.0 : 1.0, cosines[axis]};
 }
 
 std::uint32_t faceNumber(const Face& face) {
@@ -87,7 +89,8 @@ struct PlacedBox {
 };
 
 // The points of the incident box Y over the reference face of box X. `n_X` is the manifold's normal, from X
-// to Y, in X's frame; a point's separation is measured along it, from the reference face up to Y's face.
+// to Y, in X's frame. A point stands for a point of Y's face and the one of X's face below it; its separation
+// is how far these are apart along n_X.
 void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, const Mat3& R_XY,
                    const Vec3& p_XY, const Vec3& n_X, const Face& reference, bool reference_is_b,
                    double margin) {
@@ -105,10 +108,10 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
     polygon.add({q[u], q[v], reference.sign * q[reference.axis] - x.half[reference.axis], corner});
   }
   const double limit_u = (1.0 + kOverhang) * x.half[u], limit_v = (1.0 + kOverhang) * x.half[v];
-  clip(polygon, &Corner::u, 1.0, limit_u, 4);
-  clip(polygon, &Corner::u, -1.0, limit_u, 5);
-  clip(polygon, &Corner::v, 1.0, limit_v, 6);
-  clip(polygon, &Corner::v, -1.0, limit_v, 7);
+  clip<&Corner::u>(polygon, 1.0, limit_u, 4);
+  clip<&Corner::u>(polygon, -1.0, limit_u, 5);
+  clip<&Corner::v>(polygon, 1.0, limit_v, 6);
+  clip<&Corner::v>(polygon, -1.0, limit_v, 7);
 
   const Mat3 R_WX = x.X_W.q_WB.toRotationMatrix();
   const double cosine = reference.sign * n_X[reference.axis];
@@ -116,14 +119,13 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
       ((reference_is_b ? 6u : 0u) + faceNumber(reference)) * 6u + faceNumber(incident);
   for (int c = 0; c < polygon.size; ++c) {
     const Corner& corner = polygon.corners[c];
-    const double separation = corner.height / cosine;
+    const double separation = corner.height * cosine;
     if (separation > margin) continue;
     Vec3 q;
     q[u] = corner.u, q[v] = corner.v;
-    q[reference.axis] = reference.sign * (x.half[reference.axis] + corner.height);
+    q[reference.axis] = reference.sign * (x.half[reference.axis] + 0.5 * corner.height);
     const std::uint32_t edge_in = polygon.corners[c == 0 ? polygon.size - 1 : c - 1].edge;
-    manifold.add(x.X_W.p_WB + R_WX * (q - 0.5 * separation * n_X), separation,
-                 faces * 64u + edge_in * 8u + corner.edge);
+    manifold.add(x.X_W.p_WB + R_WX * q, separation, faces * 64u + edge_in * 8u + corner.edge);
   }
 }
 
@@ -167,7 +169,8 @@ Manifold collideBoxes(const Box& box_a, const Pose& X_WA, const Box& box_b, cons
     addFacePoints(manifold, a, b, X_AB.R_AB, X_AB.p_AB, axis->n_A, face_a, false, margin);
   }
   if (manifold.size == 0 && axis->edge_a >= 0) addEdgePoint(manifold, a, b, X_AB, *axis, margin);
-  return manifold.size > 0 ? manifold : collideConvex(box_a, X_WA, box_b, X_WB, margin);
+  if (manifold.size == 0) manifold = collideConvex(box_a, X_WA, box_b, X_WB, margin);
+  return manifold;
 }
 
 // Overlapping boxes are judged by their axes. So is the direction of a tiny gap, where a face or two edges

@@ -11,7 +11,7 @@ namespace rbs {
 /// The gap of two convex shapes and the points of their surfaces that span it.
 struct ConvexGap {
   double distance;
-  Vec3 n_A;     ///< unit, from A to B, in A's frame
+  Vec3 n_A;       ///< unit, from A to B, in A's frame
   Vec3 middle_A;  ///< midway between the two nearest (or deepest) points, in A's frame
 };
 

@@ -61,7 +61,8 @@ class Polytope {
     removed_.clear();
     const int start = static_cast<int>(&seen - faces_.data());
     remove(start);
-    for (int edge = 0; edge < 3; ++edge) walk(faces_[start].neighbour[edge], faces_[start].twin[edge], point.w);
+    for (int edge = 0; edge < 3; ++edge)
+      walk(faces_[start].neighbour[edge], faces_[start].twin[edge], point.w);
 
     const int apex = static_cast<int>(points_.size());
     points_.push_back(point);
@@ -136,7 +137,7 @@ class Polytope {
 template <class Height>
 double grow(const SupportFunction& support, Simplex& simplex, std::initializer_list<Vec3> directions,
             const Height& height) {
-  SupportPoint best;
+  SupportPoint best{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   double best_height = -1.0;
   for (const Vec3& direction : directions)
     for (const double sign : {1.0, -1.0}) {
@@ -151,9 +152,8 @@ double grow(const SupportFunction& support, Simplex& simplex, std::initializer_l
 // Makes any simplex a tetrahedron. Empty when A - B is flat; then `n` is normal to it.
 bool makeTetrahedron(const SupportFunction& support, Simplex& s, double scale, Vec3& n) {
   const double flat = kRounding * scale;
-  if (s.size == 1 && grow(support, s, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, [&](const Vec3& w) {
-        return (w - s.points[0].w).norm();
-      }) <= flat)
+  if (s.size == 1 && grow(support, s, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()},
+                          [&](const Vec3& w) { return (w - s.points[0].w).norm(); }) <= flat)
     return false;
   const Vec3& p = s.points[0].w;
   const Vec3 along = (s.points[1].w - p).normalized();

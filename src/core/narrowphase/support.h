@@ -25,11 +25,19 @@ struct BoxCore {
 };
 
 // A new convex shape joins GJK, EPA and the collision table by one line in each of these two lists.
-inline PointCore coreOf(const Sphere& /*sphere*/) { return {}; }
-inline BoxCore coreOf(const Box& box) { return {0.5 * box.size}; }
+inline PointCore coreOf(const Sphere& /*sphere*/) {
+  return {};
+}
+inline BoxCore coreOf(const Box& box) {
+  return {0.5 * box.size};
+}
 
-inline double coreRadius(const Sphere& sphere) { return sphere.radius; }
-inline double coreRadius(const Box& /*box*/) { return 0.0; }
+inline double coreRadius(const Sphere& sphere) {
+  return sphere.radius;
+}
+inline double coreRadius(const Box& /*box*/) {
+  return 0.0;
+}
 
 /// B's frame seen from A's.
 struct RelativePose {

@@ -11,17 +11,20 @@ namespace rbs {
 /// A motion in closed form: p(t) = p + v s + a s²/2 and q(t) = exp(w s) q, with s = t - t0.
 struct Motion {
   double t0 = 0.0;
-  Pose pose;                  ///< at t0
-  Twist twist;                ///< at t0; w_WB stays constant
-  Vec3 a_W = Vec3::Zero();    ///< constant acceleration
+  Pose pose;                ///< at t0
+  Twist twist;              ///< at t0; w_WB stays constant
+  Vec3 a_W = Vec3::Zero();  ///< constant acceleration
 
   Pose at(double t) const;
   Vec3 velocityAt(double t) const { return twist.v_WB + (t - t0) * a_W; }
 };
 
-/// The first time in [from, to] at which A and B touch while approaching each other, never later than
-/// the truth. A pair that touches or overlaps at `from` and approaches is found at `from`; one that
-/// separates is not found until it comes back. Empty when there is none.
+/// The first time in [from, to] at which A and B touch while approaching each other. It is not later than
+/// the truth by more than rounding, nor earlier by more than it takes to close 1e-14 of the smaller length
+/// (only a pair that turns through hundreds of radians on the way may be answered with an earlier time,
+/// while still apart). A pair that touches or overlaps at `from` (within 1e-12 of the smaller length) and
+/// approaches, or rests and is pressed together, is found at `from`; one that separates is not found until
+/// it comes back. Empty when there is none, and for two planes.
 std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const Shape& b,
                                    const Motion& motion_b, double from, double to);
 

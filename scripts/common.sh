@@ -1,0 +1,17 @@
+# shellcheck shell=bash
+# Sourced by the scripts beside it: where things are, and how the package is built.
+
+# The ROS packages of Debian belong to the system's own Python, so its folder comes first.
+export PATH=/usr/bin:$PATH
+# All of ROS runs on this machine, whose own name need not have an address.
+export ROS_HOSTNAME=localhost
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$root/build
+
+# Builds the given targets.
+build_targets() {
+  "$root/scripts/setup"
+  cmake -S "$root" -B "$build"
+  cmake --build "$build" --parallel "$(nproc)" --target "$@"
+}

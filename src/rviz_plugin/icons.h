@@ -1,0 +1,15 @@
+// The icons of the transport buttons, each in a colour of its own.
+#pragma once
+
+#include <QIcon>
+
+namespace rbs {
+
+inline constexpr int kIconSize = 18;  ///< pixels
+
+QIcon playIcon();   ///< green triangle
+QIcon pauseIcon();  ///< amber bars
+QIcon stepIcon();   ///< blue triangle with a bar
+QIcon resetIcon();  ///< red turning arrow
+
+}  // namespace rbs

@@ -1,0 +1,78 @@
+#include "service_worker.h"
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+namespace rbs {
+
+struct ServiceWorker::Queue {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<Call> calls;
+  ServiceWorker* owner = nullptr;  ///< null once it is gone: the thread then ends
+};
+
+ServiceWorker::ServiceWorker() : queue_(std::make_shared<Queue>()) {
+  queue_->owner = this;
+  std::thread(work, queue_).detach();
+}
+
+ServiceWorker::~ServiceWorker() {
+  const std::lock_guard<std::mutex> lock(queue_->mutex);
+  queue_->owner = nullptr;
+  queue_->calls.clear();
+  queue_->changed.notify_one();
+}
+
+QString ServiceWorker::overdue(double seconds) const {
+  return waited() > seconds ? waiting_.front() : QString();
+}
+
+double ServiceWorker::waited() const {
+  return waiting_.isEmpty() ? 0.0 : 1e-3 * under_way_.elapsed();
+}
+
+void ServiceWorker::post(const std::string& name, Call call) {
+  if (waiting_.isEmpty()) under_way_.start();
+  waiting_.append(QString::fromStdString(name));
+  const std::lock_guard<std::mutex> lock(queue_->mutex);
+  queue_->calls.push_back(std::move(call));
+  queue_->changed.notify_one();
+}
+
+void ServiceWorker::finish(const Answer& answer) {
+  const QString service = waiting_.takeFirst();
+  under_way_.start();
+  Q_EMIT answered(service, answer.success, QString::fromStdString(answer.message));
+  if (answer.then) answer.then();
+}
+
+void ServiceWorker::work(const std::shared_ptr<Queue>& queue) {
+  std::unique_lock<std::mutex> lock(queue->mutex);
+  while (true) {
+    queue->changed.wait(lock, [&] { return !queue->owner || !queue->calls.empty(); });
+    if (!queue->owner) return;
+    const Call call = std::move(queue->calls.front());
+    queue->calls.pop_front();
+    lock.unlock();
+    const Answer answer = answerOf(call);
+    lock.lock();
+    if (!queue->owner) return;
+    // Qt drops the event when the owner is destroyed before it is handled.
+    ServiceWorker* const owner = queue->owner;
+    QMetaObject::invokeMethod(
+        owner, [owner, answer] { owner->finish(answer); }, Qt::QueuedConnection);
+  }
+}
+
+ServiceWorker::Answer ServiceWorker::answerOf(const Call& call) {
+  try {
+    return call();
+  } catch (const std::exception& error) {
+    return Answer{false, error.what(), {}};
+  }
+}
+
+}  // namespace rbs

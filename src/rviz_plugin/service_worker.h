@@ -1,0 +1,74 @@
+// ServiceWorker: calls services on a thread of its own, so that a slow or dead node never stops the GUI.
+#pragma once
+
+#include <ros/service.h>
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QString>
+#include <QStringList>
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace rbs {
+
+/// Calls services one after the other, in the order they were asked for. All but the calls themselves
+/// happens on the thread that made this object.
+class ServiceWorker : public QObject {
+  Q_OBJECT
+ public:
+  ServiceWorker();
+  /// Does not wait for a call that is under way: roscpp has no time-out for it.
+  ~ServiceWorker() override;
+
+  /// Asks for a call. The service's answer has `success` and `message`. `then` gets a successful answer.
+  template <class Service>
+  void call(const std::string& name, const typename Service::Request& request,
+            std::function<void(const typename Service::Response&)> then = {});
+
+  /// Name of the service that has been under way for longer than this; empty when there is none.
+  QString overdue(double seconds) const;
+  /// How long the call under way has lasted, s; 0 when there is none.
+  double waited() const;
+
+ Q_SIGNALS:
+  void answered(const QString& service, bool success, const QString& message);
+
+ private:
+  struct Answer {
+    bool success = false;
+    std::string message;
+    std::function<void()> then;  ///< may be empty
+  };
+  using Call = std::function<Answer()>;
+  struct Queue;
+
+  void post(const std::string& name, Call call);
+  void finish(const Answer& answer);
+  static void work(const std::shared_ptr<Queue>& queue);
+  static Answer answerOf(const Call& call);
+
+  std::shared_ptr<Queue> queue_;  ///< shared with the thread, which may outlive this object
+  QStringList waiting_;           ///< names of the calls without an answer; the first is under way
+  QElapsedTimer under_way_;
+};
+
+template <class Service>
+void ServiceWorker::call(const std::string& name, const typename Service::Request& request,
+                         std::function<void(const typename Service::Response&)> then) {
+  post(name, [name, request, then]() mutable {
+    typename Service::Response response;
+    if (!ros::service::call(name, request, response)) {
+      return Answer{false, "no answer; is the simulator running?", {}};
+    }
+    const bool success = response.success;
+    const std::string message = response.message;
+    if (!success || !then) return Answer{success, message, {}};
+    return Answer{success, message, [then, response] { then(response); }};
+  });
+}
+
+}  // namespace rbs

@@ -1,0 +1,52 @@
+// SimulationPanel: the simulation's controls and its state, as a panel of RViz.
+#pragma once
+
+#include "pipeline_table.h"
+#include "simulator_client.h"
+#include "status_view.h"
+#include "transport_bar.h"
+
+#include <rviz/panel.h>
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPointer>
+#include <QShortcut>
+
+namespace rbs {
+
+/// Greyed while no simulator is heard. The name of the node is saved with the layout as "Node".
+class SimulationPanel : public rviz::Panel {
+  Q_OBJECT
+ public:
+  SimulationPanel();
+  ~SimulationPanel() override;
+
+  void onInitialize() override;
+  void load(const rviz::Config& config) override;
+  void save(rviz::Config config) const override;
+
+ private:
+  void layOut();
+  void connectWidgets();
+  void follow(const QString& node);
+  void show(const rigid_body_sim::Status& status);
+  void showHeard(bool is_heard);
+  void showScenes(const QStringList& names, const QStringList& properties);
+  void tell(const QString& text, bool is_trouble);
+
+  SimulatorClient simulator_;
+  QWidget* controls_;
+  TransportBar* transport_;
+  QComboBox* scenes_;
+  QCheckBox* wind_;
+  QLineEdit* node_;
+  QLabel* message_;
+  StatusView* status_;
+  PipelineTable* pipeline_;
+  QPointer<QShortcut> wind_key_;  ///< a child of RViz's window, which may go first
+};
+
+}  // namespace rbs

@@ -1,0 +1,117 @@
+#include "simulator_client.h"
+
+#include <rigid_body_sim/ListScenes.h>
+#include <rigid_body_sim/LoadScene.h>
+#include <rigid_body_sim/SetSpeed.h>
+#include <rigid_body_sim/Step.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+namespace rbs {
+namespace {
+
+constexpr int kWatchPeriod = 250;  // ms
+constexpr int kSilence = 2000;     // ms without a status, after which the node counts as gone
+constexpr double kPatience = 2.0;  // s without an answer, after which the user is told
+
+}  // namespace
+
+SimulatorClient::SimulatorClient() {
+  connect(&worker_, &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
+  connect(&watchdog_, &QTimer::timeout, this, &SimulatorClient::watch);
+  watchdog_.start(kWatchPeriod);
+}
+
+void SimulatorClient::follow(const QString& node) {
+  node_ = node;
+  setHeard(false);
+  status_.shutdown();
+  try {
+    status_ = ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this);
+  } catch (const ros::InvalidNameException& error) {
+    Q_EMIT told(QString::fromStdString(error.what()), true);
+  }
+}
+
+void SimulatorClient::receive(const rigid_body_sim::Status& status) {
+  last_heard_.start();
+  wind_ = status.wind;
+  setHeard(true);
+  Q_EMIT statusReceived(status);
+}
+
+void SimulatorClient::watch() {
+  if (is_heard_ && last_heard_.elapsed() > kSilence) setHeard(false);
+  const QString service = worker_.overdue(kPatience);
+  if (service.isEmpty()) return;
+  Q_EMIT told(QString("%1: no answer for %2 s").arg(service).arg(int(worker_.waited())), true);
+}
+
+void SimulatorClient::setHeard(bool is_heard) {
+  if (is_heard == is_heard_) return;
+  is_heard_ = is_heard;
+  Q_EMIT heardChanged(is_heard);
+  if (is_heard) listScenes();
+}
+
+void SimulatorClient::listScenes() {
+  using rigid_body_sim::ListScenes;
+  worker_.call<ListScenes>(inNode("list_scenes"), {}, [this](const ListScenes::Response& response) {
+    QStringList names, properties;
+    for (const std::string& name : response.names) names.append(QString::fromStdString(name));
+    for (const std::string& text : response.properties) properties.append(QString::fromStdString(text));
+    Q_EMIT scenesListed(names, properties);
+  });
+}
+
+void SimulatorClient::tellAnswer(const QString& service, bool success, const QString& message) {
+  if (success && service.endsWith("/list_scenes")) return;  // the user did not ask for it
+  Q_EMIT told(success ? message : QString("%1: %2").arg(service, message), !success);
+}
+
+std::string SimulatorClient::inNode(const char* name) const {
+  return node_.toStdString() + "/" + name;
+}
+
+template <class Service>
+void SimulatorClient::call(const char* service, const typename Service::Request& request) {
+  worker_.call<Service>(inNode(service), request);
+}
+
+void SimulatorClient::resume() {
+  call<std_srvs::Trigger>("resume", {});
+}
+
+void SimulatorClient::pause() {
+  call<std_srvs::Trigger>("pause", {});
+}
+
+void SimulatorClient::reset() {
+  call<std_srvs::Trigger>("reset", {});
+}
+
+void SimulatorClient::step(int steps) {
+  rigid_body_sim::Step::Request request;
+  request.n = steps;
+  call<rigid_body_sim::Step>("step", request);
+}
+
+void SimulatorClient::setSpeed(double factor) {
+  rigid_body_sim::SetSpeed::Request request;
+  request.factor = factor;
+  call<rigid_body_sim::SetSpeed>("set_speed", request);
+}
+
+void SimulatorClient::loadScene(const QString& name) {
+  rigid_body_sim::LoadScene::Request request;
+  request.name = name.toStdString();
+  call<rigid_body_sim::LoadScene>("load_scene", request);
+}
+
+void SimulatorClient::enableWind(bool on) {
+  std_srvs::SetBool::Request request;
+  request.data = on;
+  call<std_srvs::SetBool>("enable_wind", request);
+}
+
+}  // namespace rbs

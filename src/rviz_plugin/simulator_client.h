@@ -1,0 +1,66 @@
+// SimulatorClient: the simulator as the panel sees it, what it says and what it can be asked for.
+#pragma once
+
+#include "service_worker.h"
+
+#include <rigid_body_sim/Status.h>
+#include <ros/ros.h>
+
+#include <QElapsedTimer>
+#include <QObject>
+#include <QString>
+#include <QStringList>
+#include <QTimer>
+
+namespace rbs {
+
+/// Follows one node. It may start, die and come back at any time. Lives on the GUI thread, where RViz also
+/// handles the messages of subscribers.
+class SimulatorClient : public QObject {
+  Q_OBJECT
+ public:
+  SimulatorClient();
+
+  /// Follows the node of this name, relative to the namespace of RViz unless it begins with '/'. A name
+  /// that ROS does not take is told through told() and leaves nothing followed.
+  void follow(const QString& node);
+  const QString& node() const { return node_; }
+
+  void resume();
+  void pause();
+  void step(int steps);
+  void reset();
+  void setSpeed(double factor);  ///< times real time; 0 is as fast as possible
+  void loadScene(const QString& name);
+  void enableWind(bool on);
+  void toggleWind() { enableWind(!wind_); }
+
+ Q_SIGNALS:
+  void statusReceived(const rigid_body_sim::Status& status);
+  void heardChanged(bool is_heard);
+  /// The catalogue of the node: names, and what each scene shows.
+  void scenesListed(const QStringList& names, const QStringList& properties);
+  /// A sentence for the user: an answer, a refusal, or that there is no answer.
+  void told(const QString& text, bool is_trouble);
+
+ private:
+  void receive(const rigid_body_sim::Status& status);
+  void watch();
+  void setHeard(bool is_heard);
+  void listScenes();
+  void tellAnswer(const QString& service, bool success, const QString& message);
+  template <class Service>
+  void call(const char* service, const typename Service::Request& request);
+  std::string inNode(const char* name) const;
+
+  ServiceWorker worker_;
+  ros::NodeHandle ros_;
+  ros::Subscriber status_;
+  QString node_;
+  QTimer watchdog_;
+  QElapsedTimer last_heard_;
+  bool is_heard_ = false;
+  bool wind_ = false;
+};
+
+}  // namespace rbs

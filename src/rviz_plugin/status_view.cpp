@@ -1,0 +1,62 @@
+#include "status_view.h"
+
+namespace rbs {
+namespace {
+
+QString speedInWords(const rigid_body_sim::Status& status) {
+  const QString asked =
+      status.requested_speed == 0.0 ? "max" : QString::number(status.requested_speed, 'g', 3) + " ×";
+  if (status.paused) return "paused, " + asked;
+  if (status.achieved_speed == 0.0) return asked;  // not yet measured
+  return QString::number(status.achieved_speed, 'f', 2) + " of " + asked;
+}
+
+/// A length that is small beside the bodies.
+QString smallLength(double metres) {
+  if (metres == 0.0) return "0";
+  return metres < 1e-3 ? QString::number(1e6 * metres, 'g', 3) + " µm"
+                       : QString::number(1e3 * metres, 'g', 3) + " mm";
+}
+
+}  // namespace
+
+StatusView::StatusView() : grid_(new QGridLayout(this)) {
+  grid_->setContentsMargins(0, 0, 0, 0);
+  grid_->setHorizontalSpacing(6);
+  grid_->setVerticalSpacing(1);
+  grid_->setColumnStretch(1, 1);
+  grid_->setColumnStretch(3, 1);
+  time_ = addNumber(0, 0, "Time", "Physics time since the scene began");
+  speed_ = addNumber(0, 2, "Speed", "Achieved speed of the speed asked for, times real time");
+  bodies_ = addNumber(1, 0, "Bodies", "All bodies of the world");
+  contacts_ = addNumber(1, 2, "Contacts", "Points where bodies touch or nearly touch");
+  energy_ =
+      addNumber(2, 0, "Energy", "Kinetic and potential energy; the potential one is zero at the origin");
+  impacts_ = addNumber(2, 2, "Impacts", "Impacts of the last step");
+  deepest_ = addNumber(3, 0, "Deepest", "Deepest penetration at the end of the last step");
+  step_time_ = addNumber(3, 2, "Step", "Wall time of the last step");
+}
+
+QLabel* StatusView::addNumber(int row, int column, const QString& name, const QString& tip) {
+  auto* title = new QLabel(name);
+  auto* number = new QLabel("–");
+  title->setToolTip(tip);
+  number->setToolTip(tip);
+  grid_->addWidget(title, row, column);
+  grid_->addWidget(number, row, column + 1);
+  return number;
+}
+
+void StatusView::show(const rigid_body_sim::Status& status) {
+  const double energy = status.kinetic_energy + status.potential_energy;
+  time_->setText(QString::number(status.time, 'f', 3) + " s");
+  speed_->setText(speedInWords(status));
+  bodies_->setText(QString::number(status.bodies));
+  contacts_->setText(QString::number(status.contacts));
+  energy_->setText(QString::number(energy, 'g', 5) + " J");
+  impacts_->setText(QString::number(status.impacts));
+  deepest_->setText(smallLength(status.deepest_penetration));
+  step_time_->setText(QString::number(1e3 * status.step_seconds, 'f', 3) + " ms");
+}
+
+}  // namespace rbs

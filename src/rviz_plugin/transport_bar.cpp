@@ -1,0 +1,81 @@
+#include "transport_bar.h"
+
+#include "icons.h"
+
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QSignalBlocker>
+
+namespace rbs {
+namespace {
+
+QSpinBox* makeSteps() {
+  auto* box = new QSpinBox;
+  box->setRange(1, 1000);
+  box->setToolTip("Steps to take at a press of the button before");
+  return box;
+}
+
+QDoubleSpinBox* makeSpeed() {
+  auto* box = new QDoubleSpinBox;
+  box->setRange(0.0, 100.0);
+  box->setSingleStep(0.1);
+  box->setValue(1.0);
+  box->setSuffix(" ×");
+  box->setSpecialValueText("max");
+  box->setKeyboardTracking(false);
+  box->setToolTip("Speed, times real time; 0 is as fast as possible");
+  return box;
+}
+
+}  // namespace
+
+TransportBar::TransportBar(SimulatorClient& simulator)
+    : simulator_(simulator), steps_(makeSteps()), speed_(makeSpeed()) {
+  auto* row = new QHBoxLayout(this);
+  row->setContentsMargins(0, 0, 0, 0);
+  row->setSpacing(4);
+  play_ = addButton(playIcon(), "Run");
+  QToolButton* const reset = addButton(resetIcon(), "Reset: back to the scene as it was loaded");
+  step_ = addButton(stepIcon(), "Step, while paused");
+  row->addWidget(steps_);
+  row->addStretch();
+  row->addWidget(new QLabel("Speed"));
+  row->addWidget(speed_);
+
+  connect(play_, &QToolButton::clicked, this, &TransportBar::playOrPause);
+  connect(step_, &QToolButton::clicked, this, [this] { simulator_.step(steps_->value()); });
+  connect(reset, &QToolButton::clicked, &simulator_, &SimulatorClient::reset);
+  connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
+}
+
+QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
+  auto* button = new QToolButton;
+  button->setIcon(icon);
+  button->setIconSize(QSize(kIconSize, kIconSize));
+  button->setToolTip(tip);
+  layout()->addWidget(button);
+  return button;
+}
+
+void TransportBar::playOrPause() {
+  if (is_paused_) {
+    simulator_.resume();
+  } else {
+    simulator_.pause();
+  }
+}
+
+void TransportBar::show(const rigid_body_sim::Status& status) {
+  step_->setEnabled(status.paused);
+  if (!speed_->hasFocus()) {
+    const QSignalBlocker quiet(speed_);
+    speed_->setValue(status.requested_speed);
+  }
+  if (status.paused == is_paused_) return;
+  is_paused_ = status.paused;
+  play_->setIcon(is_paused_ ? playIcon() : pauseIcon());
+  play_->setToolTip(is_paused_ ? "Run" : "Pause");
+}
+
+}  // namespace rbs

@@ -1,0 +1,416 @@
+#!/usr/bin/python3
+"""Interactive bodies, driven by the messages that RViz sends for a mouse."""
+import time
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from rigid_body_sim.msg import BodySpec
+from rigid_body_sim.srv import GetBody, ListBodies, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
+from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate
+
+GIZMO = "selection.gizmo"
+FACES = ["selection." + face for face in ("+x", "-x", "+y", "-y", "+z", "-z")]
+PATIENCE = 20.0  # s of wall time before a wait counts as failed
+
+
+def call(service, service_type, /, **request):
+    rospy.wait_for_service("/sim/" + service, PATIENCE)
+    answer = rospy.ServiceProxy("/sim/" + service, service_type)(**request)
+    assert answer.success, "%s: %s" % (service, answer.message)
+    return answer
+
+
+def body(name):
+    return call("get_body", GetBody, name=name).body
+
+
+def position(name):
+    p = body(name).pose.position
+    return [p.x, p.y, p.z]
+
+
+def pose_at(x, y, z):
+    return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
+
+
+def distance(a, b):
+    return sum((u - v) ** 2 for u, v in zip(a, b)) ** 0.5
+
+
+def wait(condition, what):
+    deadline = time.time() + PATIENCE
+    while time.time() < deadline:
+        if condition():
+            return
+        time.sleep(0.02)
+    raise AssertionError("waited in vain until " + what)
+
+
+class Client:
+    """What an RViz knows of the server, and its mouse."""
+
+    def __init__(self, name):
+        self.name = name
+        self.markers = {}
+        self.subscriber = rospy.Subscriber("/sim/interactive_bodies/update_full", InteractiveMarkerInit,
+                                           self.receive)
+        self.publisher = rospy.Publisher("/sim/interactive_bodies/feedback", Feedback, queue_size=100)
+        wait(lambda: self.publisher.get_num_connections() > 0, "the server listens")
+
+    def receive(self, message):
+        self.markers = {marker.name: marker for marker in message.markers}
+
+    def close(self):
+        self.subscriber.unregister()
+
+    def wait_for(self, *names):
+        wait(lambda: all(name in self.markers for name in names), "%s are shown" % (names,))
+
+    def wait_without(self, *names):
+        wait(lambda: not any(name in self.markers for name in names), "%s are gone" % (names,))
+
+    def titles(self, name):
+        return {entry.title: entry.id for entry in self.markers[name].menu_entries}
+
+    def send(self, event, marker, pose, hit=None, entry=0):
+        feedback = Feedback(client_id=self.name, marker_name=marker, event_type=event, pose=pose,
+                            menu_entry_id=entry)
+        feedback.header.frame_id = "world"
+        if hit is not None:
+            feedback.mouse_point_valid = True
+            feedback.mouse_point = Point(*hit)
+        self.publisher.publish(feedback)
+
+    def press(self, marker, pose=None, hit=None):
+        self.send(Feedback.MOUSE_DOWN, marker, pose or self.markers[marker].pose, hit)
+
+    def move(self, marker, pose):
+        self.send(Feedback.POSE_UPDATE, marker, pose)
+
+    def hold_still(self, marker, pose):
+        self.send(Feedback.KEEP_ALIVE, marker, pose)
+
+    def release(self, marker, pose):
+        # RViz sends what is left of the motion after the button is up.
+        self.send(Feedback.MOUSE_UP, marker, pose)
+        self.send(Feedback.POSE_UPDATE, marker, pose)
+
+    def click(self, name):
+        pose = body(name).pose
+        self.press(name, pose, [pose.position.x, pose.position.y, pose.position.z])
+        self.release(name, pose)
+        self.wait_for(GIZMO)
+
+    def choose(self, name, title, hit=None):
+        pose = body(name).pose
+        self.send(Feedback.MENU_SELECT, name, pose, hit, self.titles(name)[title])
+
+
+class InteractiveBodiesTest(unittest.TestCase):
+    def setUp(self):
+        """A box of 1 m and a ball of 1 m that float at rest, 4 m apart; paused."""
+        call("pause", Trigger)
+        call("clear", Trigger)
+        call("set_gravity", SetGravity, gravity=Vector3(0, 0, 0))
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="crate", shape="box", size=Vector3(1, 1, 1), pose=pose_at(0, 0, 5)),
+            BodySpec(name="ball", shape="sphere", size=Vector3(1, 1, 1), pose=pose_at(4, 0, 5))])
+        self.client = Client("rviz")
+        self.client.wait_for("crate", "ball")
+        self.client.wait_without(GIZMO, *FACES)  # of the test before
+
+    def tearDown(self):
+        self.client.close()
+
+    # --- picking
+
+    def test_every_body_is_a_light_target_of_its_size(self):
+        self.assertEqual(set(self.client.markers), {"crate", "ball"})
+        for name in ("crate", "ball"):
+            marker = self.client.markers[name]
+            self.assertEqual(marker.header.frame_id, "world")
+            self.assertTrue(marker.header.stamp.is_zero(), "stamped markers need tf and answer in any frame")
+            [control] = marker.controls
+            [shape] = control.markers
+            self.assertLessEqual(len(shape.points), 60, "each target is sent many times")
+            self.assertGreater(shape.color.a, 0.0, "RViz logs a complaint for each invisible marker")
+            self.assertLess(shape.color.a, 0.05)
+        # Every face is outside the drawn body, or the mouse would meet that first.
+        [[cube]] = [control.markers for control in self.client.markers["crate"].controls]
+        for extent in (cube.scale.x, cube.scale.y, cube.scale.z):
+            self.assertGreater(extent, 1.0)
+            self.assertLess(extent, 1.1)
+        [[ball]] = [control.markers for control in self.client.markers["ball"].controls]
+        self.assertEqual(len(ball.points), 60)
+        for a, b, c in zip(*[iter(ball.points)] * 3):
+            middle = [(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, (a.z + b.z + c.z) / 3]
+            self.assertAlmostEqual(distance(middle, [0, 0, 0]), 1.02 * 0.5)
+
+    def test_a_click_selects_and_changes_nothing(self):
+        before = body("crate")
+        self.client.click("crate")
+        self.assertEqual(body("crate").pose, before.pose)
+        gizmo = self.client.markers[GIZMO]
+        self.assertEqual(sorted(control.name for control in gizmo.controls),
+                         ["move_x", "move_y", "move_z", "turn_x", "turn_y", "turn_z"])
+        self.assertAlmostEqual(gizmo.pose.position.x, 0.0)
+        self.client.click("ball")
+        wait(lambda: abs(self.client.markers[GIZMO].pose.position.x - 4.0) < 1e-6, "the gizmo is at the ball")
+
+    def test_a_name_selects(self):
+        publisher = rospy.Publisher("/sim/select", String, queue_size=1, latch=True)
+        publisher.publish("ball")
+        self.client.wait_for(GIZMO)
+        self.assertAlmostEqual(self.client.markers[GIZMO].pose.position.x, 4.0)
+        publisher.publish("")
+        self.client.wait_without(GIZMO)
+        publisher.unregister()
+
+    def test_a_client_opened_while_paused_sees_and_drags(self):
+        self.client.close()
+        self.client = Client("late_rviz")
+        self.client.wait_for("crate", "ball")
+        time.sleep(1.1)  # for so long the server keeps a marker for the client that used it last
+        self.client.press("crate", hit=[0, 0, 5])
+        self.client.move("crate", pose_at(0, 1, 5))
+        wait(lambda: distance(position("crate"), [0, 1, 5]) < 1e-9, "the late client has moved the crate")
+        self.client.release("crate", pose_at(0, 1, 5))
+        time.sleep(1.1)
+
+    def test_of_many_bodies_the_nearest_to_the_click_are_targets(self):
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="n%d" % i, shape="sphere", size=Vector3(0.1, 0.1, 0.1), pose=pose_at(i, 9, 5))
+            for i in range(400)])
+        wait(lambda: len(self.client.markers) == 300, "300 targets are left")
+        publisher = rospy.Publisher("/sim/select", String, queue_size=1, latch=True)
+        publisher.publish("n399")
+        self.client.wait_for("n399", "n398", GIZMO)
+        self.client.wait_without("crate")
+        self.assertEqual(len(self.client.markers), 301)
+        publisher.unregister()
+
+    # --- dragging the body
+
+    def test_paused_drag_puts_the_body_there(self):
+        self.client.press("crate", hit=[0.5, 0.2, 5.1])
+        self.client.move("crate", pose_at(0, 2, 6))
+        wait(lambda: distance(position("crate"), [0, 2, 6]) < 1e-9, "the crate has moved at once")
+        self.client.release("crate", pose_at(0, 3, 7))
+        wait(lambda: distance(position("crate"), [0, 3, 7]) < 1e-9, "the last motion counts")
+        wait(lambda: abs(self.client.markers["crate"].pose.position.y - 3) < 1e-6, "the target is there too")
+
+    def test_running_drag_pulls_and_lets_go_with_its_velocity(self):
+        call("resume", Trigger)
+        self.client.press("crate", hit=[0, 0, 5])
+        y = 0.0
+        while y < 3.0:  # 3 m at about 2 m/s
+            y += 0.04
+            self.client.move("crate", pose_at(0, y, 5))
+            time.sleep(0.02)
+        self.client.release("crate", pose_at(0, y, 5))
+        readings = [body("crate")]
+
+        def flies_freely():  # without a force its velocity stays
+            time.sleep(0.1)
+            readings.append(body("crate"))
+            return readings[-1].twist == readings[-2].twist
+        wait(flies_freely, "the hand has let go")
+        thrown = readings[-1]
+        self.assertGreater(thrown.twist.linear.y, 0.5)
+        wait(lambda: body("crate").pose.position.y > thrown.pose.position.y + 2.0, "the crate flies on")
+        self.assertAlmostEqual(body("crate").twist.linear.y, thrown.twist.linear.y, places=6)
+
+    def test_a_pull_at_a_corner_turns_the_body(self):
+        call("resume", Trigger)
+        self.client.press("crate", hit=[0.5, 0.5, 5])
+        for _ in range(100):
+            self.client.move("crate", pose_at(0, 1, 5))
+            time.sleep(0.02)
+            if abs(body("crate").pose.orientation.z) > 0.05:
+                break
+        self.assertGreater(body("crate").pose.orientation.z, 0.05)
+        self.client.release("crate", pose_at(0, 1, 5))
+
+    def test_a_dragged_marker_is_replaced_only_after_the_drag(self):
+        replaced = []
+
+        def note(update):
+            replaced.extend(marker.name for marker in update.markers)
+        subscriber = rospy.Subscriber("/sim/interactive_bodies/update", InteractiveMarkerUpdate, note)
+        wait(lambda: subscriber.get_num_connections() > 0, "updates come in")
+        self.client.press("crate", hit=[0, 0, 5])
+        self.client.move("crate", pose_at(0, 1, 5))
+        wait(lambda: distance(position("crate"), [0, 1, 5]) < 1e-9, "the drag is on")
+        del replaced[:]
+        for name in ("ball", "crate"):
+            call("resize_body", ResizeBody, name=name, factor=2.0)
+        wait(lambda: "ball" in replaced, "the target of the ball has grown")
+        self.client.hold_still("crate", pose_at(0, 1, 5))
+        self.assertNotIn("crate", replaced)
+        self.client.release("crate", pose_at(0, 1, 5))
+        wait(lambda: "crate" in replaced, "the target of the crate has grown")
+        subscriber.unregister()
+
+    def test_a_static_body_is_put_even_while_running(self):
+        call("set_body", SetBody, name="crate", is_static=[True])
+        call("resume", Trigger)
+        self.client.press("crate", hit=[0, 0, 5])
+        self.client.move("crate", pose_at(0, 2, 5))
+        wait(lambda: distance(position("crate"), [0, 2, 5]) < 1e-9, "the static crate has moved")
+        self.client.release("crate", pose_at(0, 2, 5))
+
+    # --- dragging the gizmo
+
+    def test_paused_gizmo_puts_the_body_there(self):
+        self.client.click("crate")
+        self.client.press(GIZMO)
+        target = Pose(Point(1, 2, 6), Quaternion(0, 0, 0.6, 0.8))
+        self.client.move(GIZMO, target)
+        wait(lambda: distance(position("crate"), [1, 2, 6]) < 1e-9, "the crate has moved at once")
+        self.assertAlmostEqual(body("crate").pose.orientation.z, 0.6)
+        self.client.release(GIZMO, target)
+
+    def test_running_gizmo_carries_against_gravity_and_leaves_at_rest(self):
+        self.client.click("crate")
+        call("set_gravity", SetGravity, gravity=Vector3(0, 0, -9.81))
+        call("resume", Trigger)
+        self.client.press(GIZMO)
+        target = pose_at(0, 2, 6)
+
+        def arrives():
+            self.client.move(GIZMO, target)
+            return distance(position("crate"), [0, 2, 6]) < 1e-6
+        wait(arrives, "the crate is carried there")
+        for _ in range(10):
+            self.client.hold_still(GIZMO, target)
+            time.sleep(0.1)
+            self.assertLess(distance(position("crate"), [0, 2, 6]), 1e-6)
+        self.client.release(GIZMO, target)
+        wait(lambda: position("crate")[2] < 5.5, "the crate falls")
+        fallen, v = position("crate"), body("crate").twist.linear
+        self.assertAlmostEqual(fallen[0], 0.0, places=6)
+        self.assertAlmostEqual(fallen[1], 2.0, places=6)
+        self.assertAlmostEqual(v.y, 0.0, places=6)
+
+    def test_silence_lets_go(self):
+        self.client.click("crate")
+        self.client.press(GIZMO)
+        call("resume", Trigger)
+        call("set_gravity", SetGravity, gravity=Vector3(0, 0, -9.81))
+        for _ in range(15):
+            self.client.hold_still(GIZMO, pose_at(0, 0, 5))
+            time.sleep(0.1)
+        self.assertLess(distance(position("crate"), [0, 0, 5]), 1e-6)
+        wait(lambda: position("crate")[2] < 4.5, "the crate falls, since the client is silent")
+
+    def test_deleting_in_mid_drag_is_safe(self):
+        for pause_or_resume in ("pause", "resume"):
+            call(pause_or_resume, Trigger)
+            name = "doomed_" + pause_or_resume
+            call("spawn_bodies", SpawnBodies, bodies=[BodySpec(name=name, pose=pose_at(0, 5, 5))])
+            self.client.wait_for(name)
+            self.client.press(name, hit=[0, 5, 5])
+            self.client.move(name, pose_at(0, 6, 5))
+            call("delete_body", NamedBody, name=name)
+            self.client.move(name, pose_at(0, 7, 5))
+            self.client.release(name, pose_at(0, 7, 5))
+            self.client.wait_without(name, GIZMO)
+            self.assertNotIn(name, call("list_bodies", ListBodies).names)
+
+    def test_nonsense_is_ignored(self):
+        nan = float("nan")
+        self.client.press("crate", hit=[nan, nan, nan])
+        self.client.move("crate", pose_at(nan, 0, 5))
+        self.client.move("crate", pose_at(1e30, 0, 5))
+        self.client.release("crate", pose_at(float("inf"), 0, 5))
+        self.client.send(Feedback.MENU_SELECT, "crate", pose_at(0, 0, 5), entry=99)
+        self.client.send(77, "crate", pose_at(0, 0, 5))
+        self.client.press("nobody", pose_at(0, 0, 5))
+        self.client.click("ball")  # done after all of that
+        self.assertLess(distance(position("crate"), [0, 0, 5]), 1e-9)
+        wait(lambda: self.client.markers["crate"].pose == pose_at(0, 0, 5), "the target is back at the crate")
+
+    # --- resizing
+
+    def drag_handle(self, face, dx, dy, dz):
+        handle = self.client.markers[face].pose
+        self.client.press(face)
+        p = handle.position
+        moved = Pose(Point(p.x + dx, p.y + dy, p.z + dz), handle.orientation)
+        self.client.move(face, moved)
+        self.client.release(face, moved)
+
+    def test_a_handle_moves_its_face_and_the_opposite_one_stays(self):
+        self.client.choose("crate", "Resize")
+        self.client.wait_for(*FACES)
+        self.assertNotIn(GIZMO, self.client.markers)
+        self.drag_handle("selection.+x", 0.5, 0, 0)
+        wait(lambda: abs(body("crate").description.size.x - 1.5) < 1e-6, "the crate is longer")
+        self.assertAlmostEqual(position("crate")[0], 0.25)
+        self.drag_handle("selection.-z", 0, 0, -1.0)
+        wait(lambda: abs(body("crate").description.size.z - 2.0) < 1e-6, "the crate is deeper")
+        self.assertAlmostEqual(position("crate")[2], 4.5)
+        self.assertAlmostEqual(body("crate").description.size.y, 1.0)
+        self.assertAlmostEqual(body("crate").description.mass, 1000 * 1.5 * 2.0)
+        self.client.choose("crate", "Resize")
+        self.client.wait_without(*FACES)
+        self.client.wait_for(GIZMO)
+
+    def test_a_face_cannot_pass_the_opposite_one(self):
+        self.client.choose("crate", "Resize")
+        self.client.wait_for(*FACES)
+        self.drag_handle("selection.+y", 0, -5.0, 0)
+        wait(lambda: body("crate").description.size.y < 0.5, "the crate is flat")
+        self.assertGreater(body("crate").description.size.y, 0.0)
+        self.assertAlmostEqual(position("crate")[1] - 0.5 * body("crate").description.size.y, -0.5)
+
+    def test_a_handle_of_a_sphere_changes_its_diameter(self):
+        self.client.choose("ball", "Resize")
+        self.client.wait_for(*FACES)
+        self.drag_handle("selection.+z", 0, 0, 1.0)
+        wait(lambda: abs(body("ball").description.size.x - 2.0) < 1e-6, "the ball is larger")
+        self.assertAlmostEqual(position("ball")[2], 5.5)  # its lowest point stays
+
+    # --- the menu
+
+    def test_menu_delete(self):
+        self.client.choose("crate", "Delete")
+        self.client.wait_without("crate", GIZMO)
+        self.assertNotIn("crate", call("list_bodies", ListBodies).names)
+
+    def test_menu_duplicate(self):
+        call("set_body", SetBody, name="crate", density=250.0)
+        self.client.choose("crate", "Duplicate")
+        wait(lambda: len(call("list_bodies", ListBodies).names) == 3, "there is a third body")
+        copy = body(call("list_bodies", ListBodies).names[2])
+        self.assertAlmostEqual(copy.description.mass, 250.0)
+        self.assertAlmostEqual(copy.description.size.x, 1.0)
+        self.assertGreater(copy.pose.position.z, 6.0)
+        self.client.wait_for(copy.description.name)
+
+    def test_menu_static_and_dynamic(self):
+        self.assertNotIn("Make dynamic", self.client.titles("crate"))
+        self.client.choose("crate", "Make static")
+        wait(lambda: body("crate").description.kind == "static", "the crate is static")
+        wait(lambda: "Make dynamic" in self.client.titles("crate"), "the menu offers the way back")
+        self.assertNotIn("Push", self.client.titles("crate"))
+        self.client.choose("crate", "Make dynamic")
+        wait(lambda: body("crate").description.kind == "dynamic", "the crate is dynamic")
+
+    def test_menu_push_goes_away_from_the_viewer(self):
+        self.client.choose("crate", "Push", hit=[0, -0.5, 5])
+        wait(lambda: body("crate").twist.linear.y > 0.5, "the crate is pushed away")
+        twist = body("crate").twist
+        self.assertGreater(twist.linear.z, 0.1)
+        self.assertAlmostEqual(twist.linear.x, 0.0)
+        self.assertAlmostEqual(twist.angular.x, 0.0)
+
+
+if __name__ == "__main__":
+    rospy.init_node("interactive_bodies_test")
+    rostest.rosrun("rigid_body_sim", "interactive_bodies", InteractiveBodiesTest)
