@@ -31,7 +31,7 @@ STEP_BLUE = (0x2f, 0x6f, 0xbf)
 
 
 def call(service, kind, *arguments):
-    rospy.wait_for_service('/sim/' + service)
+    rospy.wait_for_service('/sim/' + service, rviz_driver.PATIENCE)
     answer = rospy.ServiceProxy('/sim/' + service, kind)(*arguments)
     if not answer.success:
         raise AssertionError('%s: %s' % (service, answer.message))
@@ -46,9 +46,13 @@ def position(body):
 class Simulator:
     """The node, as a process that can be killed and started again."""
 
+    process = None
+
     def start(self):
-        program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
-        self.process = subprocess.Popen([program, '__name:=sim'])
+        """Does nothing when it runs already."""
+        if self.process is None or self.process.poll() is not None:
+            program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
+            self.process = subprocess.Popen([program, '__name:=sim'])
 
     def kill(self):
         self.process.kill()
@@ -80,7 +84,7 @@ class GuiTest(unittest.TestCase):
     def setUpClass(cls):
         cls.simulator = Simulator()
         cls.simulator.start()
-        cls.addClassCleanup(lambda: cls.simulator.kill())
+        cls.addClassCleanup(cls.simulator.kill)
         cls.status = LastStatus()
         wait_until(cls.status, 'the simulator says how it is')
         cls.screen = rviz_driver.Screen().__enter__()
@@ -91,6 +95,7 @@ class GuiTest(unittest.TestCase):
 
     def setUp(self):
         """A paused world as it was loaded, in a picture at rest."""
+        self.simulator.start()
         call('pause', Trigger)
         call('reset', Trigger)
         self.wait_for_status(lambda s: s.paused and s.time == 0.0, 'paused and reset')

@@ -66,6 +66,8 @@ struct Point {
   double rho;           // 1/(largest eigenvalue of the response in the contact plane), kg
   double l_n = 0.0;     // impulses of this sub-step, N s
   Eigen::Vector2d l_t{0.0, 0.0};
+  double guess_n = 0.0;  // the forces it began with, N
+  Vec3 guess_t_W{0.0, 0.0, 0.0};
   double sum_n = 0.0;   // over all sub-steps
   Eigen::Vector2d sum_t{0.0, 0.0};
   double open;          // gap now, m
@@ -237,6 +239,8 @@ void Solver::preparePoint(const Block& block, Point& point, const ContactPair& p
   for (Index t = pair.first; t < pair.first + pair.size; ++t) {
     const Touch& touch = contacts.touches[t];
     if (touch.feature != point.feature) continue;
+    point.guess_n = touch.normal;
+    point.guess_t_W = touch.friction_W;
     point.l_n = touch.normal * h_;
     if (block.mu > 0.0) point.l_t = h_ * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
     break;
@@ -385,7 +389,10 @@ void Solver::drift() {
 
 // --- results
 
+// The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut off,
+// the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
 void Solver::store() {
+  const double rest = std::max(context_.step.h() / subSteps(context_.scene.settings.fidelity) - h_, 0.0);
   Bodies& bodies = context_.scene.bodies;
   for (const SolverBody& s : bodies_) {
     if (context_.step.island[s.body] == kNone) continue;
@@ -402,8 +409,8 @@ void Solver::store() {
       const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 { return t.x() * block.t1 + t.y() * block.t2; };
       Touch touch;
       touch.feature = point.feature;
-      touch.normal = point.l_n / h_;
-      touch.friction_W = inPlane(point.l_t) / h_;
+      touch.normal = (point.l_n + rest * point.guess_n) / (h_ + rest);
+      touch.friction_W = (inPlane(point.l_t) + rest * point.guess_t_W) / (h_ + rest);
       touch.p_W = point.p_W + 0.5 * (bodies_[block.i].moved + bodies_[block.j].moved);
       touch.n_W = block.n;
       touch.separation = gapNow(block, point);
