@@ -95,39 +95,37 @@ class ImpactLoop {
 
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
-  // Brings both islands to the impact if the budget allows; a flying body always is. An island that is not
-  // cut takes its part of the impact where it is, a fraction of a step early.
+  // Brings both islands to the impact if the budget allows it. If it does not, both bodies take their part of
+  // the impact where they are, a fraction of a step early.
   bool bringBoth(const PendingImpact& impact) {
-    bool in_time = true;
-    for (Island* island : {islandOf(impact.i), islandOf(impact.j)}) {
-      if (!island || island->time >= impact.time) continue;
-      if (island->pairs.size() > cut_budget_) {
-        in_time = false;
-        continue;
-      }
-      cut_budget_ -= island->pairs.size();
-      bringTo(context_, *island, impact.time);
-    }
-    return in_time;
+    std::uint64_t cost = 0;
+    for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island && island->time < impact.time) cost += island->pairs.size();
+    if (cost > cut_budget_) return false;
+    cut_budget_ -= cost;
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island) bringTo(context_, *island, impact.time);
+    return true;
   }
 
   void take(const PendingImpact& impact) {
     const bool in_time = bringBoth(impact);
     const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
     if (outcome == impacts::Outcome::Miss) {
-      if (const auto later = impacts::locate(context_, impact.i, impact.j, impact.time); later && later->time > impact.time) {
+      const auto later = impacts::locate(context_, impact.i, impact.j, impact.time);
+      if (later && later->time > impact.time) {
         queue_.push(*later);
-      } else if (in_time) {
+      } else {
         tie(impact.i, impact.j);
       }
       return;
     }
     ++(in_time ? step_.report.impacts : step_.report.hasty_impacts);
-    if (outcome == impacts::Outcome::Stay && in_time) tie(impact.i, impact.j);
+    if (outcome == impacts::Outcome::Stay) tie(impact.i, impact.j);
     ++step_.stamp[impact.i];
     ++step_.stamp[impact.j];
-    lookAround(impact.i, impact.time);
-    lookAround(impact.j, impact.time);
+    lookAround(impact.i);
+    lookAround(impact.j);
   }
 
   // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
@@ -140,6 +138,9 @@ class ImpactLoop {
       if (a > b) std::swap(a, b);
       Island& kept = step_.islands[a];
       Island& gone = step_.islands[b];
+      const double time = std::max(kept.time, gone.time);
+      bringTo(context_, kept, time);
+      bringTo(context_, gone, time);
       for (const Index body : gone.bodies) step_.island[body] = a;
       append(kept.bodies, gone.bodies);
       append(kept.pairs, gone.pairs);
@@ -178,11 +179,11 @@ class ImpactLoop {
   }
 
   // Finds what body i will meet on its new course.
-  void lookAround(Index i, double time) {
+  void lookAround(Index i) {
     const Bodies& bodies = context_.scene.bodies;
     if (!bodies.traits[i].moved_by_forces()) return;
-    const double from = std::max(time, step_.timeOf(i));
-    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - step_.timeOf(i));
+    const double from = step_.timeOf(i);
+    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
     for (const Index j : context_.scene.rosters.collidable)
       if (j != i && step_.bounds[i].overlaps(step_.bounds[j])) consider(i, j, from);
     for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
@@ -194,7 +195,11 @@ class ImpactLoop {
     const bool contact = pair != kNone && !step_.waits[pair];
     if (contact && !impacts::mayImpact(context_, i, j)) return;
     const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
-    if (impact) queue_.push(*impact);
+    if (impact) {
+      queue_.push(*impact);
+    } else if (pair != kNone && !contact) {
+      tie(std::min(i, j), std::max(i, j));  // it waited for an impact that will not come
+    }
   }
 
   // Past the budget of impacts the contact solver stops what would pass through.
