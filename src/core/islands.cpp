@@ -122,10 +122,11 @@ class ImpactLoop {
     }
     ++(in_time ? step_.report.impacts : step_.report.hasty_impacts);
     if (outcome == impacts::Outcome::Stay) tie(impact.i, impact.j);
-    ++step_.stamp[impact.i];
-    ++step_.stamp[impact.j];
-    lookAround(impact.i);
-    lookAround(impact.j);
+    for (const Index i : {impact.i, impact.j}) {
+      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
+      ++step_.stamp[i];
+      lookAround(i);
+    }
   }
 
   // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
@@ -181,7 +182,6 @@ class ImpactLoop {
   // Finds what body i will meet on its new course.
   void lookAround(Index i) {
     const Bodies& bodies = context_.scene.bodies;
-    if (!bodies.traits[i].moved_by_forces()) return;
     const double from = step_.timeOf(i);
     step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
     for (const Index j : context_.scene.rosters.collidable)

@@ -40,10 +40,13 @@ def wait(condition, what):
 
 def wait_for_quiet(picture):
     """Until nothing has come for a while: longer than any period at which markers are sent."""
-    seen = -1
-    while seen != len(picture.messages):
-        seen = len(picture.messages)
+    seen = []
+
+    def is_quiet():
         time.sleep(0.4)
+        seen.append(len(picture.messages))
+        return len(seen) > 1 and seen[-1] == seen[-2]
+    wait(is_quiet, "no more markers come")
 
 
 def key(marker):
