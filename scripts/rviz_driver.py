@@ -15,6 +15,8 @@ import yaml
 
 PATIENCE = 60.0  # s, for a window to open or a picture to come to rest, on a busy machine
 
+AWAY = (1, 1)    # the pixel where the mouse lights up nothing in the scene
+
 View = collections.namedtuple('View', 'eye target')      # m, in world
 Window = collections.namedtuple('Window', 'id x y width height')
 Picture = collections.namedtuple('Picture', 'width height rgb')  # rgb: three bytes a pixel, by rows
@@ -97,7 +99,7 @@ class Rviz:
             self.__exit__()
             raise
         # There is no window manager to do this, and without it shortcuts do not work.
-        self.screen.xdotool('windowfocus', self.window, 'mousemove', 1, 1)  # away from the bodies, which light up
+        self.screen.xdotool('windowfocus', self.window, 'mousemove', *AWAY)
         return self
 
     def __exit__(self, *error):
@@ -149,14 +151,24 @@ class Rviz:
                 round(self.scene.y + self.scene.height / 2 - scale * dot(from_focus, up)))
 
     def drag(self, start, end, steps=12):
-        """Presses the left button at pixel `start`, moves to `end` and lets go."""
+        """Drags what lies at pixel `start` to `end`, once it can be dragged. Nothing else may move."""
+        wait_until(lambda: self._lights_up(start), 'something to drag at pixel %d, %d' % start)
         mouse = self.screen.xdotool
-        mouse('mousemove', start[0] - 2, start[1] - 2, 'sleep', 0.2, 'mousemove', *start, 'sleep', 0.5)
         mouse('mousedown', 1, 'sleep', 0.2)
         for step in range(1, steps + 1):
             x, y = (round(a + (b - a) * step / steps) for a, b in zip(start, end))
             mouse('mousemove', x, y, 'sleep', 0.05)
         mouse('sleep', 0.3, 'mouseup', 1)
+
+    def _lights_up(self, pixel):
+        """Whether the scene changes while the mouse is at this pixel, which it then is: a handle is there."""
+        def scene_with_mouse_at(x, y):
+            self.screen.xdotool('mousemove', x, y)
+            self.wait_for_rest()
+            return self.screen.picture(self.scene)
+
+        plain, lit, plain_again = (scene_with_mouse_at(*place) for place in (AWAY, pixel, AWAY))
+        return plain == plain_again != lit and lit == scene_with_mouse_at(*pixel)
 
     def click(self, pixel):
         self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, 'click', 1)

@@ -111,7 +111,7 @@ Quat fromMsg(const geometry_msgs::Quaternion& q) {
   const Quat given(q.w, q.x, q.y, q.z);
   const double norm = given.norm();
   if (norm == 0.0 && given.coeffs().isZero(0.0)) return Quat::Identity();
-  return norm > 1e-3 && norm < 1e3 ? given.normalized() : given;
+  return norm > 1e-3 && norm < 1e3 ? Quat(given.normalized()) : given;
 }
 
 Pose fromMsg(const geometry_msgs::Pose& pose) { return {fromMsg(pose.position), fromMsg(pose.orientation)}; }
