@@ -63,7 +63,7 @@ struct StepReport {
   std::uint32_t islands = 0;      ///< groups of bodies that contacts tie together
   std::uint32_t flying = 0;       ///< dynamic bodies advanced in closed form
   std::uint32_t impacts = 0;      ///< impacts located in time and resolved in order
-  std::uint32_t hasty_impacts = 0;///< impacts resolved at the start of their interval, over budget
+  std::uint32_t deferred_impacts = 0;  ///< impacts left to the contact solver, over budget
   double deepest_penetration = 0; ///< m, >= 0, at the end of the step
   std::vector<Warning> warnings;
 };

@@ -18,6 +18,8 @@ constexpr double kFast = 0.5;
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
 // wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
+// A gap that no one misses, as a share of the smaller length.
+constexpr double kSmallGap = 1e-6;
 
 // A body's course from where it has been advanced to. A supported body is foretold to keep its velocity: what
 // carries it cancels its load.
@@ -66,13 +68,14 @@ struct Meeting {
   Manifold manifold;
 };
 
-// The speed below which a rebound would be over within the step: half of what gravity, or whatever else
-// drives the pair together, adds in one.
+// The speed below which a rebound is not worth an impact of its own: it would be over within the step, because
+// gravity, or whatever else drives the pair together, adds twice as much in one; or it would open a gap too
+// small to matter. The second bound makes an end of sequences between three bodies that shrink forever.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
-  return 0.5 * step.h() * a;
+  return std::max(0.5 * step.h() * a, kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h());
 }
 
 double strideOf(const Context& context, Index i) {
@@ -80,6 +83,15 @@ double strideOf(const Context& context, Index i) {
   const Traits& t = bodies.traits[i];
   const double spin = std::holds_alternative<Box>(t.shape) ? bodies.twist[i].w_WB.norm() * t.bounding_radius : 0.0;
   return spin * context.step.h();
+}
+
+bool isFast(const Context& context, Index i, Index j) {
+  const Bodies& bodies = context.scene.bodies;
+  const double h = context.step.h();
+  const Vec3 stride = h * (bodies.twist[j].v_WB - bodies.twist[i].v_WB) +
+                      0.5 * h * h * (context.step.load[j].a_W - context.step.load[i].a_W);
+  return stride.norm() + strideOf(context, i) + strideOf(context, j) >
+         kFast * std::min(bodies.traits[i].inner_radius, bodies.traits[j].inner_radius);
 }
 
 }  // namespace
@@ -91,27 +103,28 @@ Need need(const Census& c) {
   return {true, "no restitution; only for bodies that move half their inner radius in a step"};
 }
 
-bool mayImpact(const Context& context, Index i, Index j) {
+bool canRebound(const Context& context, Index i, Index j) {
   const Bodies& bodies = context.scene.bodies;
-  const Traits& a = bodies.traits[i];
-  const Traits& b = bodies.traits[j];
-  if (a.material.restitution > 0.0 || b.material.restitution > 0.0) return true;
-  const double h = context.step.h();
-  const Vec3 stride = h * (bodies.twist[j].v_WB - bodies.twist[i].v_WB) +
-                      0.5 * h * h * (context.step.load[j].a_W - context.step.load[i].a_W);
-  return stride.norm() + strideOf(context, i) + strideOf(context, j) >
-         kFast * std::min(a.inner_radius, b.inner_radius);
+  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material) > 0.0;
 }
 
+// A pair with a box that touches already impacts now or is left to the contact solver: foretelling how a face
+// rocks on another, to find when it comes back, would cost more than it is worth within a step.
 std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
-  const std::optional<double> time = timeOfImpact(bodies.traits[i].shape, courseOf(context, i), bodies.traits[j].shape,
-                                                  courseOf(context, j), from, step.t1);
-  if (!time) return std::nullopt;
-  const Meeting meeting(context, i, j, *time);
-  if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return std::nullopt;
-  return PendingImpact{*time, std::min(i, j), std::max(i, j), step.stamp[std::min(i, j)], step.stamp[std::max(i, j)]};
+  const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
+  const auto impactAt = [&](const Meeting& meeting, double time) -> std::optional<PendingImpact> {
+    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return std::nullopt;
+    const auto [first, second] = std::minmax(i, j);
+    return PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+  };
+  if (std::holds_alternative<Box>(a) || std::holds_alternative<Box>(b)) {
+    const Meeting now(context, i, j, from);
+    if (now.manifold.size > 0) return impactAt(now, from);
+  }
+  const std::optional<double> time = timeOfImpact(a, courseOf(context, i), b, courseOf(context, j), from, step.t1);
+  return time ? impactAt(Meeting(context, i, j, *time), *time) : std::nullopt;
 }
 
 void find(Context& context) {
@@ -124,7 +137,7 @@ void find(Context& context) {
     }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!mayImpact(context, pairs[k].i, pairs[k].j)) continue;
+    if (!canRebound(context, pairs[k].i, pairs[k].j) && !isFast(context, pairs[k].i, pairs[k].j)) continue;
     if (const auto impact = locate(context, pairs[k].i, pairs[k].j, step.t0)) {
       step.impacts.push_back(*impact);
       step.waits[k] = 1;
@@ -136,18 +149,17 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
   Bodies& bodies = context.scene.bodies;
   Meeting meeting(context, i, j, time);
   const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
-  if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= 0.0) return Outcome::Miss;
+  const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
+  if (speed <= 0.0) return Outcome::Miss;
   const Material& a = bodies.traits[i].material;
   const Material& b = bodies.traits[j].material;
-  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), pairRestitution(a, b));
+  const double restitution = pairRestitution(a, b);
+  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), restitution);
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
   bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;
   bodies.twist[j].w_WB += meeting.b.twist.w_WB - before_b.w_WB;
-  // How fast the points part is how fast they would close if time ran backwards.
-  for (Twist* twist : {&meeting.a.twist, &meeting.b.twist}) twist->v_WB *= -1.0, twist->w_WB *= -1.0;
-  const bool parts = closingSpeed(meeting.a, meeting.b, meeting.manifold) > slowest(context, i, j);
-  return parts ? Outcome::Rebound : Outcome::Stay;
+  return restitution * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
 }
 
 }  // namespace rbs::impacts

@@ -18,8 +18,8 @@ void find(Context& context);
 /// to the contact solver.
 std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from);
 
-/// Whether this pair is to be looked at for impacts at all.
-bool mayImpact(const Context& context, Index i, Index j);
+/// Whether this pair has restitution. One without that is in contact already is left to the contact solver.
+bool canRebound(const Context& context, Index i, Index j);
 
 enum class Outcome {
   Rebound,  ///< the bodies part

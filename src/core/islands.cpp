@@ -65,7 +65,8 @@ class ImpactLoop {
   explicit ImpactLoop(Context& context) : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
     const std::uint64_t pairs = step_.contacts.pairs.size();
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
-    // times what it spends anyway, so that a large pile hit from all sides stays affordable.
+    // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
+    // is the contact solver's, which stops it and lets it rebound at the end of the step.
     cut_budget_ = 4 * pairs + 256;
     // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
     impact_budget_ = 20000 + 200ull * context.scene.bodies.size();
@@ -95,8 +96,7 @@ class ImpactLoop {
 
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
-  // Brings both islands to the impact if the budget allows it. If it does not, both bodies take their part of
-  // the impact where they are, a fraction of a step early.
+  // Brings both islands to the impact if the budget allows it.
   bool bringBoth(const PendingImpact& impact) {
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
@@ -109,7 +109,11 @@ class ImpactLoop {
   }
 
   void take(const PendingImpact& impact) {
-    const bool in_time = bringBoth(impact);
+    if (!bringBoth(impact)) {
+      ++step_.report.deferred_impacts;
+      tie(impact.i, impact.j);
+      return;
+    }
     const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
     if (outcome == impacts::Outcome::Miss) {
       const auto later = impacts::locate(context_, impact.i, impact.j, impact.time);
@@ -120,7 +124,7 @@ class ImpactLoop {
       }
       return;
     }
-    ++(in_time ? step_.report.impacts : step_.report.hasty_impacts);
+    ++step_.report.impacts;
     if (outcome == impacts::Outcome::Stay) tie(impact.i, impact.j);
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
@@ -193,7 +197,7 @@ class ImpactLoop {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const bool contact = pair != kNone && !step_.waits[pair];
-    if (contact && !impacts::mayImpact(context_, i, j)) return;
+    if (contact && !impacts::canRebound(context_, i, j)) return;
     const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
     if (impact) {
       queue_.push(*impact);

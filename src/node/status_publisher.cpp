@@ -35,7 +35,7 @@ void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.islands = report.islands;
   msg.flying = report.flying;
   msg.impacts = report.impacts;
-  msg.hasty_impacts = report.hasty_impacts;
+  msg.deferred_impacts = report.deferred_impacts;
   msg.deepest_penetration = finite(report.deepest_penetration);
   for (const Warning& warning : report.warnings) msg.warnings.push_back(warning.kind + ": " + warning.text);
 }
