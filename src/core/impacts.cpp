@@ -103,9 +103,9 @@ Need need(const Census& c) {
   return {true, "no restitution; only for bodies that move half their inner radius in a step"};
 }
 
-bool canRebound(const Context& context, Index i, Index j) {
+double restitution(const Context& context, Index i, Index j) {
   const Bodies& bodies = context.scene.bodies;
-  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material) > 0.0;
+  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material);
 }
 
 // A pair with a box that touches already impacts now or is left to the contact solver: foretelling how a face
@@ -137,8 +137,9 @@ void find(Context& context) {
     }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!canRebound(context, pairs[k].i, pairs[k].j) && !isFast(context, pairs[k].i, pairs[k].j)) continue;
-    if (const auto impact = locate(context, pairs[k].i, pairs[k].j, step.t0)) {
+    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
+    if (restitution(context, i, j) == 0.0 && !isFast(context, i, j)) continue;
+    if (const auto impact = locate(context, i, j, step.t0)) {
       step.impacts.push_back(*impact);
       step.waits[k] = 1;
     }
@@ -153,13 +154,13 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
   if (speed <= 0.0) return Outcome::Miss;
   const Material& a = bodies.traits[i].material;
   const Material& b = bodies.traits[j].material;
-  const double restitution = pairRestitution(a, b);
-  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), restitution);
+  const double e = pairRestitution(a, b);
+  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), e);
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
   bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;
   bodies.twist[j].w_WB += meeting.b.twist.w_WB - before_b.w_WB;
-  return restitution * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
+  return e * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
 }
 
 }  // namespace rbs::impacts

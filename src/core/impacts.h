@@ -18,8 +18,8 @@ void find(Context& context);
 /// to the contact solver.
 std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from);
 
-/// Whether this pair has restitution. One without that is in contact already is left to the contact solver.
-bool canRebound(const Context& context, Index i, Index j);
+/// Coefficient of restitution of a pair. Where it is 0, a pair in contact is left to the contact solver.
+double restitution(const Context& context, Index i, Index j);
 
 enum class Outcome {
   Rebound,  ///< the bodies part

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+
 #include <numeric>
 #include <queue>
 
@@ -94,6 +96,12 @@ class ImpactLoop {
     }
   };
 
+  // The last impacts of a pair, and how many came in quick succession.
+  struct Meetings {
+    double last = 0.0;
+    int count = 0;
+  };
+
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
   // Brings both islands to the impact if the budget allows it.
@@ -109,7 +117,7 @@ class ImpactLoop {
   }
 
   void take(const PendingImpact& impact) {
-    if (!bringBoth(impact)) {
+    if (!bringBoth(impact) || isCollapsing(impact)) {
       ++step_.report.deferred_impacts;
       tie(impact.i, impact.j);
       return;
@@ -131,6 +139,19 @@ class ImpactLoop {
       ++step_.stamp[i];
       lookAround(i);
     }
+  }
+
+  // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any time
+  // in between, as happens between bodies that touch others, would go on forever. An elastic pair never
+  // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
+  bool isCollapsing(const PendingImpact& impact) {
+    constexpr int kMeetings = 6;
+    constexpr double kNoTime = 1e-3;  // share of the step
+    if (impacts::restitution(context_, impact.i, impact.j) >= 1.0) return false;
+    Meetings& met = meetings_[{impact.i, impact.j}];
+    if (impact.time - met.last > kNoTime * step_.h()) met.count = 0;
+    met.last = impact.time;
+    return ++met.count > kMeetings;
   }
 
   // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
@@ -197,7 +218,7 @@ class ImpactLoop {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const bool contact = pair != kNone && !step_.waits[pair];
-    if (contact && !impacts::canRebound(context_, i, j)) return;
+    if (contact && impacts::restitution(context_, i, j) == 0.0) return;
     const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
     if (impact) {
       queue_.push(*impact);
@@ -225,6 +246,7 @@ class ImpactLoop {
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   std::uint64_t cut_budget_, impact_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
+  std::map<std::pair<Index, Index>, Meetings> meetings_;
   bool warned_ = false;
 };
 

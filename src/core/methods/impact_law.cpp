@@ -32,7 +32,9 @@ Mat3 response(const ImpactSide& side, const Vec3& r) {
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
-// point needs one pass; the up to eight points of a face converge linearly.
+// point needs one pass; the up to eight points of a face converge linearly. Convergence is asked of the
+// velocities: the impulses of more than three points are not unique, and where the points do not quite lie in
+// a plane they drift on without an effect.
 class Impact {
  public:
   Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
@@ -54,8 +56,9 @@ class Impact {
     a = a_, b = b_;
     for (int k = 0; k < size_; ++k) points_[k].impulse.setZero();
     constexpr int kMaxPasses = 500;
+    constexpr double kConverged = 1e-14;  // share of the speeds
     for (int pass = 0; pass < kMaxPasses; ++pass) {
-      double change = 0.0, total = 0.0;
+      const Twist a_before = a.twist, b_before = b.twist;
       for (int k = 0; k < size_; ++k) {
         ImpactPoint& c = points_[k];
         Vec3 q = relative(a, b, c) - c.W * c.impulse;
@@ -64,11 +67,9 @@ class Impact {
         const Vec3 difference_W = frame_ * (impulse - c.impulse);
         push(a, c.r_a, -difference_W);
         push(b, c.r_b, difference_W);
-        change = std::max(change, difference_W.norm());
-        total += impulse.norm();
         c.impulse = impulse;
       }
-      if (change <= 1e-15 * total || size_ == 1) break;
+      if (size_ == 1 || isStill(a_before, a, b_before, b, kConverged)) break;
     }
     double gain = 0.0;
     for (int k = 0; k < size_; ++k)
@@ -79,6 +80,19 @@ class Impact {
  private:
   Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
     return frame_.transpose() * (velocityAt(b, c.r_b) - velocityAt(a, c.r_a));
+  }
+
+  // Whether no point has changed its velocity by more than this share of those it is the difference of.
+  bool isStill(const Twist& a_before, const ImpactSide& a, const Twist& b_before, const ImpactSide& b,
+               double share) const {
+    const Twist da{a.twist.v_WB - a_before.v_WB, a.twist.w_WB - a_before.w_WB};
+    const Twist db{b.twist.v_WB - b_before.v_WB, b.twist.w_WB - b_before.w_WB};
+    for (int k = 0; k < size_; ++k) {
+      const ImpactPoint& c = points_[k];
+      const Vec3 change = db.v_WB + db.w_WB.cross(c.r_b) - da.v_WB - da.w_WB.cross(c.r_a);
+      if (change.norm() > share * (velocityAt(a_, c.r_a).norm() + velocityAt(b_, c.r_b).norm())) return false;
+    }
+    return true;
   }
 
   const ImpactSide a_, b_;
