@@ -15,8 +15,6 @@ import yaml
 
 PATIENCE = 60.0  # s, for a window to open or a picture to come to rest, on a busy machine
 
-AWAY = (1, 1)    # the pixel where the mouse lights up nothing in the scene
-
 View = collections.namedtuple('View', 'eye target')      # m, in world
 Window = collections.namedtuple('Window', 'id x y width height')
 Picture = collections.namedtuple('Picture', 'width height rgb')  # rgb: three bytes a pixel, by rows
@@ -99,7 +97,7 @@ class Rviz:
             self.__exit__()
             raise
         # There is no window manager to do this, and without it shortcuts do not work.
-        self.screen.xdotool('windowfocus', self.window, 'mousemove', *AWAY)
+        self.screen.xdotool('windowfocus', self.window, 'mousemove', 1, 1)  # away from the scene
         return self
 
     def __exit__(self, *error):
@@ -152,7 +150,7 @@ class Rviz:
 
     def drag(self, start, end, steps=12):
         """Drags what lies at pixel `start` to `end`, once it can be dragged. Nothing else may move."""
-        wait_until(lambda: self._lights_up(start), 'something to drag at pixel %d, %d' % start)
+        wait_until(lambda: self._takes_drags(start), 'something to drag at pixel %d, %d' % start)
         mouse = self.screen.xdotool
         mouse('mousedown', 1, 'sleep', 0.2)
         for step in range(1, steps + 1):
@@ -160,15 +158,16 @@ class Rviz:
             mouse('mousemove', x, y, 'sleep', 0.05)
         mouse('sleep', 0.3, 'mouseup', 1)
 
-    def _lights_up(self, pixel):
-        """Whether the scene changes while the mouse is at this pixel, which it then is: a handle is there."""
-        def scene_with_mouse_at(x, y):
-            self.screen.xdotool('mousemove', x, y)
-            self.wait_for_rest()
-            return self.screen.picture(self.scene)
+    def _takes_drags(self, pixel):
+        """Moves the mouse to a pixel. Whether the hints in the status bar become others than those of the sky."""
+        hints = Window(None, 0, self.scene.y + self.scene.height, self.scene.x + self.scene.width // 2, 28)
 
-        plain, lit, plain_again = (scene_with_mouse_at(*place) for place in (AWAY, pixel, AWAY))
-        return plain == plain_again != lit and lit == scene_with_mouse_at(*pixel)
+        def hints_with_mouse_at(x, y):
+            self.screen.xdotool('mousemove', x - 2, y - 2, 'sleep', 0.2, 'mousemove', x, y, 'sleep', 0.5)
+            return self.screen.picture(hints)
+
+        sky = (self.scene.x + 20, self.scene.y + 20)
+        return hints_with_mouse_at(*sky) != hints_with_mouse_at(*pixel)
 
     def click(self, pixel):
         self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, 'click', 1)
