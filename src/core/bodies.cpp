@@ -53,7 +53,6 @@ void Bodies::erase(Index i) {
 void Bodies::refresh(Index i) {
   Traits& t = traits[i];
   t.bounding_radius = boundingRadius(t.shape);
-  t.inner_radius = innerRadius(t.shape);
   t.length = characteristicLength(t.shape);
   if (t.frozen || (t.kind == BodyKind::Static && !t.held)) twist[i] = {};
 

@@ -37,7 +37,7 @@ struct Traits {
   double mass = 0.0;     ///< kg, whatever the kind
   double density = 0.0;  ///< kg/m³
   Material material;
-  double bounding_radius = 0.0, inner_radius = 0.0, length = 0.0;  ///< m, of the shape
+  double bounding_radius = 0.0, length = 0.0;  ///< m, of the shape
   std::uint32_t group = 1, mask = 0xffffffffu;
 
   bool moved_by_forces() const { return kind == BodyKind::Dynamic && !held && !frozen; }

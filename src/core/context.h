@@ -71,6 +71,13 @@ struct Load {
   Vec3 torque_W = Vec3::Zero();  ///< about the centre of mass, N m
 };
 
+/// How a pair takes part in a step.
+enum class Standing : char {
+  Open,     ///< may touch
+  Contact,  ///< touched when the step began, or came to stay together since
+  Awaited,  ///< left out of the contact solve until its pending impact
+};
+
 /// An impact that has been located but not yet reached.
 struct PendingImpact {
   double time;
@@ -92,7 +99,7 @@ struct StepStore {
   Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
   Index inherited = 0;                 ///< how many of the touches come from the last step
   std::vector<char> supported;         ///< by body: some contact carried it in the last step
-  std::vector<char> waits;             ///< by pair: left out of the contact solve for a pending impact
+  std::vector<Standing> standing;      ///< by pair
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;

@@ -10,11 +10,13 @@
 
 namespace rbs::impacts {
 
+double restitution(const Context& context, Index i, Index j) {
+  const Bodies& bodies = context.scene.bodies;
+  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material);
+}
+
 namespace {
 
-// A pair is fast when it moves further in a step than this share of the smaller inner radius: at 1 a body's
-// centre could cross the other's surface between two looks.
-constexpr double kFast = 0.5;
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
 // wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
@@ -70,28 +72,14 @@ struct Meeting {
 
 // The speed below which a rebound is not worth an impact of its own: it would be over within the step, because
 // gravity, or whatever else drives the pair together, adds twice as much in one; or it would open a gap too
-// small to matter. The second bound makes an end of sequences between three bodies that shrink forever.
+// small to matter. The second bound makes an end of sequences between three bodies that shrink forever, which only
+// pairs that lose energy have.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
-  return std::max(0.5 * step.h() * a, kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h());
-}
-
-double strideOf(const Context& context, Index i) {
-  const Bodies& bodies = context.scene.bodies;
-  const Traits& t = bodies.traits[i];
-  const double spin = std::holds_alternative<Box>(t.shape) ? bodies.twist[i].w_WB.norm() * t.bounding_radius : 0.0;
-  return spin * context.step.h();
-}
-
-bool isFast(const Context& context, Index i, Index j) {
-  const Bodies& bodies = context.scene.bodies;
-  const double h = context.step.h();
-  const Vec3 stride = h * (bodies.twist[j].v_WB - bodies.twist[i].v_WB) +
-                      0.5 * h * h * (context.step.load[j].a_W - context.step.load[i].a_W);
-  return stride.norm() + strideOf(context, i) + strideOf(context, j) >
-         kFast * std::min(bodies.traits[i].inner_radius, bodies.traits[j].inner_radius);
+  const double unseen = restitution(context, i, j) < 1.0 ? kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h() : 0.0;
+  return std::max(0.5 * step.h() * a, unseen);
 }
 
 }  // namespace
@@ -99,13 +87,7 @@ bool isFast(const Context& context, Index i, Index j) {
 Need need(const Census& c) {
   if (c.collidable < 2) return {false, "fewer than two bodies can collide"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
-  if (c.bouncy > 0) return {true, count(c.bouncy, "body has", "bodies have") + " restitution above 0"};
-  return {true, "no restitution; only for bodies that move half their inner radius in a step"};
-}
-
-double restitution(const Context& context, Index i, Index j) {
-  const Bodies& bodies = context.scene.bodies;
-  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material);
+  return {true, count(c.collidable, "body", "bodies") + " can collide"};
 }
 
 // A pair with a box that touches already impacts now or is left to the contact solver: foretelling how a face
@@ -130,18 +112,20 @@ std::optional<PendingImpact> locate(const Context& context, Index i, Index j, do
 void find(Context& context) {
   StepStore& step = context.step;
   const std::vector<ContactPair>& pairs = step.contacts.pairs;
-  for (const ContactPair& pair : pairs) {
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const ContactPair& pair = pairs[k];
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       if (step.contacts.touches[t].normal == 0.0) continue;
+      step.standing[k] = Standing::Contact;
       for (const Index i : {pair.i, pair.j}) step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
     }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-    if (restitution(context, i, j) == 0.0 && !isFast(context, i, j)) continue;
+    if (step.standing[k] == Standing::Contact && restitution(context, i, j) == 0.0) continue;
     if (const auto impact = locate(context, i, j, step.t0)) {
       step.impacts.push_back(*impact);
-      step.waits[k] = 1;
+      step.standing[k] = Standing::Awaited;
     }
   }
 }

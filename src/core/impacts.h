@@ -1,8 +1,7 @@
 // Impacts: closing pairs whose contact is located in time and resolved at that time, in order.
 //
-// A pair is looked at when it can rebound (restitution above 0) or when it moves too far in one step to be
-// left to the contact solver. All other contacts, and those that close too slowly to rebound within a step,
-// are the contact solver's.
+// A pair in contact that has no restitution is the contact solver's, and so is one that closes too slowly for a
+// rebound to be seen. All others are looked at.
 #pragma once
 
 #include "context.h"
@@ -11,7 +10,7 @@ namespace rbs::impacts {
 
 Need need(const Census& census);
 
-/// Finds the pairs that will impact during the step, and takes them out of the contact solve (step.waits).
+/// Finds the pairs that will impact during the step, and takes them out of the contact solve (Standing::Awaited).
 void find(Context& context);
 
 /// The impact of i and j at or after `from`, if there is one before the end of the step and it is not left

@@ -40,6 +40,10 @@ Tumble rungeKutta4(const Tumble& s, const Vec3& moments, const Vec3& inv_moments
           s.w_B + h / 6.0 * (k1.w_B + 2.0 * k2.w_B + 2.0 * k3.w_B + k4.w_B)};
 }
 
+Vec3 momentum(const Quat& q_WB, const Vec3& w_WB, const Vec3& moments) {
+  return q_WB * Vec3(moments.cwiseProduct(q_WB.conjugate() * w_WB));
+}
+
 // Turns q by the smallest rotation that takes `from` to `to` (both in W, of nearly equal direction).
 Quat aligned(const Quat& q, const Vec3& from, const Vec3& to) {
   const double scale = from.norm() * to.norm();
@@ -76,7 +80,7 @@ void rotateFreely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
   const Vec3& moments = inertia.moments;
   const Vec3& inv_moments = inertia.inv_moments;
   const Vec3 w_B = q_WB.conjugate() * w_WB;
-  const Vec3 l_W = q_WB * Vec3(moments.cwiseProduct(w_B));
+  const Vec3 l_W = momentum(q_WB, w_WB, moments);
 
   const int cycles = static_cast<int>(std::ceil(turn / kTurnPerCycle));
   Tumble s{q_WB.coeffs(), w_B};
@@ -89,6 +93,9 @@ void rotateFreely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
   }
   q_WB = Quat(s.q);
   w_WB = q_WB * s.w_B;
+  // What rounding has made of L has the same sign in step after step; the next step is to find the same L.
+  const Vec3 lost_W = l_W - momentum(q_WB, w_WB, moments);
+  w_WB += q_WB * Vec3(inv_moments.cwiseProduct(q_WB.conjugate() * lost_W));
 }
 
 void fly(Pose& pose, Twist& twist, const Inertia& inertia, const Vec3& a_W, const Vec3& torque_W, double dt) {

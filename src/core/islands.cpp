@@ -87,6 +87,9 @@ class ImpactLoop {
         take(impact);
       }
     }
+    // What other impacts have sent off its course is not awaited any more.
+    for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
+      if (step_.standing[k] == Standing::Awaited) tie(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j);
   }
 
  private:
@@ -106,9 +109,10 @@ class ImpactLoop {
 
   // Brings both islands to the impact if the budget allows it.
   bool bringBoth(const PendingImpact& impact) {
+    constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time) cost += island->pairs.size();
+      if (island && island->time < impact.time && island->pairs.size() > kSmall) cost += island->pairs.size();
     if (cost > cut_budget_) return false;
     cut_budget_ -= cost;
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
@@ -157,7 +161,7 @@ class ImpactLoop {
   // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
   void tie(Index i, Index j) {
     const Index pair = pairOf(i, j);
-    step_.waits[pair] = 0;
+    step_.standing[pair] = Standing::Contact;
     Index a = step_.island[i], b = step_.island[j];
     if (a == kNone) std::swap(a, b);
     if (b != kNone && a != b) {
@@ -187,7 +191,7 @@ class ImpactLoop {
     pair.i = i, pair.j = j;
     pair.id_i = context_.scene.bodies.id[i], pair.id_j = context_.scene.bodies.id[j];
     pairs.push_back(pair);
-    step_.waits.push_back(0);
+    step_.standing.push_back(Standing::Open);
     return static_cast<Index>(pairs.size() - 1);
   }
 
@@ -217,12 +221,13 @@ class ImpactLoop {
   void consider(Index i, Index j, double from) {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
-    const bool contact = pair != kNone && !step_.waits[pair];
-    if (contact && impacts::restitution(context_, i, j) == 0.0) return;
+    const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
+    if (standing == Standing::Contact && impacts::restitution(context_, i, j) == 0.0) return;
     const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
     if (impact) {
       queue_.push(*impact);
-    } else if (pair != kNone && !contact) {
+      if (pair != kNone) step_.standing[pair] = Standing::Awaited;
+    } else if (standing == Standing::Awaited) {
       tie(std::min(i, j), std::max(i, j));  // it waited for an impact that will not come
     }
   }
@@ -291,7 +296,7 @@ void link(Context& context) {
   for (const Index i : context.scene.rosters.movers) mover[i] = 1;
   const std::vector<ContactPair>& pairs = step.contacts.pairs;
   for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (!step.waits[k] && mover[pairs[k].i] && mover[pairs[k].j]) sets.unite(pairs[k].i, pairs[k].j);
+    if (step.standing[k] != Standing::Awaited && mover[pairs[k].i] && mover[pairs[k].j]) sets.unite(pairs[k].i, pairs[k].j);
 
   for (const Index i : context.scene.rosters.movers) {
     const Index root = sets.root(i);
@@ -303,7 +308,7 @@ void link(Context& context) {
     step.islands[step.island[i]].bodies.push_back(i);
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (step.waits[k]) continue;
+    if (step.standing[k] == Standing::Awaited) continue;
     const Index body = mover[pairs[k].i] ? pairs[k].i : pairs[k].j;
     if (mover[body]) step.islands[step.island[body]].pairs.push_back(static_cast<Index>(k));
   }

@@ -74,7 +74,7 @@ void StepStore::begin(Index n, double from, double to) {
   contacts.clear();
   inherited = 0;
   supported.assign(n, 0);
-  waits.clear();
+  standing.clear();
   impacts.clear();
   stamp.assign(n, 0);
   islands.clear();

@@ -113,7 +113,7 @@ void run(Context& context) {
   std::sort(pairs.begin(), pairs.end(),
             [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
   inheritTouches(scene.contacts, step);
-  step.waits.assign(pairs.size(), 0);
+  step.standing.assign(pairs.size(), Standing::Open);
   step.report.pairs = static_cast<std::uint32_t>(pairs.size());
 }
 

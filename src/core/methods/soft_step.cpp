@@ -16,7 +16,9 @@
 // fraction of the sub-step rate, so that it has no unit of its own; the steady error under a force F is
 // F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its own length.
 //
-// A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h.
+// A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h. The
+// relaxing pass leaves out the points without an impulse: by then they have moved, and what they ask for is the
+// next sub-step's matter, or that of an impact there.
 //
 // Friction is a vector in the contact plane, |l_T| <= mu l_n, on the circular cone. A sticking point is
 // solved as a 2 x 2 block. A sliding one steps by rho = 1/(largest eigenvalue of its 2 x 2 response) and is
@@ -204,6 +206,7 @@ void Solver::collide() {
   const Bodies& bodies = context_.scene.bodies;
   const double gravity = context_.scene.settings.gravity.norm();
   for (const Index k : batch_.pairs) {
+    if (context_.step.standing[k] == Standing::Awaited) continue;
     const ContactPair& pair = context_.step.contacts.pairs[k];
     const Traits& a = bodies.traits[pair.i];
     const Traits& b = bodies.traits[pair.j];
@@ -403,6 +406,7 @@ void Solver::solve() {
 
     for (int k = block.first; k < block.first + block.size; ++k) {
       Point& point = points_[k];
+      if (!kBias && point.l_n == 0.0) continue;
       const double u_n = block.n.dot(relative(point));
       point.open = gapNow(block, point);
       double change;
