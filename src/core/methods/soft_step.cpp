@@ -13,7 +13,8 @@
 // frequency w and damping ratio z, integrated implicitly, which an impulse solver writes as
 //   dl = -a m (u + b s) - c l,   b = w/(2z + h w),   x = h w (2z + h w),   a = x/(1 + x),   c = 1/(1 + x),
 // with l the accumulated impulse (Catto, "Soft constraints", GDC 2011; "Solver2D", 2024). w is a fixed
-// fraction of the sub-step rate, so that it has no unit of its own; the steady error under a force F is
+// fraction of the sub-step rate, so that it has no unit of its own (and that of a whole sub-step also in one that
+// an impact cuts short, or a sliver of time would push as fast as it can); the steady error under a force F is
 // F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its own length.
 //
 // A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h. The
@@ -101,10 +102,11 @@ struct Softness {
   double bias, mass, impulse;  // b, a, c
 };
 
-Softness softness(double h) {
-  const double omega = kStiffness / h;
-  const double x = kStiffness * (2.0 * kDamping + kStiffness);
-  return {omega / (2.0 * kDamping + kStiffness), x / (1.0 + x), 1.0 / (1.0 + x)};
+// Of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
+Softness softness(double h, double h_full) {
+  const double omega = kStiffness / h_full;
+  const double x = h * omega * (2.0 * kDamping + h * omega);
+  return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
 int subSteps(Fidelity fidelity) { return fidelity == Fidelity::Preview ? 1 : 8; }
@@ -113,10 +115,10 @@ class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
       : context_(context), batch_(batch), t0_(t0), dt_(t1 - t0) {
-    const double share = dt_ / context.step.h();
-    sub_steps_ = std::max(1, static_cast<int>(std::ceil(share * subSteps(context.scene.settings.fidelity) - 1e-9)));
+    h_full_ = context.step.h() / subSteps(context.scene.settings.fidelity);
+    sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
-    soft_ = softness(h_);
+    soft_ = softness(h_, h_full_);
   }
 
   void gather();
@@ -149,7 +151,8 @@ class Solver {
 
   Context& context_;
   const IslandBatch& batch_;
-  double t0_, dt_, h_;
+  double t0_, dt_;
+  double h_full_, h_;  // a sub-step when the step is not cut, and now
   int sub_steps_, done_ = 0;
   Softness soft_;
   std::vector<SolverBody> bodies_;
@@ -474,7 +477,7 @@ void Solver::rebound() {
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut off,
 // the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
 void Solver::store() {
-  const double rest = std::max(context_.step.h() / subSteps(context_.scene.settings.fidelity) - h_, 0.0);
+  const double rest = std::max(h_full_ - h_, 0.0);
   Bodies& bodies = context_.scene.bodies;
   for (const SolverBody& s : bodies_) {
     if (context_.step.island[s.body] == kNone) continue;

@@ -1,0 +1,154 @@
+// Coulomb friction against closed forms, whatever the step. A slope is a level floor under tilted gravity.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+class Friction : public testing::TestWithParam<double> {};
+INSTANTIATE_TEST_SUITE_P(Steps, Friction, testing::Values(1.0 / 60.0, 1.0 / 240.0, 1.0 / 1000.0));
+
+// A ball sinks into the floor by this share of its radius, about, and friction has that much less of a lever. It
+// falls as the square of the step.
+constexpr double kSunk = 1e-4;
+
+// A scene on a slope with one flat box that lies on it.
+SceneDef boxOnSlope(double step, double friction, double angle) {
+  SceneDef scene = onFloor(step, friction);
+  scene.gravity = slopeGravity(angle);
+  scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1)));
+  scene.bodies.back().material.friction = friction;
+  return scene;
+}
+
+TEST_P(Friction, ABoxStaysOnASlopeBelowTheAngleOfFriction) {
+  for (const double share : {0.5, 0.9, 0.99}) {
+    World world(boxOnSlope(GetParam(), 0.5, std::atan(0.5 * share)));
+    advance(world, 1.0);
+    const double x = stateOf(world, "box").pose.p_WB.x();
+    EXPECT_LE(std::abs(x), 2e-3) << share;  // while it sinks in and finds its forces
+    advance(world, 5.0);
+    EXPECT_LE(std::abs(stateOf(world, "box").pose.p_WB.x() - x), 1e-9) << share;
+  }
+}
+
+// a = g (sin th - mu cos th)
+TEST_P(Friction, ABoxSlidesDownASlopeAboveTheAngleOfFriction) {
+  for (const double share : {1.01, 1.1, 2.0}) {
+    const double th = std::atan(0.5 * share);
+    World world(boxOnSlope(GetParam(), 0.5, th));
+    advance(world, 0.5);
+    const double v = stateOf(world, "box").twist.v_WB.x();
+    advance(world, 1.0);
+    const double expected = kGravity * (std::sin(th) - 0.5 * std::cos(th));
+    EXPECT_NEAR(stateOf(world, "box").twist.v_WB.x() - v, expected, 1e-6 * kGravity) << share;
+  }
+}
+
+// v0²/(2 mu g)
+TEST_P(Friction, ASlidingBoxStopsAfterItsBrakingDistance) {
+  World world([&] {
+    SceneDef scene = boxOnSlope(GetParam(), 0.4, 0.0);
+    scene.bodies.back().twist.v_WB.x() = 5.0;
+    return scene;
+  }());
+  advance(world, 3.0);
+  const double expected = 25.0 / (2.0 * 0.4 * kGravity);
+  EXPECT_NEAR(stateOf(world, "box").pose.p_WB.x(), expected, 1e-2 * expected);
+  EXPECT_LE(stateOf(world, "box").twist.v_WB.norm(), 1e-9);
+}
+
+TEST_P(Friction, FrictionIsTheSameInAllDirections) {
+  SceneDef scene = onFloor(GetParam(), 0.6);
+  for (int k = 0; k < 16; ++k) {
+    const double angle = 2.0 * kPi * k / 16;
+    scene.bodies.push_back(ball("puck_" + std::to_string(k), 0.2, Vec3(100.0 * k, 0.0, 0.2)));
+    BodyDef& puck = scene.bodies.back();
+    puck.shape = Box{Vec3(0.4, 0.4, 0.02)};
+    puck.pose.p_WB.z() = 0.01;
+    puck.twist.v_WB = 5.0 * Vec3(std::cos(angle), std::sin(angle), 0.0);
+  }
+  World world(scene);
+  advance(world, 2.0);
+  double nearest = 1e300, farthest = 0.0;
+  for (int k = 0; k < 16; ++k) {
+    const Vec3 way = stateOf(world, "puck_" + std::to_string(k)).pose.p_WB - Vec3(100.0 * k, 0.0, 0.0);
+    const double angle = 2.0 * kPi * k / 16;
+    EXPECT_LE(std::abs(way.y() * std::cos(angle) - way.x() * std::sin(angle)), 1e-3 * way.norm()) << k;
+    nearest = std::min(nearest, way.head<2>().norm()), farthest = std::max(farthest, way.head<2>().norm());
+  }
+  EXPECT_LE(farthest - nearest, 1e-2 * farthest);
+}
+
+// v = 5/7 v0 from t = 2 v0/(7 mu g) on, after 12 v0²/(49 mu g) of slipping.
+TEST_P(Friction, ASlidingBallRollsInTheEndWithFiveSeventhsOfItsSpeed) {
+  SceneDef scene = onFloor(GetParam(), 0.2);
+  scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
+  scene.bodies.back().material.friction = 0.2;
+  scene.bodies.back().twist.v_WB.x() = 7.0;
+  World world(scene);
+  advance(world, 2.0);
+  const BodyState rolling = stateOf(world, "ball");
+  const double mu_g = 0.2 * kGravity, t_rolls = 2.0 * 7.0 / (7.0 * mu_g);
+  EXPECT_NEAR(rolling.twist.v_WB.x(), 5.0, kSunk * 5.0);
+  EXPECT_NEAR(rolling.twist.w_WB.y(), 10.0, kSunk * 10.0);
+  EXPECT_NEAR(rolling.pose.p_WB.x(), 12.0 * 49.0 / (49.0 * mu_g) + 5.0 * (world.time() - t_rolls), 0.02);
+  advance(world, 10.0);
+  EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), rolling.twist.v_WB.x(), 1e-9);
+}
+
+// v = (5 v0 + 2 R w0)/7, with w0 < 0 backwards.
+TEST_P(Friction, ABallWithBackspinComesBack) {
+  SceneDef scene = onFloor(GetParam(), 0.3);
+  scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
+  scene.bodies.back().material.friction = 0.3;
+  scene.bodies.back().twist = {Vec3(2.0, 0.0, 0.0), Vec3(0.0, -30.0, 0.0)};
+  World world(scene);
+  advance(world, 4.0);
+  EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), (5.0 * 2.0 - 2.0 * 0.5 * 30.0) / 7.0, kSunk * 3.0);
+}
+
+// a = 5/7 g sin th while tan th <= 7/2 mu, and else g (sin th - mu cos th).
+TEST_P(Friction, ABallRollsOrSlipsDownASlope) {
+  for (const double share : {0.5, 0.99, 1.01, 1.5}) {
+    const double mu = 0.2, th = std::atan(3.5 * mu * share);
+    SceneDef scene = onFloor(GetParam(), mu);
+    scene.gravity = slopeGravity(th);
+    scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
+    scene.bodies.back().material.friction = mu;
+    World world(scene);
+    advance(world, 0.5);
+    const double v = stateOf(world, "ball").twist.v_WB.x();
+    advance(world, 1.0);
+    const double expected =
+        share <= 1.0 ? 5.0 / 7.0 * kGravity * std::sin(th) : kGravity * (std::sin(th) - mu * std::cos(th));
+    EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x() - v, expected, 1e-4 * kGravity) << share;
+  }
+}
+
+// Half as wide as high: tips where tan th > width/height, if it does not slide before, at tan th > mu.
+TEST_P(Friction, ABoxOnASlopeTipsOrSlides) {
+  struct Case {
+    double mu, tangent;
+    bool tips, slides;
+  };
+  for (const Case& c : {Case{0.45, 0.44, false, false}, Case{0.45, 0.46, false, true}, Case{0.55, 0.49, false, false},
+                        Case{0.55, 0.52, true, false}}) {
+    SceneDef scene = onFloor(GetParam(), c.mu);
+    scene.gravity = slopeGravity(std::atan(c.tangent));
+    scene.bodies.push_back(box("box", Vec3(0.5, 0.5, 1.0), Vec3(0.0, 0.0, 0.5)));
+    scene.bodies.back().material.friction = c.mu;
+    World world(scene);
+    advance(world, 3.0);
+    const BodyState state = stateOf(world, "box");
+    const bool tipped = (state.pose.q_WB * Vec3::UnitZ()).z() < 0.5;
+    EXPECT_EQ(tipped, c.tips) << "mu " << c.mu << ", tan " << c.tangent;
+    if (c.tips) continue;
+    EXPECT_EQ(state.pose.p_WB.x() > 0.05, c.slides) << "mu " << c.mu << ", tan " << c.tangent;
+  }
+}
+
+}  // namespace
