@@ -1,0 +1,294 @@
+#!/usr/bin/python3
+"""Every service: what it does, and what it refuses."""
+import math
+import os
+import sys
+import tempfile
+import unittest
+
+import rospy
+import rostest
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from rigid_body_sim.msg import BodySpec, Material
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from simulator import SMALL, StatusListener, ask, body, call, wait  # noqa: E402
+
+NAN, INF = float('nan'), float('inf')
+
+
+def at(x, y, z):
+    return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
+
+
+class ServicesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.status = StatusListener()
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+
+    def setUp(self):
+        call('pause')
+        call('load_scene', name=SMALL)
+
+    def file(self, name, text=None):
+        path = os.path.join(self.folder.name, name)
+        if text is not None:
+            with open(path, 'w') as file:
+                file.write(text)
+        return path
+
+    def assert_refused(self, words, service, **request):
+        """The request is refused with all these words in the message, and the world stays what it is."""
+        before = self.status.fresh().hash
+        answer = ask(service, **request)
+        self.assertFalse(answer.success, '%s %s' % (service, request))
+        for word in words:
+            self.assertIn(word, answer.message)
+        self.assertEqual(self.status.fresh().hash, before)
+
+    # --- bodies
+
+    def test_an_empty_spawn_drops_a_box_at_a_free_place(self):
+        answer = call('spawn_body')
+        made = body(answer.name)
+        self.assertEqual(made.description.shape, 'box')
+        self.assertAlmostEqual(made.description.mass, 125.0)
+        self.assertGreater(made.pose.position.z, 0.75)  # above the crate, which is in the way
+
+    def test_a_body_is_spawned_as_it_was_asked_for(self):
+        call('spawn_body', name='top', shape='sphere', size=Vector3(0.2, 0, 0), pose=at(0, 1, 2), mass=3.0,
+             twist=Twist(Vector3(1, 0, 0), Vector3(0, 0, 5)), material=Material(friction=[0.0], restitution=[0.5]))
+        top = body('top')
+        self.assertAlmostEqual(top.description.mass, 3.0)
+        self.assertEqual(top.description.material.friction, (0.0, ))
+        self.assertEqual((top.pose.position.y, top.pose.position.z), (1.0, 2.0))
+        self.assertEqual(top.twist.angular.z, 5.0)
+
+    def test_a_pose_can_be_given_in_the_frame_of_a_body(self):
+        call('move_body', name='crate', pose=Pose(Point(1, 2, 3), Quaternion(0, 0, math.sqrt(0.5), math.sqrt(0.5))))
+        call('spawn_body', name='beside', pose=at(1, 0, 0), frame_id='crate')
+        place = body('beside').pose.position
+        self.assertAlmostEqual(place.x, 1.0)
+        self.assertAlmostEqual(place.y, 3.0)
+
+    def test_a_thousand_bodies_come_in_one_call_or_none_at_all(self):
+        bodies = [BodySpec(size=Vector3(0.1, 0, 0), shape='sphere', pose=at(k % 40, k // 40, 5)) for k in range(1000)]
+        self.assertEqual(len(call('spawn_bodies', bodies=bodies).names), 1000)
+        bodies[700].mass = -1.0
+        self.assert_refused(['bodies[700]', 'mass'], 'spawn_bodies', bodies=bodies)
+
+    def test_bodies_are_deleted_one_by_one_and_all_together(self):
+        call('delete_body', name='crate')
+        self.assertNotIn('crate', call('list_bodies').names)
+        call('clear')
+        self.assertEqual(list(call('list_bodies').names), [])
+
+    def test_the_mass_follows_a_resize(self):
+        mass = body('crate').description.mass
+        call('resize_body', name='crate', factor=2.0)
+        self.assertAlmostEqual(body('crate').description.mass, 8 * mass)
+        call('resize_body', name='crate', size=Vector3(1, 1, 1))
+        self.assertAlmostEqual(body('crate').description.mass, 1000.0)
+
+    def test_a_moved_body_is_where_it_was_put(self):
+        call('set_body', name='ball', twist=[Twist(Vector3(1, 0, 0), Vector3())])
+        call('move_body', name='ball', pose=at(3, 3, 3), keep_velocity=True)
+        self.assertEqual(body('ball').twist.linear.x, 1.0)
+        call('move_body', name='ball', pose=at(4, 3, 3))
+        self.assertEqual(body('ball').pose.position.x, 4.0)
+        self.assertEqual(body('ball').twist.linear.x, 0.0)
+
+    def test_properties_are_set_and_the_others_stay(self):
+        call('set_body', name='crate', mass=10.0, material=Material(restitution=[0.3]))
+        crate = body('crate').description
+        self.assertAlmostEqual(crate.mass, 10.0)
+        self.assertEqual(crate.material.restitution, (0.3, ))
+        self.assertEqual(crate.material.friction, (0.6, ))
+        call('set_body', name='crate', is_static=[True])
+        self.assertEqual(body('crate').description.kind, 'static')
+
+    def test_an_impulse_changes_velocity_and_spin_by_its_lever(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        mass = body('ball').description.mass
+        call('apply_impulse', name='ball', impulse=Vector3(mass, 0, 0), point=[Point(0, 0, 5.2)])
+        ball = body('ball')
+        self.assertAlmostEqual(ball.twist.linear.x, 1.0)
+        self.assertAlmostEqual(ball.twist.angular.y, 0.2 / (0.4 * 0.2 * 0.2))
+
+    def test_a_force_acts_for_its_time(self):
+        call('set_gravity', gravity=Vector3())
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        mass = body('ball').description.mass
+        call('apply_wrench', name='ball', force=Vector3(0, mass, 0), seconds=0.5)
+        call('step', n=60)
+        self.assertAlmostEqual(body('ball').twist.linear.y, 0.5, delta=1e-9)
+
+    # --- surroundings
+
+    def test_the_wind_is_switched_on_with_air_and_off_again(self):
+        self.assertIn('air', call('enable_wind', data=True).message)
+        self.assertTrue(self.status.fresh().wind)
+        call('enable_wind', data=False)
+        self.assertFalse(self.status.fresh().wind)
+
+    def test_the_wind_blows_as_it_was_set(self):
+        call('set_wind', velocity=Vector3(3, 0, 0), gust=0.0)
+        call('move_body', name='ball', pose=at(0, 0, 50))
+        call('step', n=60)
+        self.assertGreater(body('ball').twist.linear.x, 0.0)
+
+    def test_zero_gravity_is_a_value(self):
+        call('set_gravity', gravity=Vector3())
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        call('step', n=10)
+        self.assertEqual(body('ball').pose.position.z, 5.0)
+
+    # --- time
+
+    def test_step_takes_exactly_n_steps_and_answers_when_they_are_done(self):
+        before = self.status.fresh()
+        answer = call('step', n=100)
+        self.assertAlmostEqual(answer.time, before.time + 100 / 60.0)
+        self.assertEqual(self.status.fresh().steps, before.steps + 100)
+        call('step')
+        self.assertEqual(self.status.fresh().steps, before.steps + 101)
+
+    def test_step_needs_a_pause(self):
+        call('resume')
+        answer = ask('step', n=1)
+        self.assertFalse(answer.success)
+        self.assertIn('pause', answer.message)
+
+    def test_pause_resume_and_toggle(self):
+        call('resume')
+        self.assertFalse(self.status.fresh().paused)
+        call('toggle_pause')
+        self.assertTrue(self.status.fresh().paused)
+        call('toggle_pause')
+        self.assertFalse(self.status.fresh().paused)
+        call('pause')
+        steps = self.status.fresh().steps
+        self.assertEqual(self.status.fresh().steps, steps)
+
+    def test_reset_restores_the_state_to_the_last_bit(self):
+        before = self.status.fresh().hash
+        call('spawn_body')
+        call('delete_body', name='ball')
+        call('enable_wind', data=True)
+        call('step', n=30)
+        self.assertNotEqual(self.status.fresh().hash, before)
+        call('reset')
+        after = self.status.fresh()
+        self.assertEqual(after.hash, before)
+        self.assertEqual((after.time, after.steps), (0.0, 0))
+
+    def test_speed_zero_runs_as_fast_as_possible(self):
+        call('set_speed', factor=0.0)
+        call('resume')
+        wait(lambda: self.status.fresh().achieved_speed > 3.0, 'it runs at more than three times real time')
+        call('set_speed', factor=1.0)
+
+    # --- scenes and states
+
+    def test_every_scene_of_the_catalogue_loads_and_steps(self):
+        scenes = call('list_scenes')
+        wanted = {'ball_hits_wall', 'boxes_on_slope', 'playground', 'tower', 'dominoes', 'pyramid', 'newtons_cradle',
+                  'bullet_and_paper', 'spinning_box', 'sphere_rain', 'mixed_rain', 'windy_day'}
+        self.assertLessEqual(wanted, set(scenes.names))
+        for name, what in zip(scenes.names, scenes.properties):
+            self.assertTrue(what, name)
+            call('load_scene', name=name)
+            call('step', n=2)
+
+    def test_a_saved_scene_and_a_saved_state_come_back(self):
+        call('spawn_body', name='extra')
+        call('step', n=20)
+        scene, state = self.file('scene.yaml'), self.file('state.yaml')
+        call('save_scene', file=scene)
+        call('save_state', file=state)
+        hash_then = self.status.fresh().hash
+        call('step', n=20)
+        hash_later = self.status.fresh().hash
+        call('load_state', file=state)
+        self.assertEqual(self.status.fresh().hash, hash_then)
+        call('step', n=20)
+        self.assertEqual(self.status.fresh().hash, hash_later)
+        call('load_scene', name=scene)
+        self.assertIn('extra', call('list_bodies').names)
+
+    # --- refusals
+
+    def test_bad_numbers_are_refused_and_change_nothing(self):
+        v = Vector3
+        for words, service, request in [
+            (['mass', '-1'], 'spawn_body', dict(mass=-1.0)),
+            (['mass'], 'spawn_body', dict(mass=NAN)),
+            (['mass', 'density'], 'spawn_body', dict(mass=1.0, density=1.0)),
+            (['size'], 'spawn_body', dict(size=v(-1, 1, 1))),
+            (['size'], 'spawn_body', dict(size=v(1e12, 1, 1))),
+            (['friction', '-0.1'], 'spawn_body', dict(material=Material(friction=[-0.1]))),
+            (['friction'], 'spawn_body', dict(material=Material(friction=[INF]))),
+            (['friction'], 'spawn_body', dict(material=Material(friction=[0.1, 0.2]))),
+            (['restitution', '1.5'], 'spawn_body', dict(material=Material(restitution=[1.5]))),
+            (['position'], 'spawn_body', dict(pose=at(NAN, 0, 0))),
+            (['orientation'], 'spawn_body', dict(pose=Pose(Point(1, 0, 0), Quaternion(NAN, 0, 0, 1)))),
+            (['shape', 'banana'], 'spawn_body', dict(shape='banana')),
+            (['crate'], 'spawn_body', dict(name='crate')),
+            (['name'], 'spawn_body', dict(name='two words')),
+            (['nobody'], 'spawn_body', dict(frame_id='nobody', pose=at(1, 0, 0))),
+            (['twist'], 'spawn_body', dict(twist=Twist(v(INF, 0, 0), v()))),
+            (['cratee', 'crate'], 'delete_body', dict(name='cratee')),
+            (['factor', '-2'], 'resize_body', dict(name='crate', factor=-2.0)),
+            (['factor'], 'resize_body', dict(name='crate', factor=NAN)),
+            (['factor'], 'resize_body', dict(name='crate')),
+            (['size'], 'resize_body', dict(name='crate', size=v(1, -1, 1))),
+            (['nobody'], 'resize_body', dict(name='nobody', factor=2.0)),
+            (['position'], 'move_body', dict(name='crate', pose=at(0, INF, 0))),
+            (['nobody'], 'move_body', dict(name='nobody')),
+            (['mass'], 'set_body', dict(name='crate', mass=-3.0)),
+            (['restitution'], 'set_body', dict(name='crate', material=Material(restitution=[NAN]))),
+            (['nobody'], 'set_body', dict(name='nobody', mass=1.0)),
+            (['impulse'], 'apply_impulse', dict(name='crate', impulse=v(NAN, 0, 0))),
+            (['floor'], 'apply_impulse', dict(name='floor', impulse=v(1, 0, 0))),
+            (['seconds'], 'apply_wrench', dict(name='crate', force=v(1, 0, 0), seconds=0.0)),
+            (['seconds'], 'apply_wrench', dict(name='crate', force=v(1, 0, 0), seconds=-1.0)),
+            (['force'], 'apply_wrench', dict(name='crate', force=v(INF, 0, 0), seconds=1.0)),
+            (['velocity'], 'set_wind', dict(velocity=v(NAN, 0, 0))),
+            (['gust'], 'set_wind', dict(gust=-1.0)),
+            (['gravity'], 'set_gravity', dict(gravity=v(0, 0, NAN))),
+            (['factor'], 'set_speed', dict(factor=-1.0)),
+            (['factor'], 'set_speed', dict(factor=NAN)),
+            (['1,000,000'], 'step', dict(n=2000000)),
+            (['nobody'], 'get_body', dict(name='nobody')),
+        ]:
+            with self.subTest(service=service, request=str(request)):
+                self.assert_refused(words, service, **request)
+
+    def test_bad_files_are_refused_whole_and_change_nothing(self):
+        good = '- {name: floor, shape: plane, kind: static}\n'
+        for words, text in [
+            (['bad.yaml:2', 'colour'], 'bodies:\n  - {name: a, colour: red}\n'),
+            (['bad.yaml:1', 'gravitation'], 'gravitation: 3\nbodies: []\n'),
+            (['bad.yaml:3', 'mass'], 'bodies:\n  ' + good + '  - {name: a, mass: -4}\n'),
+            (['bad.yaml'], 'bodies: [[[[{'),
+            (['bad.yaml'], '\x00\x01\x02'),
+            (['bad.yaml'], 'a: &a [x, x]\nb: &b [*a, *a]\nbodies: [*b, *b]\n'),
+            (['count'], 'bodies:\n  - {name: a, repeat: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}\n'),
+            (['bad.yaml:3', 'name'], 'bodies:\n  - {name: a}\n  - {name: a}\n'),
+            (['step'], 'step: .nan\nbodies: []\n'),
+        ]:
+            with self.subTest(text=text):
+                self.assert_refused(words, 'load_scene', name=self.file('bad.yaml', text))
+                self.assertFalse(ask('load_state', file=self.file('bad.yaml')).success)
+        self.assert_refused(['towr', 'tower'], 'load_scene', name='towr')
+        self.assert_refused(['/nowhere'], 'load_scene', name='/nowhere/scene.yaml')
+        self.assert_refused(['/nowhere'], 'load_state', file='/nowhere/state.yaml')
+        self.assert_refused(['/nowhere'], 'save_state', file='/nowhere/state.yaml')
+        self.assert_refused(['absolute'], 'save_scene', file='relative.yaml')
+
+
+if __name__ == '__main__':
+    rospy.init_node('services_test')
+    rostest.rosrun('rigid_body_sim', 'services', ServicesTest)
