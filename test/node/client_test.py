@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""The command-line client: what it prints, and its exit codes."""
+import json
+import os
+import subprocess
+import sys
+import unittest
+
+import roslib.packages
+import rospy
+import rostest
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from simulator import SMALL, body, call  # noqa: E402
+
+RBS = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]
+
+
+def rbs(*arguments):
+    return subprocess.run([RBS, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                          timeout=60)
+
+
+class ClientTest(unittest.TestCase):
+    def setUp(self):
+        call('pause')
+        call('load_scene', name=SMALL)
+
+    def done(self, *arguments):
+        result = rbs(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return result.stdout
+
+    def test_bodies_are_listed_made_moved_and_deleted(self):
+        self.assertEqual(self.done('list').split(), ['floor', 'crate', 'ball'])
+        self.done('spawn', '--name', 'top', '--shape', 'sphere', '--size', 0.2, '--at', 0, 1, 2, '--friction', 0)
+        self.assertEqual(body('top').description.material.friction, (0.0, ))
+        self.done('move', 'top', '--at', 0, -1, 3)
+        self.assertEqual(body('top').pose.position.y, -1.0)
+        self.done('resize', 'top', '--factor', 2)
+        self.assertAlmostEqual(body('top').description.size.x, 0.4)
+        self.done('set', 'top', '--mass', 2, '--velocity', 1, 0, 0)
+        self.assertAlmostEqual(body('top').description.mass, 2.0)
+        self.done('push', 'top', 2, 0, 0)
+        self.assertAlmostEqual(body('top').twist.linear.x, 2.0)
+        self.done('delete', 'top')
+        self.assertNotIn('top', self.done('list'))
+
+    def test_time_is_steered(self):
+        self.assertAlmostEqual(json.loads(self.done('--json', 'step', 60))['time'], 1.0)
+        self.done('reset')
+        self.assertEqual(json.loads(self.done('--json', 'status'))['steps'], 0)
+
+    def test_answers_come_as_json(self):
+        answer = json.loads(self.done('--json', 'get', 'crate'))
+        self.assertEqual(answer['body']['description']['name'], 'crate')
+
+    def test_a_refusal_is_exit_code_1_and_says_why(self):
+        result = rbs('load', 'towr')
+        self.assertEqual(result.returncode, 1)
+        self.assertIn('tower', result.stderr)
+        self.assertEqual(result.stdout, '')
+
+    def test_bad_arguments_are_exit_code_2(self):
+        self.assertEqual(rbs('fly').returncode, 2)
+        self.assertEqual(rbs('move', 'crate').returncode, 2)
+
+    def test_no_simulator_is_exit_code_3_and_says_how_to_start_one(self):
+        result = rbs('--node', 'nowhere', '--timeout', 0.5, 'list')
+        self.assertEqual(result.returncode, 3)
+        self.assertIn('roslaunch', result.stderr)
+
+    def test_the_help_gives_units(self):
+        for command, unit in (('push', 'N s'), ('spawn', 'kg/m3'), ('gravity', 'm/s2')):
+            self.assertIn(unit, self.done(command, '--help'))
+
+
+if __name__ == '__main__':
+    rospy.init_node('client_test')
+    rostest.rosrun('rigid_body_sim', 'client', ClientTest)
