@@ -111,12 +111,16 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual((last.mean.x, last.mean.y), (3.0, 1.0))
 
     def test_events_tell_what_happened(self):
+        def told(kind, body):
+            wait(lambda: [m for m in self.events.all() if (m.kind, m.body) == (kind, body)], '%s is told' % kind)
+
         self.events.clear()
         call('spawn_body', name='new')
+        told('spawned', 'new')
         call('delete_body', name='new')
+        told('deleted', 'new')
         call('reset')
-        wait(lambda: {'spawned', 'deleted', 'reset'} <= {m.kind for m in self.events.all()}, 'all three are told')
-        self.assertIn('new', [m.body for m in self.events.all()])
+        told('reset', '')
 
     def test_diagnostics_speak_of_the_simulation(self):
         diagnostics = Listener('/diagnostics', DiagnosticArray)
