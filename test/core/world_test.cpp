@@ -1,0 +1,187 @@
+// Edits of a world: what they do, and that a bad one changes nothing.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+SceneDef crateAndBall() {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  scene.bodies.push_back(box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+  scene.bodies.push_back(ball("ball", 0.5, Vec3(3.0, 0.0, 5.0)));
+  return scene;
+}
+
+TEST(WorldEdits, AHandleIsNeverUsedAgain) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate");
+  world.removeBody(crate);
+  EXPECT_FALSE(world.find("crate"));
+  const BodyId again = world.addBody(box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+  EXPECT_NE(again, crate);
+  EXPECT_THROW(world.removeBody(crate), InvalidInput);
+}
+
+TEST(WorldEdits, MassFollowsDensityAndDensityFollowsMass) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate");
+  const auto now = [&] { return (*world.snapshot().bodies)[1]; };
+  EXPECT_DOUBLE_EQ(now().mass, 1000.0);
+  BodyEdit mass;
+  mass.mass = 50.0;
+  world.editBody(crate, mass);
+  EXPECT_DOUBLE_EQ(now().density, 50.0);
+  BodyEdit shape;
+  shape.shape = Box{Vec3(2.0, 1.0, 1.0)};
+  world.editBody(crate, shape);
+  EXPECT_DOUBLE_EQ(now().mass, 100.0);
+  EXPECT_LE((now().inertia - 100.0 / 12.0 * Vec3(2.0, 5.0, 5.0)).norm(), 1e-12);
+}
+
+TEST(WorldEdits, AnImpulseGivesMomentumAndSpinByItsLever) {
+  World world(crateAndBall());
+  const Totals before = world.totals();
+  const Vec3 impulse(10.0, 20.0, 30.0), point(3.2, 0.1, 5.0);
+  world.applyImpulse(world.find("ball"), impulse, point);
+  EXPECT_LE((world.totals().momentum - before.momentum - impulse).norm(), 1e-12);
+  EXPECT_LE((world.totals().angular_momentum - before.angular_momentum - point.cross(impulse)).norm(), 1e-11);
+}
+
+TEST(WorldEdits, AGrabbedBodyComesToTheHandAndKeepsItsVelocityWhenLetGo) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate");
+  Grab grab;
+  grab.p_W = {0.0, 0.0, 3.0};
+  world.grab(crate, grab);
+  advance(world, 3.0);
+  EXPECT_NEAR(stateOf(world, "crate").pose.p_WB.z(), 3.0, 0.05);
+  grab.p_W = {10.0, 0.0, 3.0};
+  world.grab(crate, grab);
+  advance(world, 0.1);
+  const Vec3 thrown = stateOf(world, "crate").twist.v_WB;
+  EXPECT_GT(thrown.x(), 1.0);
+  world.release(crate);
+  EXPECT_EQ(stateOf(world, "crate").twist.v_WB, thrown);
+}
+
+TEST(WorldEdits, AHeldBodyIsLedThereAndIsAtRestWhenLetGo) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate");
+  world.hold(crate, {Vec3(2.0, 0.0, 4.0), Quat::Identity()});
+  advance(world, 1.0);
+  EXPECT_LE((stateOf(world, "crate").pose.p_WB - Vec3(2.0, 0.0, 4.0)).norm(), 1e-9);
+  world.release(crate);
+  EXPECT_EQ(stateOf(world, "crate").twist.v_WB.norm(), 0.0);
+}
+
+TEST(WorldEdits, WhatASceneDoesNotNeedDoesNotRun) {
+  const auto active = [](const World& world, const std::string& name) {
+    for (const StageInfo& stage : world.pipeline())
+      if (stage.name == name) return stage.active;
+    throw std::out_of_range(name);
+  };
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.bodies.push_back(ball("ball", 0.5, Vec3::Zero()));
+  World world(scene);
+  for (const char* stage : {"forces.gravity", "forces.drag", "forces.wrench", "forces.grab", "hands.hold",
+                            "broadphase.pairs", "impacts.find", "narrowphase.collide", "contacts.friction",
+                            "rotation.gyroscopic"}) {
+    EXPECT_FALSE(active(world, stage)) << stage;
+  }
+  world.setGravity({0.0, 0.0, -1.0});
+  EXPECT_TRUE(active(world, "forces.gravity"));
+  world.setAir(Air{});
+  EXPECT_TRUE(active(world, "forces.drag"));
+  world.setAir(std::nullopt);
+  EXPECT_FALSE(active(world, "forces.drag"));
+  world.addBody(box("plank", Vec3(3.0, 2.0, 1.0), Vec3(5.0, 0.0, 0.0)));
+  EXPECT_TRUE(active(world, "broadphase.pairs"));
+  EXPECT_TRUE(active(world, "rotation.gyroscopic"));
+}
+
+TEST(WorldEdits, ABadEditSaysWhereAndChangesNothing) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate"), ball_id = world.find("ball"), floor = world.find("floor");
+  const auto edit = [&](auto set) {
+    return [&world, crate, set] {
+      BodyEdit e;
+      set(e);
+      world.editBody(crate, e);
+    };
+  };
+  struct Bad {
+    const char* word;
+    std::function<void()> act;
+  };
+  const Bad cases[] = {
+      {"mass", edit([](BodyEdit& e) { e.mass = -1.0; })},
+      {"mass", edit([](BodyEdit& e) { e.mass = kNaN; })},
+      {"mass", edit([](BodyEdit& e) { e.mass = 0.0; })},
+      {"density", edit([](BodyEdit& e) { e.density = kInfinite; })},
+      {"friction", edit([](BodyEdit& e) { e.friction = -0.5; })},
+      {"restitution", edit([](BodyEdit& e) { e.restitution = 1.01; })},
+      {"drag", edit([](BodyEdit& e) { e.drag_coefficient = kNaN; })},
+      {"size", edit([](BodyEdit& e) { e.shape = Box{Vec3(1.0, 0.0, 1.0)}; })},
+      {"position", edit([](BodyEdit& e) { e.pose = Pose{Vec3(kNaN, 0.0, 0.0), Quat::Identity()}; })},
+      {"orientation", edit([](BodyEdit& e) { e.pose = Pose{Vec3::Zero(), Quat(0.0, 0.0, 0.0, 0.0)}; })},
+      {"velocity", edit([](BodyEdit& e) { e.twist = Twist{Vec3(1e9, 0.0, 0.0), Vec3::Zero()}; })},
+      {"density", edit([](BodyEdit& e) { e.mass = 1.0, e.density = 1.0; })},
+      {"name", [&] { world.addBody(ball("crate", 0.5, Vec3::Zero())); }},
+      {"name", [&] { world.addBody(ball("no good", 0.5, Vec3::Zero())); }},
+      {"bodies[1]", [&] { world.addBodies({ball("fine", 0.5, Vec3::Zero()), ball("bad", -0.5, Vec3::Zero())}); }},
+      {"impulse", [&] { world.applyImpulse(ball_id, Vec3(kNaN, 0.0, 0.0), Vec3::Zero()); }},
+      {"floor", [&] { world.applyImpulse(floor, Vec3::UnitX(), Vec3::Zero()); }},
+      {"seconds", [&] { world.applyWrench(ball_id, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0.0); }},
+      {"gravity", [&] { world.setGravity(Vec3(0.0, 0.0, kInfinite)); }},
+      {"density", [&] { world.setAir(Air{-1.0}); }},
+      {"air", [&] { world.setWind(Wind{}); }},
+      {"", [&] { world.removeBody(BodyId{999}); }},
+      {"", [&] { world.grab(floor, Grab{}); }},
+  };
+  const std::uint64_t before = world.stateHash();
+  for (const Bad& bad : cases) {
+    try {
+      bad.act();
+      ADD_FAILURE() << "not refused: " << bad.word << " #" << &bad - cases;
+    } catch (const InvalidInput& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find(bad.word), std::string::npos) << refusal.what();
+      EXPECT_NE(std::string(refusal.what()).size(), 0u);
+    }
+    EXPECT_EQ(world.stateHash(), before) << bad.word;
+  }
+}
+
+TEST(WorldEdits, TheHashSeesEveryPartOfTheState) {
+  const World reference(crateAndBall());
+  const std::function<void(SceneDef&)> changes[] = {
+      [](SceneDef& s) { s.bodies[1].pose.p_WB.x() += 1e-15; },
+      [](SceneDef& s) { s.bodies[2].twist.w_WB.y() = 1e-300; },
+      [](SceneDef& s) { s.bodies[1].material.friction = 0.61; },
+      [](SceneDef& s) { s.bodies[1].density = 1001.0; },
+      [](SceneDef& s) { s.bodies[2].shape = Sphere{0.51}; },
+      [](SceneDef& s) { s.bodies[2].kind = BodyKind::Static; },
+      [](SceneDef& s) { s.gravity.z() = -9.8; },
+      [](SceneDef& s) { s.air = Air{}; },
+      [](SceneDef& s) { s.step = 0.01; },
+      [](SceneDef& s) { s.seed = 2; },
+      [](SceneDef& s) { s.fidelity = Fidelity::Preview; },
+      [](SceneDef& s) { s.bodies[2].mask = 0; },
+  };
+  for (const auto& change : changes) {
+    SceneDef scene = crateAndBall();
+    change(scene);
+    EXPECT_NE(World(scene).stateHash(), reference.stateHash()) << &change - changes;
+  }
+  EXPECT_EQ(World(crateAndBall()).stateHash(), reference.stateHash());
+}
+
+}  // namespace
