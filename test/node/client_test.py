@@ -16,9 +16,9 @@ from simulator import SMALL, body, call  # noqa: E402
 RBS = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]
 
 
-def rbs(*arguments):
+def rbs(*arguments, **environment):
     return subprocess.run([RBS, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          timeout=60)
+                          timeout=60, env=dict(os.environ, **environment))
 
 
 class ClientTest(unittest.TestCase):
@@ -69,6 +69,9 @@ class ClientTest(unittest.TestCase):
         result = rbs('--node', 'nowhere', '--timeout', 0.5, 'list')
         self.assertEqual(result.returncode, 3)
         self.assertIn('roslaunch', result.stderr)
+        for command in ('list', 'status'):  # and no master either
+            result = rbs('--timeout', 0.5, command, ROS_MASTER_URI='http://localhost:1')
+            self.assertEqual(result.returncode, 3)
 
     def test_the_help_gives_units(self):
         for command, unit in (('push', 'N s'), ('spawn', 'kg/m3'), ('gravity', 'm/s2')):
