@@ -1,0 +1,128 @@
+// The optional effects, one by one.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+SceneDef inAir(const Vec3& wind, double gust = 0.0) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.air = Air{};
+  scene.wind = Wind{wind, gust};
+  return scene;
+}
+
+// u' = -k u², k = rho C A/(2 m): u = u0/(1 + k u0 t)
+TEST(Drag, SlowsASphereAsTheClosedFormSays) {
+  SceneDef scene = inAir(Vec3::Zero());
+  scene.bodies.push_back(ball("ball", 0.3, Vec3::Zero()));
+  scene.bodies.back().mass = 0.1;
+  scene.bodies.back().twist.v_WB = {0.0, 30.0, 0.0};
+  World world(scene);
+  const double k = 1.2 * kSphereDrag * kPi * 0.09 / (2.0 * 0.1);
+  for (int step = 0; step < 100; ++step) {
+    world.step();
+    EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.y(), 30.0 / (1.0 + k * 30.0 * world.time()), 1e-11);
+  }
+}
+
+// A box that does not spin feels its projected area, in the direction of the air, and no torque.
+TEST(Drag, OfABoxIsThatOfItsProjectedArea) {
+  const Vec3 size(0.3, 0.5, 0.9), wind(3.0, -2.0, 1.0);
+  SceneDef scene = inAir(wind);
+  scene.step = 1e-5;
+  scene.bodies.push_back(box("box", size, Vec3::Zero()));
+  const Quat q(Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -1.0).normalized()));
+  scene.bodies.back().pose.q_WB = q;
+  World world(scene);
+  world.step();
+  const Vec3 u = q.conjugate() * wind;
+  const double area = std::abs(u.x()) * size.y() * size.z() + std::abs(u.y()) * size.x() * size.z() +
+                      std::abs(u.z()) * size.x() * size.y();  // times |u|
+  const Vec3 force = 0.5 * 1.2 * kBoxDrag * area * wind;
+  const Vec3 measured = stateOf(world, "box").twist.v_WB * (1000.0 * size.prod()) / scene.step;
+  EXPECT_LE((measured - force).norm(), 1e-6 * force.norm());
+  EXPECT_LE(stateOf(world, "box").twist.w_WB.norm(), 1e-12);
+}
+
+TEST(Drag, StopsASpinningPlateAndNeverTurnsItRound) {
+  SceneDef scene = inAir(Vec3::Zero());
+  scene.bodies.push_back(box("plate", Vec3(1.0, 1.0, 0.01), Vec3::Zero()));
+  scene.bodies.back().mass = 0.01;
+  scene.bodies.back().twist.w_WB = {50.0, 0.0, 0.0};
+  World world(scene);
+  double before = 50.0;
+  for (int step = 0; step < 300; ++step) {
+    world.step();
+    const double spin = stateOf(world, "plate").twist.w_WB.x();
+    EXPECT_LE(spin, before);
+    EXPECT_GE(spin, 0.0);
+    before = spin;
+  }
+  EXPECT_LT(before, 1.0);
+}
+
+TEST(Wind, GustsFollowTheSeedAndSpreadAsTheyWereAsked) {
+  const auto record = [](std::uint64_t seed) {
+    SceneDef scene = inAir(Vec3(5.0, 0.0, 0.0), 2.0);
+    scene.seed = seed;
+    World world(scene);
+    std::vector<double> x;
+    for (int step = 0; step < 60 * 400; ++step) world.step(), x.push_back(world.snapshot().air.velocity.x());
+    return x;
+  };
+  const std::vector<double> one = record(1);
+  EXPECT_EQ(one, record(1));
+  EXPECT_NE(one, record(2));
+  double mean = 0.0, square = 0.0;
+  for (const double x : one) mean += x / one.size();
+  for (const double x : one) square += (x - mean) * (x - mean) / one.size();
+  EXPECT_NEAR(mean, 5.0, 0.5);
+  EXPECT_NEAR(std::sqrt(square), 2.0, 0.5);
+}
+
+TEST(Wrench, ActsForItsTimeAndNoLonger) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.bodies.push_back(ball("ball", 0.5, Vec3::Zero()));
+  scene.bodies.back().mass = 2.0;
+  World world(scene);
+  world.applyWrench(world.find("ball"), Vec3(4.0, 0.0, 0.0), Vec3(0.0, 0.0, 1.0), Vec3::Zero(), 0.5);
+  advance(world, 2.0);
+  EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), 1.0, 1e-12);
+  EXPECT_NEAR(stateOf(world, "ball").twist.w_WB.z(), 0.5 / (0.4 * 2.0 * 0.25), 1e-12);
+}
+
+TEST(Wrench, OfAnOddTimeGivesItsWholeImpulse) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.bodies.push_back(ball("ball", 0.5, Vec3::Zero()));
+  scene.bodies.back().mass = 2.0;
+  World world(scene);
+  world.applyWrench(world.find("ball"), Vec3(4.0, 0.0, 0.0), Vec3::Zero(), Vec3::Zero(), 0.105);
+  advance(world, 1.0);
+  EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), 0.21, 1e-12);
+}
+
+TEST(Certificate, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
+  SceneDef scene = emptySpace(1.0);
+  scene.bodies.push_back(ball("mote", 1e-6, Vec3(1.0, 2.0, 3.0)));
+  scene.bodies.push_back(ball("stone", 0.5, Vec3::Zero()));
+  scene.bodies.back().twist.v_WB = {1.0, 0.0, 0.0};
+  scene.bodies[0].mass = 1e-18;
+  World world(scene);
+  world.applyWrench(world.find("mote"), Vec3(1e15, 0.0, 0.0), Vec3::Zero(), Vec3(1.0, 2.0, 3.0), 100.0);
+  bool reported = false;
+  for (int step = 0; step < 5; ++step) {
+    for (const Warning& warning : world.step().warnings)
+      reported = reported || (warning.kind == "non_finite" && warning.text.find("mote") != std::string::npos);
+    EXPECT_EQ(stateOf(world, "mote").pose.p_WB, Vec3(1.0, 2.0, 3.0));
+    EXPECT_EQ(stateOf(world, "mote").twist.v_WB.norm(), 0.0);
+  }
+  EXPECT_TRUE(reported);
+  EXPECT_TRUE((*world.snapshot().bodies)[0].frozen);
+  EXPECT_NEAR(stateOf(world, "stone").pose.p_WB.x(), 5.0, 1e-12);
+}
+
+}  // namespace
