@@ -1,0 +1,89 @@
+// The law of impact against what it must keep, whatever meets and however.
+#include "methods/impact_law.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace rbs;
+
+namespace {
+
+class Bodies2 {
+ public:
+  explicit Bodies2(unsigned seed) : random_(seed) {
+    for (ImpactSide* side : {&a, &b}) {
+      side->p_WB = anyVector();
+      side->twist = {anyVector(), anyVector()};
+      side->inv_mass = std::exp(normal_(random_));
+      const Mat3 R = Quat(Eigen::Quaterniond(normal_(random_), normal_(random_), normal_(random_), normal_(random_)).normalized()).toRotationMatrix();
+      const Vec3 size(std::exp(normal_(random_)), std::exp(normal_(random_)), std::exp(normal_(random_)));
+      const Vec3 squares = size.cwiseProduct(size);
+      const Vec3 moments = (squares.sum() * Vec3::Ones() - squares) / (12.0 * side->inv_mass);
+      side->inv_inertia_W = R * moments.cwiseInverse().asDiagonal() * R.transpose();
+    }
+  }
+  Vec3 anyVector() { return {normal_(random_), normal_(random_), normal_(random_)}; }
+
+  double energy() const {
+    double sum = 0.0;
+    for (const ImpactSide* side : {&a, &b})
+      sum += 0.5 * side->twist.v_WB.squaredNorm() / side->inv_mass +
+             0.5 * side->twist.w_WB.dot(side->inv_inertia_W.inverse() * side->twist.w_WB);
+    return sum;
+  }
+  Vec3 momentum() const { return a.twist.v_WB / a.inv_mass + b.twist.v_WB / b.inv_mass; }
+  Vec3 angularMomentum() const {
+    Vec3 sum = Vec3::Zero();
+    for (const ImpactSide* side : {&a, &b})
+      sum += side->p_WB.cross(side->twist.v_WB) / side->inv_mass + side->inv_inertia_W.inverse() * side->twist.w_WB;
+    return sum;
+  }
+
+  ImpactSide a, b;
+
+ private:
+  std::mt19937 random_;
+  std::normal_distribution<double> normal_;
+};
+
+Manifold pointAt(const Vec3& p_W, const Vec3& n_W) {
+  Manifold manifold;
+  manifold.n_W = n_W;
+  manifold.size = 1;
+  manifold.points[0].p_W = p_W;
+  return manifold;
+}
+
+TEST(ImpactLaw, KeepsMomentumGainsNoEnergyAndEndsTheApproach) {
+  int impacts = 0, full = 0;
+  for (unsigned seed = 1; seed <= 5000; ++seed) {
+    Bodies2 pair(seed);
+    const Manifold manifold = pointAt(pair.anyVector(), pair.anyVector().normalized());
+    const double e = (seed % 5) / 4.0, mu = (seed % 3) * 0.4;
+    const double approach = closingSpeed(pair.a, pair.b, manifold);
+    if (approach <= 0.0) continue;
+    ++impacts;
+    const double energy = pair.energy();
+    const Vec3 momentum = pair.momentum(), angular = pair.angularMomentum();
+    collideBodies(pair.a, pair.b, manifold, mu, e);
+    EXPECT_LE(pair.energy(), energy * (1.0 + 1e-11)) << seed;
+    EXPECT_LE((pair.momentum() - momentum).norm(), 1e-12 * (1.0 + momentum.norm())) << seed;
+    EXPECT_LE((pair.angularMomentum() - angular).norm(), 1e-11 * (1.0 + angular.norm())) << seed;
+    const Vec3& p = manifold.points[0].p_W;
+    const double leaving = manifold.n_W.dot(pair.b.twist.v_WB + pair.b.twist.w_WB.cross(p - pair.b.p_WB) -
+                                            pair.a.twist.v_WB - pair.a.twist.w_WB.cross(p - pair.a.p_WB));
+    EXPECT_GE(leaving, -1e-11 * approach) << seed;
+    EXPECT_LE(leaving, e * approach * (1.0 + 1e-11) + 1e-11 * approach) << seed;
+    full += std::abs(leaving - e * approach) <= 1e-10 * approach;
+    if (mu == 0.0) {
+      EXPECT_NEAR(leaving, e * approach, 1e-11 * approach) << seed;
+    }
+  }
+  EXPECT_GT(impacts, 2000);
+  // The rebound is lowered where it would create energy, and only there.
+  EXPECT_GT(full, impacts * 9 / 10);
+  EXPECT_LT(full, impacts);
+}
+
+}  // namespace
