@@ -1,0 +1,234 @@
+#include "methods/solver_contacts.h"
+
+#include "algebra.h"
+#include "narrowphase/collide.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace rbs {
+
+namespace {
+
+// Points within this share of the smaller length are kept whatever the speeds, so that resting contacts do
+// not flicker.
+constexpr double kMargin = 0.01;
+// A pair that has moved by this share of the smaller length since its points were found looks for them anew.
+constexpr double kStray = 0.05;
+
+}  // namespace
+
+SolverContacts::SolverContacts(Context& context, const IslandBatch& batch)
+    : context_(context), batch_(batch), slot_(context.scene.bodies.size(), kNone) {
+  bodies.reserve(batch.bodies.size() + 8);
+  for (const Index i : batch.bodies) slotOf(i);
+}
+
+SolverBody SolverContacts::makeBody(Index i) const {
+  const Bodies& store = context_.scene.bodies;
+  SolverBody s;
+  s.v = store.twist[i].v_WB;
+  s.w = store.twist[i].w_WB;
+  s.moved.setZero();
+  s.turned.setZero();
+  s.inv_mass = store.inertia[i].inv_mass;
+  s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
+                                                : store.inertia[i].inverseW(store.R_WB(i));
+  s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
+  s.reach = std::holds_alternative<Box>(store.traits[i].shape) ? store.traits[i].bounding_radius : 0.0;
+  s.body = i;
+  return s;
+}
+
+Index SolverContacts::slotOf(Index i) {
+  if (slot_[i] == kNone) {
+    slot_[i] = static_cast<Index>(bodies.size());
+    bodies.push_back(makeBody(i));
+  }
+  return slot_[i];
+}
+
+// Points that can touch in what is left of the interval, with room to spare.
+double SolverContacts::marginOf(const SolverBlock& block, double left) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const std::vector<Traits>& traits = context_.scene.bodies.traits;
+  const double speed = (j.v - i.v).norm() + i.reach * i.w.norm() + j.reach * j.w.norm();
+  const Vec3 a = context_.step.load[j.body].a_W - context_.step.load[i.body].a_W;
+  const double length = std::min(traits[i.body].length, traits[j.body].length);
+  return left * (speed + 0.5 * left * a.norm()) + kMargin * length;
+}
+
+void SolverContacts::find(double now, double left, double h) {
+  const Bodies& store = context_.scene.bodies;
+  const double gravity = context_.scene.settings.gravity.norm();
+  for (const Index k : batch_.pairs) {
+    if (context_.step.standing[k] == Standing::Awaited) continue;
+    const ContactPair& pair = context_.step.contacts.pairs[k];
+    const Traits& a = store.traits[pair.i];
+    const Traits& b = store.traits[pair.j];
+    SolverBlock block;
+    block.i = slotOf(pair.i);
+    block.j = slotOf(pair.j);
+    block.mu = pairFriction(a.material, b.material);
+    block.e = pairRestitution(a.material, b.material);
+    block.push = fallSpeed(gravity, std::min(a.length, b.length));
+    block.pair = k;
+    findPoints(block, now, left);
+    for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
+    blocks.push_back(block);
+  }
+}
+
+// Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
+// moved that far.
+void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
+  const Bodies& store = context_.scene.bodies;
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
+  const double margin = marginOf(block, left);
+  const Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
+  const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
+  block.n = manifold.n_W;
+  std::tie(block.t1, block.t2) = tangents(block.n);
+  block.stray = manifold.size > 0 ? kStray * length : margin;
+  block.moved_i = i.moved, block.turned_i = i.turned;
+  block.moved_j = j.moved, block.turned_j = j.turned;
+  block.first = static_cast<int>(points.size());
+  block.size = manifold.size;
+  points.resize(points.size() + block.size);
+  for (int k = 0; k < block.size; ++k)
+    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, points[block.first + k]);
+}
+
+void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
+                          const Vec3& centre_j, SolverPoint& point) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  point.p_W = found.p_W;
+  point.r_i = found.p_W - centre_i;
+  point.r_j = found.p_W - centre_j;
+  point.gap = point.open = found.separation;
+  point.feature = found.feature;
+
+  const Mat3 lever_i = crossMatrix(point.r_i), lever_j = crossMatrix(point.r_j);
+  const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() -
+                        lever_i * i.inv_inertia_W * lever_i - lever_j * j.inv_inertia_W * lever_j;
+  point.mass_n = 1.0 / block.n.dot(response * block.n);
+  point.u_0 = normalVelocity(block, point);
+  if (block.mu == 0.0) return;
+  Eigen::Matrix<double, 3, 2> T;
+  T << block.t1, block.t2;
+  const Eigen::Matrix2d S = T.transpose() * response * T;
+  point.mass_t = S.inverse();
+  const double half_trace = 0.5 * S.trace();
+  point.rho = 1.0 / (half_trace + std::sqrt(std::max(half_trace * half_trace - S.determinant(), 0.0)));
+}
+
+void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
+  const Contacts& contacts = context_.step.contacts;
+  const ContactPair& pair = contacts.pairs[block.pair];
+  for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+    const Touch& touch = contacts.touches[t];
+    if (touch.feature != point.feature) continue;
+    point.guess_n = touch.normal;
+    point.guess_t_W = touch.friction_W;
+    point.l_n = touch.normal * h;
+    if (block.mu > 0.0) point.l_t = h * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
+    break;
+  }
+}
+
+void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const {
+  for (int k = old_block.first; k < old_block.first + old_block.size; ++k) {
+    const SolverPoint& old = points[k];
+    if (old.feature != point.feature) continue;
+    const auto turned = [&](const Eigen::Vector2d& t) -> Eigen::Vector2d {
+      const Vec3 t_W = t.x() * old_block.t1 + t.y() * old_block.t2;
+      return {block.t1.dot(t_W), block.t2.dot(t_W)};
+    };
+    point.u_0 = old.u_0;
+    point.guess_n = old.guess_n, point.guess_t_W = old.guess_t_W;
+    point.l_n = old.l_n, point.l_t = turned(old.l_t);
+    point.sum_n = old.sum_n, point.sum_t = turned(old.sum_t);
+    break;
+  }
+}
+
+bool SolverContacts::hasStrayed(const SolverBlock& block) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).norm();
+  const double turn_i = (i.turned - block.turned_i).norm(), turn_j = (j.turned - block.turned_j).norm();
+  return travel + i.reach * turn_i + j.reach * turn_j > block.stray;
+}
+
+void SolverContacts::refresh(double now, double left) {
+  for (SolverBlock& block : blocks) {
+    if (!hasStrayed(block)) continue;
+    const SolverBlock old = block;
+    findPoints(block, now, left);
+    for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
+  }
+}
+
+// The gap after the bodies moved by x and turned by theta since the point was found. A point of the surface at r has gone to
+// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not
+// turn with it.
+double SolverContacts::gapNow(const SolverBlock& block, const SolverPoint& point) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  Vec3 shift = (j.moved - block.moved_j) - (i.moved - block.moved_i);
+  if (!i.round) {
+    const Vec3 theta = i.turned - block.turned_i, turn = theta.cross(point.r_i);
+    shift -= turn + 0.5 * theta.cross(turn);
+  }
+  if (!j.round) {
+    const Vec3 theta = j.turned - block.turned_j, turn = theta.cross(point.r_j);
+    shift += turn + 0.5 * theta.cross(turn);
+  }
+  return point.gap + block.n.dot(shift);
+}
+
+double SolverContacts::normalVelocity(const SolverBlock& block, const SolverPoint& point) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  return block.n.dot(j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i));
+}
+
+// The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut off,
+// the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
+void SolverContacts::store(double h, double h_full) {
+  const double rest = std::max(h_full - h, 0.0);
+  for (const SolverBody& s : bodies) {
+    if (context_.step.island[s.body] == kNone) continue;
+    context_.scene.bodies.twist[s.body] = {s.v, s.w};
+  }
+  Contacts& contacts = context_.step.contacts;
+  for (const Index k : batch_.pairs) contacts.pairs[k].size = 0;
+  for (const SolverBlock& block : blocks) {
+    ContactPair& pair = contacts.pairs[block.pair];
+    pair.first = static_cast<Index>(contacts.touches.size());
+    pair.size = static_cast<Index>(block.size);
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      const SolverPoint& point = points[k];
+      const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 { return t.x() * block.t1 + t.y() * block.t2; };
+      Touch touch;
+      touch.feature = point.feature;
+      touch.normal = (point.l_n + rest * point.guess_n) / (h + rest);
+      touch.friction_W = (inPlane(point.l_t) + rest * point.guess_t_W) / (h + rest);
+      touch.p_W = point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
+      touch.n_W = block.n;
+      touch.separation = gapNow(block, point);
+      touch.normal_impulse = point.sum_n;
+      touch.friction_impulse_W = inPlane(point.sum_t);
+      contacts.touches.push_back(touch);
+    }
+  }
+}
+
+}  // namespace rbs
