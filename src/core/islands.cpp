@@ -1,18 +1,12 @@
 #include "islands.h"
 
-#include "broadphase/bounds.h"
-#include "broadphase/sweep_and_prune.h"
-#include "impacts.h"
+#include "impact_loop.h"
 #include "integrate.h"
 #include "methods/methods.h"
 #include "text.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
-
 #include <numeric>
-#include <queue>
 
 namespace rbs {
 
@@ -56,205 +50,6 @@ void advanceBatch(Context& context, const IslandBatch& batch, double t0, double 
   }
 }
 
-void bringTo(Context& context, Island& island, double time) {
-  advanceBatch(context, {island.bodies, island.pairs}, island.time, time);
-  island.time = std::max(island.time, time);
-}
-
-// Goes through the impacts of a step in the order of their times.
-class ImpactLoop {
- public:
-  explicit ImpactLoop(Context& context) : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
-    const std::uint64_t pairs = step_.contacts.pairs.size();
-    // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
-    // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
-    // is the contact solver's, which stops it and lets it rebound at the end of the step.
-    cut_budget_ = 4 * pairs + 256;
-    // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
-    impact_budget_ = 20000 + 200ull * context.scene.bodies.size();
-    for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
-  }
-
-  void run() {
-    while (!queue_.empty()) {
-      const PendingImpact impact = queue_.top();
-      queue_.pop();
-      if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
-      if (impact_budget_ == 0) {
-        overBudget(impact);
-      } else {
-        --impact_budget_;
-        take(impact);
-      }
-    }
-    // What other impacts have sent off its course is not awaited any more.
-    for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
-      if (step_.standing[k] == Standing::Awaited) tie(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j);
-  }
-
- private:
-  struct Later {
-    bool operator()(const PendingImpact& a, const PendingImpact& b) const {
-      return std::tie(a.time, a.i, a.j) > std::tie(b.time, b.i, b.j);
-    }
-  };
-
-  // The last impacts of a pair, and how many came in quick succession.
-  struct Meetings {
-    double last = 0.0;
-    int count = 0;
-  };
-
-  Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
-
-  // Brings both islands to the impact if the budget allows it.
-  bool bringBoth(const PendingImpact& impact) {
-    constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
-    std::uint64_t cost = 0;
-    for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->pairs.size() > kSmall) cost += island->pairs.size();
-    if (cost > cut_budget_) return false;
-    cut_budget_ -= cost;
-    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island) bringTo(context_, *island, impact.time);
-    return true;
-  }
-
-  void take(const PendingImpact& impact) {
-    if (!bringBoth(impact) || isCollapsing(impact)) {
-      ++step_.report.deferred_impacts;
-      tie(impact.i, impact.j);
-      return;
-    }
-    const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
-    if (outcome == impacts::Outcome::Miss) {
-      const auto later = impacts::locate(context_, impact.i, impact.j, impact.time);
-      if (later && later->time > impact.time) {
-        queue_.push(*later);
-      } else {
-        tie(impact.i, impact.j);
-      }
-      return;
-    }
-    ++step_.report.impacts;
-    if (outcome == impacts::Outcome::Stay) tie(impact.i, impact.j);
-    for (const Index i : {impact.i, impact.j}) {
-      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
-      ++step_.stamp[i];
-      lookAround(i);
-    }
-  }
-
-  // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any time
-  // in between, as happens between bodies that touch others, would go on forever. An elastic pair never
-  // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
-  bool isCollapsing(const PendingImpact& impact) {
-    constexpr int kMeetings = 6;
-    constexpr double kNoTime = 1e-3;  // share of the step
-    if (impacts::restitution(context_, impact.i, impact.j) >= 1.0) return false;
-    Meetings& met = meetings_[{impact.i, impact.j}];
-    if (impact.time - met.last > kNoTime * step_.h()) met.count = 0;
-    met.last = impact.time;
-    return ++met.count > kMeetings;
-  }
-
-  // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
-  void tie(Index i, Index j) {
-    const Index pair = pairOf(i, j);
-    step_.standing[pair] = Standing::Contact;
-    Index a = step_.island[i], b = step_.island[j];
-    if (a == kNone) std::swap(a, b);
-    if (b != kNone && a != b) {
-      if (a > b) std::swap(a, b);
-      Island& kept = step_.islands[a];
-      Island& gone = step_.islands[b];
-      const double time = std::max(kept.time, gone.time);
-      bringTo(context_, kept, time);
-      bringTo(context_, gone, time);
-      for (const Index body : gone.bodies) step_.island[body] = a;
-      append(kept.bodies, gone.bodies);
-      append(kept.pairs, gone.pairs);
-      gone.bodies.clear();
-      gone.pairs.clear();
-    }
-    std::vector<Index>& pairs = step_.islands[a].pairs;
-    if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
-  }
-
-  // The place of a pair in the list: searched for among the pairs of the broad phase, which are sorted, then
-  // among those added since; added if it is in neither.
-  Index pairOf(Index i, Index j) {
-    std::vector<ContactPair>& pairs = step_.contacts.pairs;
-    const Index known = findPair(i, j);
-    if (known != kNone) return known;
-    ContactPair pair;
-    pair.i = i, pair.j = j;
-    pair.id_i = context_.scene.bodies.id[i], pair.id_j = context_.scene.bodies.id[j];
-    pairs.push_back(pair);
-    step_.standing.push_back(Standing::Open);
-    return static_cast<Index>(pairs.size() - 1);
-  }
-
-  Index findPair(Index i, Index j) const {
-    const std::vector<ContactPair>& pairs = step_.contacts.pairs;
-    const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(found_);
-    const auto key = std::pair(i, j);
-    const auto it = std::lower_bound(pairs.begin(), end, key, [](const ContactPair& pair, const std::pair<Index, Index>& k) {
-      return std::pair(pair.i, pair.j) < k;
-    });
-    if (it != end && std::pair(it->i, it->j) == key) return static_cast<Index>(it - pairs.begin());
-    for (std::size_t k = found_; k < pairs.size(); ++k)
-      if (pairs[k].i == i && pairs[k].j == j) return static_cast<Index>(k);
-    return kNone;
-  }
-
-  // Finds what body i will meet on its new course.
-  void lookAround(Index i) {
-    const Bodies& bodies = context_.scene.bodies;
-    const double from = step_.timeOf(i);
-    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
-    for (const Index j : context_.scene.rosters.collidable)
-      if (j != i && step_.bounds[i].overlaps(step_.bounds[j])) consider(i, j, from);
-    for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
-  }
-
-  void consider(Index i, Index j, double from) {
-    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
-    const Index pair = findPair(std::min(i, j), std::max(i, j));
-    const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
-    if (standing == Standing::Contact && impacts::restitution(context_, i, j) == 0.0) return;
-    const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
-    if (impact) {
-      queue_.push(*impact);
-      if (pair != kNone) step_.standing[pair] = Standing::Awaited;
-    } else if (standing == Standing::Awaited) {
-      tie(std::min(i, j), std::max(i, j));  // it waited for an impact that will not come
-    }
-  }
-
-  // Past the budget of impacts the contact solver stops what would pass through.
-  void overBudget(const PendingImpact& impact) {
-    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island) bringTo(context_, *island, impact.time);
-    tie(impact.i, impact.j);
-    if (!warned_) {
-      step_.report.warnings.push_back(
-          {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
-                                context_.scene.bodies.name[impact.i] + "' and '" + context_.scene.bodies.name[impact.j] +
-                                "'; the rest lose their rebound. Use a shorter step"});
-      warned_ = true;
-    }
-  }
-
-  Context& context_;
-  StepStore& step_;
-  std::size_t found_;  // pairs of the broad phase; later ones are not sorted
-  std::uint64_t cut_budget_, impact_budget_;
-  std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
-  std::map<std::pair<Index, Index>, Meetings> meetings_;
-  bool warned_ = false;
-};
-
 // What is left of the step. Islands that no impact has cut are advanced together, by method.
 void finish(Context& context) {
   StepStore& step = context.step;
@@ -282,6 +77,11 @@ void moveLedBodies(Context& context) {
 }
 
 }  // namespace
+
+void bringTo(Context& context, Island& island, double time) {
+  advanceBatch(context, {island.bodies, island.pairs}, island.time, time);
+  island.time = std::max(island.time, time);
+}
 
 Need need(const Census& c) {
   if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
@@ -315,7 +115,7 @@ void link(Context& context) {
 }
 
 void advance(Context& context) {
-  if (!context.step.impacts.empty()) ImpactLoop(context).run();
+  takeImpacts(context);
   finish(context);
   moveLedBodies(context);
 }
