@@ -31,7 +31,9 @@ inline BodyDef ball(const std::string& name, double radius, const Vec3& p_W) {
   return body(name, Sphere{radius}, p_W);
 }
 
-inline BodyDef box(const std::string& name, const Vec3& size, const Vec3& p_W) { return body(name, Box{size}, p_W); }
+inline BodyDef box(const std::string& name, const Vec3& size, const Vec3& p_W) {
+  return body(name, Box{size}, p_W);
+}
 
 inline BodyDef floorOf(double friction) {
   BodyDef def = body("floor", Plane{}, Vec3::Zero());
@@ -49,7 +51,9 @@ inline SceneDef onFloor(double step, double friction) {
 }
 
 /// Gravity as it acts on a slope that falls towards +x at an angle: the floor stays level.
-inline Vec3 slopeGravity(double angle) { return kGravity * Vec3(std::sin(angle), 0.0, -std::cos(angle)); }
+inline Vec3 slopeGravity(double angle) {
+  return kGravity * Vec3(std::sin(angle), 0.0, -std::cos(angle));
+}
 
 inline void advance(World& world, double seconds) {
   const auto steps = static_cast<int>(std::lround(seconds / world.scene().step));

@@ -90,31 +90,31 @@ struct View {
 /// A world to be made.
 struct SceneDef {
   std::string name = "untitled";
-  std::string property;  ///< one sentence: what the scene shows and how to see that it is right
+  std::string property;           ///< one sentence: what the scene shows and how to see that it is right
   Vec3 gravity{0.0, 0.0, -9.81};  ///< m/s², in W; zero means no gravity
   double step = 1.0 / 60.0;       ///< s, 1e-6 to 1
   Fidelity fidelity = Fidelity::Interactive;
-  std::uint64_t seed = 1;         ///< of gusts and scattered bodies
-  std::optional<Air> air;         ///< empty: no drag
-  std::optional<Wind> wind;       ///< empty: air at rest; given without air is refused
+  std::uint64_t seed = 1;    ///< of gusts and scattered bodies
+  std::optional<Air> air;    ///< empty: no drag
+  std::optional<Wind> wind;  ///< empty: air at rest; given without air is refused
   View view;
-  std::vector<BodyDef> bodies;    ///< in canonical order
+  std::vector<BodyDef> bodies;  ///< in canonical order
 };
 
 /// Limits beyond which a number is refused as absurd. They keep squares and products finite.
 struct Limits {
-  static constexpr double min_size = 1e-6, max_size = 1e6;          ///< m
-  static constexpr double min_density = 1e-6, max_density = 1e9;    ///< kg/m³
-  static constexpr double min_mass = 1e-18, max_mass = 1e18;        ///< kg
-  static constexpr double max_position = 1e9;                       ///< m
-  static constexpr double max_speed = 1e6;                          ///< m/s
-  static constexpr double max_spin = 1e6;                           ///< rad/s
+  static constexpr double min_size = 1e-6, max_size = 1e6;        ///< m
+  static constexpr double min_density = 1e-6, max_density = 1e9;  ///< kg/m³
+  static constexpr double min_mass = 1e-18, max_mass = 1e18;      ///< kg
+  static constexpr double max_position = 1e9;                     ///< m
+  static constexpr double max_speed = 1e6;                        ///< m/s
+  static constexpr double max_spin = 1e6;                         ///< rad/s
   static constexpr double max_friction = 1e9;
   static constexpr double max_drag = 1e6;
-  static constexpr double max_wind = 1e4;                           ///< m/s
-  static constexpr double max_gravity = 1e7;                        ///< m/s²
-  static constexpr double max_impulse = 1e15;                       ///< N s, or N, or N m
-  static constexpr double min_step = 1e-6, max_step = 1.0;          ///< s
+  static constexpr double max_wind = 1e4;                   ///< m/s
+  static constexpr double max_gravity = 1e7;                ///< m/s²
+  static constexpr double max_impulse = 1e15;               ///< N s, or N, or N m
+  static constexpr double min_step = 1e-6, max_step = 1.0;  ///< s
 };
 
 /// Every fault of one body by itself, with `path` in front; empty when it is sound.

@@ -28,7 +28,7 @@ std::string writeScene(const SceneDef& scene, const std::optional<SavedState>& s
 
 /// Name and property of one scene of a catalogue.
 struct SceneEntry {
-  std::string name;      ///< file name without ".yaml"
+  std::string name;  ///< file name without ".yaml"
   std::string property;
 };
 

@@ -34,11 +34,11 @@ class Simulator {
 
   void pause();
   void resume();
-  bool togglePause();          ///< returns whether it is paused now
+  bool togglePause();  ///< returns whether it is paused now
   /// Takes exactly n steps (1 to 1e6) and returns when they are done. Throws InvalidInput when running
   /// or when n is out of range.
   void step(std::uint64_t n);
-  void setSpeed(double speed); ///< throws InvalidInput unless finite and >= 0
+  void setSpeed(double speed);  ///< throws InvalidInput unless finite and >= 0
 
   std::shared_ptr<const Snapshot> snapshot() const;
 

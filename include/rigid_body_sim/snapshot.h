@@ -34,19 +34,19 @@ struct BodyState {
 /// One point where two bodies touch or nearly touch.
 struct ContactPoint {
   BodyId a, b;
-  Vec3 p_W = Vec3::Zero();  ///< midway between the two surfaces, m
-  Vec3 n_W = Vec3::UnitZ(); ///< unit normal, from a to b
-  double separation = 0.0;  ///< gap, m; negative is overlap
+  Vec3 p_W = Vec3::Zero();               ///< midway between the two surfaces, m
+  Vec3 n_W = Vec3::UnitZ();              ///< unit normal, from a to b
+  double separation = 0.0;               ///< gap, m; negative is overlap
   double normal_impulse = 0.0;           ///< over the step, N s, >= 0
   Vec3 friction_impulse = Vec3::Zero();  ///< on b, over the step, N s
 };
 
 /// One row of the pipeline: a stage, whether it runs, why, and what it costs.
 struct StageInfo {
-  std::string name;     ///< "forces.wind"
-  bool active = false;  ///< whether the scene needs it
-  std::string reason;   ///< in words and numbers, for and against
-  double seconds = 0.0; ///< spent in the last step; 0 for one that did not run
+  std::string name;      ///< "forces.wind"
+  bool active = false;   ///< whether the scene needs it
+  std::string reason;    ///< in words and numbers, for and against
+  double seconds = 0.0;  ///< spent in the last step; 0 for one that did not run
 };
 
 /// Trouble at run time, with its remedy.
@@ -57,42 +57,42 @@ struct Warning {
 
 /// What the last step did.
 struct StepReport {
-  double seconds = 0.0;           ///< wall time of the whole step
-  std::uint32_t pairs = 0;        ///< candidate pairs of the broad phase
-  std::uint32_t contacts = 0;     ///< contact points given to the solver
-  std::uint32_t islands = 0;      ///< groups of bodies that contacts tie together
-  std::uint32_t flying = 0;       ///< dynamic bodies advanced in closed form
-  std::uint32_t impacts = 0;      ///< impacts located in time and resolved in order
+  double seconds = 0.0;                ///< wall time of the whole step
+  std::uint32_t pairs = 0;             ///< candidate pairs of the broad phase
+  std::uint32_t contacts = 0;          ///< contact points given to the solver
+  std::uint32_t islands = 0;           ///< groups of bodies that contacts tie together
+  std::uint32_t flying = 0;            ///< dynamic bodies advanced in closed form
+  std::uint32_t impacts = 0;           ///< impacts located in time and resolved in order
   std::uint32_t deferred_impacts = 0;  ///< impacts left to the contact solver, over budget
-  double deepest_penetration = 0; ///< m, >= 0, at the end of the step
+  double deepest_penetration = 0;      ///< m, >= 0, at the end of the step
   std::vector<Warning> warnings;
 };
 
 /// Sums over the dynamic bodies.
 struct Totals {
-  double kinetic_energy = 0.0;              ///< J
-  double potential_energy = 0.0;            ///< J, zero at the origin of W
-  Vec3 momentum = Vec3::Zero();             ///< kg m/s
-  Vec3 angular_momentum = Vec3::Zero();     ///< about the origin of W, kg m²/s
+  double kinetic_energy = 0.0;           ///< J
+  double potential_energy = 0.0;         ///< J, zero at the origin of W
+  Vec3 momentum = Vec3::Zero();          ///< kg m/s
+  Vec3 angular_momentum = Vec3::Zero();  ///< about the origin of W, kg m²/s
 };
 
 /// The air as it is now.
 struct AirState {
-  bool air = false;                ///< whether the scene has air
-  bool wind = false;               ///< whether the air moves
-  double density = 0.0;            ///< kg/m³
-  Vec3 mean = Vec3::Zero();        ///< m/s
-  double gust = 0.0;               ///< m/s
-  Vec3 velocity = Vec3::Zero();    ///< with the gust, now, m/s
+  bool air = false;              ///< whether the scene has air
+  bool wind = false;             ///< whether the air moves
+  double density = 0.0;          ///< kg/m³
+  Vec3 mean = Vec3::Zero();      ///< m/s
+  double gust = 0.0;             ///< m/s
+  Vec3 velocity = Vec3::Zero();  ///< with the gust, now, m/s
 };
 
 struct Snapshot {
   std::string scene;
-  double time = 0.0;         ///< physics time since the scene began, s
-  std::uint64_t steps = 0;   ///< taken since the scene began
-  double step = 0.0;         ///< s
-  std::uint64_t edits = 0;   ///< grows with every edit, load and reset
-  std::uint64_t description_version = 0;  ///< grows when `bodies` changes
+  double time = 0.0;                                           ///< physics time since the scene began, s
+  std::uint64_t steps = 0;                                     ///< taken since the scene began
+  double step = 0.0;                                           ///< s
+  std::uint64_t edits = 0;                                     ///< grows with every edit, load and reset
+  std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
   std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order
   std::vector<BodyState> states;                               ///< same order as `bodies`
   std::vector<ContactPoint> contacts;

@@ -23,8 +23,8 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 /// Place and attitude of a body frame B in the world frame W.
 struct Pose {
-  Vec3 p_WB = Vec3::Zero();       ///< m
-  Quat q_WB = Quat::Identity();   ///< unit quaternion
+  Vec3 p_WB = Vec3::Zero();      ///< m
+  Quat q_WB = Quat::Identity();  ///< unit quaternion
 };
 
 /// Velocity of a body frame B seen from W, written in W, at the origin of B.

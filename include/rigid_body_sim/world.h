@@ -15,21 +15,21 @@ namespace rbs {
 
 /// Properties to change; what is empty stays.
 struct BodyEdit {
-  std::optional<Shape> shape;      ///< the mass follows the density, unless `mass` is given too
+  std::optional<Shape> shape;  ///< the mass follows the density, unless `mass` is given too
   std::optional<Pose> pose;
   std::optional<Twist> twist;
-  std::optional<BodyKind> kind;    ///< dynamic to static or kinematic stops the body, unless `twist` is given
-  std::optional<double> mass;      ///< kg; the density follows. At most one of mass and density
-  std::optional<double> density;   ///< kg/m³; the mass follows
+  std::optional<BodyKind> kind;   ///< dynamic to static or kinematic stops the body, unless `twist` is given
+  std::optional<double> mass;     ///< kg; the density follows. At most one of mass and density
+  std::optional<double> density;  ///< kg/m³; the mass follows
   std::optional<double> friction, restitution, drag_coefficient;
   std::optional<Color> color;
 };
 
 /// A spring from a point of a body to a point of the world: how a hand pulls.
 struct Grab {
-  Vec3 p_B = Vec3::Zero();   ///< where it holds the body, in B, m
-  Vec3 p_W = Vec3::Zero();   ///< where it pulls that point, m
-  double frequency = 4.0;    ///< of the critically damped spring, Hz, > 0
+  Vec3 p_B = Vec3::Zero();          ///< where it holds the body, in B, m
+  Vec3 p_W = Vec3::Zero();          ///< where it pulls that point, m
+  double frequency = 4.0;           ///< of the critically damped spring, Hz, > 0
   double max_acceleration = 300.0;  ///< cap on force over mass, m/s², > 0
 };
 
@@ -42,7 +42,7 @@ struct SavedState {
     std::uint32_t a = 0, b = 0;
     struct Point {
       std::uint32_t feature = 0;
-      double normal = 0.0;  ///< N
+      double normal = 0.0;            ///< N
       Vec3 tangent_W = Vec3::Zero();  ///< on b, N
     };
     std::vector<Point> points;
@@ -70,17 +70,17 @@ class World {
   Vec3 freePlace(const Shape& shape, double clearance = 0.5) const;
 
   // --- forces
-  void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);        ///< N s, m
+  void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);  ///< N s, m
   /// Force at a point and a couple, from now on for `seconds` of physics time (> 0).
   void applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
-  void grab(BodyId id, const Grab& grab);          ///< from now on, until release()
-  void hold(BodyId id, const Pose& target);        ///< leads the body there as if kinematic, until release()
-  void release(BodyId id);                         ///< a grabbed body keeps its velocity; a held one is at rest
+  void grab(BodyId id, const Grab& grab);    ///< from now on, until release()
+  void hold(BodyId id, const Pose& target);  ///< leads the body there as if kinematic, until release()
+  void release(BodyId id);                   ///< a grabbed body keeps its velocity; a held one is at rest
 
   // --- surroundings
   void setGravity(const Vec3& gravity_W);
-  void setAir(const std::optional<Air>& air);      ///< taking air away takes the wind with it
-  void setWind(const std::optional<Wind>& wind);   ///< needs air
+  void setAir(const std::optional<Air>& air);     ///< taking air away takes the wind with it
+  void setWind(const std::optional<Wind>& wind);  ///< needs air
   void setFidelity(Fidelity fidelity);
 
   // --- time
@@ -90,11 +90,11 @@ class World {
   // --- reading
   double time() const;
   std::uint64_t steps() const;
-  const SceneDef& scene() const;             ///< settings as they are now; `bodies` is not kept up
-  SceneDef capture() const;                  ///< the scene as it is now, bodies and velocities included
-  SavedState captureState() const;           ///< what capture() leaves out
-  Snapshot snapshot() const;                 ///< all but the pacing
-  std::vector<StageInfo> pipeline() const;   ///< which stages run, and why
+  const SceneDef& scene() const;            ///< settings as they are now; `bodies` is not kept up
+  SceneDef capture() const;                 ///< the scene as it is now, bodies and velocities included
+  SavedState captureState() const;          ///< what capture() leaves out
+  Snapshot snapshot() const;                ///< all but the pacing
+  std::vector<StageInfo> pipeline() const;  ///< which stages run, and why
   std::uint64_t stateHash() const;
   Totals totals() const;
 

@@ -12,8 +12,8 @@ constexpr double kFarthest = 1e12, kFastest = 1e12;
 
 bool sound(const Pose& pose, const Twist& twist) {
   return pose.p_WB.cwiseAbs().maxCoeff() < kFarthest && twist.v_WB.cwiseAbs().maxCoeff() < kFastest &&
-         twist.w_WB.cwiseAbs().maxCoeff() < kFastest && pose.q_WB.coeffs().allFinite() && pose.p_WB.allFinite() &&
-         twist.v_WB.allFinite() && twist.w_WB.allFinite();
+         twist.w_WB.cwiseAbs().maxCoeff() < kFastest && pose.q_WB.coeffs().allFinite() &&
+         pose.p_WB.allFinite() && twist.v_WB.allFinite() && twist.w_WB.allFinite();
 }
 
 void freeze(Context& context, Index i) {
@@ -23,9 +23,10 @@ void freeze(Context& context, Index i) {
   bodies.traits[i].frozen = true;
   bodies.refresh(i);
   context.step.report.warnings.push_back(
-      {"non_finite", "body '" + bodies.name[i] +
-                         "' left all bounds and is frozen where it last was; delete it, or make it dynamic again "
-                         "with less speed, or shorten the step"});
+      {"non_finite",
+       "body '" + bodies.name[i] +
+           "' left all bounds and is frozen where it last was; delete it, or make it dynamic again "
+           "with less speed, or shorten the step"});
 }
 
 }  // namespace
@@ -46,7 +47,8 @@ void run(Context& context) {
     if (pair.first < step.inherited) continue;
     step.report.contacts += pair.size;
     for (Index t = pair.first; t < pair.first + pair.size; ++t)
-      step.report.deepest_penetration = std::max(step.report.deepest_penetration, -step.contacts.touches[t].separation);
+      step.report.deepest_penetration =
+          std::max(step.report.deepest_penetration, -step.contacts.touches[t].separation);
   }
 }
 

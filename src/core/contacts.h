@@ -11,12 +11,12 @@ namespace rbs {
 
 /// One contact point at the end of its last solve.
 struct Touch {
-  std::uint32_t feature = 0;       ///< finds the same point again in the next step
-  double normal = 0.0;             ///< N, >= 0: the guess for the next solve
-  Vec3 friction_W = Vec3::Zero();  ///< on body j, N: likewise
-  Vec3 p_W = Vec3::Zero();         ///< m
-  Vec3 n_W = Vec3::UnitZ();        ///< unit, from i to j
-  double separation = 0.0;         ///< m
+  std::uint32_t feature = 0;               ///< finds the same point again in the next step
+  double normal = 0.0;                     ///< N, >= 0: the guess for the next solve
+  Vec3 friction_W = Vec3::Zero();          ///< on body j, N: likewise
+  Vec3 p_W = Vec3::Zero();                 ///< m
+  Vec3 n_W = Vec3::UnitZ();                ///< unit, from i to j
+  double separation = 0.0;                 ///< m
   double normal_impulse = 0.0;             ///< over the part of the step that was solved last, N s
   Vec3 friction_impulse_W = Vec3::Zero();  ///< likewise, on body j
 };

@@ -48,8 +48,8 @@ struct SceneStore {
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
   std::vector<HandHold> holds;
-  Contacts contacts;  ///< of the last step
-  std::vector<Index> sort_order;   ///< of the broad phase, over rosters.collidable; only speeds it up
+  Contacts contacts;              ///< of the last step
+  std::vector<Index> sort_order;  ///< of the broad phase, over rosters.collidable; only speeds it up
   double time = 0.0;
   std::uint64_t steps = 0;
 };
@@ -103,9 +103,9 @@ struct StepStore {
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
-  std::vector<Index> island;           ///< by body: its place in `islands`; kNone if it is no mover
-  std::vector<double> contact_seconds; ///< by row of the contact method's table
-  std::vector<Pose> before;            ///< by body: pose at t0, for the body that must be put back
+  std::vector<Index> island;            ///< by body: its place in `islands`; kNone if it is no mover
+  std::vector<double> contact_seconds;  ///< by row of the contact method's table
+  std::vector<Pose> before;             ///< by body: pose at t0, for the body that must be put back
   StepReport report;
 
   /// Empties the store for a step from t0 to t1 of n bodies.

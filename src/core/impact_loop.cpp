@@ -17,7 +17,8 @@ namespace {
 // Goes through the impacts of a step in the order of their times.
 class ImpactLoop {
  public:
-  explicit ImpactLoop(Context& context) : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
+  explicit ImpactLoop(Context& context)
+      : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
     const std::uint64_t pairs = step_.contacts.pairs.size();
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -98,8 +99,8 @@ class ImpactLoop {
     }
   }
 
-  // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any time
-  // in between, as happens between bodies that touch others, would go on forever. An elastic pair never
+  // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any
+  // time in between, as happens between bodies that touch others, would go on forever. An elastic pair never
   // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
   bool isCollapsing(const PendingImpact& impact) {
     constexpr int kMeetings = 6;
@@ -152,9 +153,10 @@ class ImpactLoop {
     const std::vector<ContactPair>& pairs = step_.contacts.pairs;
     const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(found_);
     const auto key = std::pair(i, j);
-    const auto it = std::lower_bound(pairs.begin(), end, key, [](const ContactPair& pair, const std::pair<Index, Index>& k) {
-      return std::pair(pair.i, pair.j) < k;
-    });
+    const auto it = std::lower_bound(pairs.begin(), end, key,
+                                     [](const ContactPair& pair, const std::pair<Index, Index>& k) {
+                                       return std::pair(pair.i, pair.j) < k;
+                                     });
     if (it != end && std::pair(it->i, it->j) == key) return static_cast<Index>(it - pairs.begin());
     for (std::size_t k = found_; k < pairs.size(); ++k)
       if (pairs[k].i == i && pairs[k].j == j) return static_cast<Index>(k);
@@ -172,7 +174,8 @@ class ImpactLoop {
   }
 
   void consider(Index i, Index j, double from) {
-    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
+    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
+      return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
     if (standing == Standing::Contact && impacts::restitution(context_, i, j) == 0.0) return;
@@ -193,7 +196,8 @@ class ImpactLoop {
     if (!warned_) {
       step_.report.warnings.push_back(
           {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
-                                context_.scene.bodies.name[impact.i] + "' and '" + context_.scene.bodies.name[impact.j] +
+                                context_.scene.bodies.name[impact.i] + "' and '" +
+                                context_.scene.bodies.name[impact.j] +
                                 "'; the rest lose their rebound. Use a shorter step"});
       warned_ = true;
     }

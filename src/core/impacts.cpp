@@ -41,7 +41,9 @@ double lengthOf(const Bodies& bodies, Index i, Index j) {
 
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
-  const auto in_contact = [&](Index k) { return step.island[k] != kNone && !step.islands[step.island[k]].pairs.empty(); };
+  const auto in_contact = [&](Index k) {
+    return step.island[k] != kNone && !step.islands[step.island[k]].pairs.empty();
+  };
   const bool exact = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
   return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
 }
@@ -70,15 +72,16 @@ struct Meeting {
   Manifold manifold;
 };
 
-// The speed below which a rebound is not worth an impact of its own: it would be over within the step, because
-// gravity, or whatever else drives the pair together, adds twice as much in one; or it would open a gap too
-// small to matter. The second bound makes an end of sequences between three bodies that shrink forever, which only
-// pairs that lose energy have.
+// The speed below which a rebound is not worth an impact of its own: it would be over within the step,
+// because gravity, or whatever else drives the pair together, adds twice as much in one; or it would open a
+// gap too small to matter. The second bound makes an end of sequences between three bodies that shrink
+// forever, which only pairs that lose energy have.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
-  const double unseen = restitution(context, i, j) < 1.0 ? kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h() : 0.0;
+  const double unseen =
+      restitution(context, i, j) < 1.0 ? kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h() : 0.0;
   return std::max(0.5 * step.h() * a, unseen);
 }
 
@@ -105,7 +108,8 @@ std::optional<PendingImpact> locate(const Context& context, Index i, Index j, do
     const Meeting now(context, i, j, from);
     if (now.manifold.size > 0) return impactAt(now, from);
   }
-  const std::optional<double> time = timeOfImpact(a, courseOf(context, i), b, courseOf(context, j), from, step.t1);
+  const std::optional<double> time =
+      timeOfImpact(a, courseOf(context, i), b, courseOf(context, j), from, step.t1);
   return time ? impactAt(Meeting(context, i, j, *time), *time) : std::nullopt;
 }
 
@@ -117,7 +121,8 @@ void find(Context& context) {
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       if (step.contacts.touches[t].normal == 0.0) continue;
       step.standing[k] = Standing::Contact;
-      for (const Index i : {pair.i, pair.j}) step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
+      for (const Index i : {pair.i, pair.j})
+        step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
     }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {

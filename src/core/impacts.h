@@ -1,7 +1,7 @@
 // Impacts: closing pairs whose contact is located in time and resolved at that time, in order.
 //
-// A pair in contact that has no restitution is the contact solver's, and so is one that closes too slowly for a
-// rebound to be seen. All others are looked at.
+// A pair in contact that has no restitution is the contact solver's, and so is one that closes too slowly for
+// a rebound to be seen. All others are looked at.
 #pragma once
 
 #include "context.h"
@@ -10,7 +10,8 @@ namespace rbs::impacts {
 
 Need need(const Census& census);
 
-/// Finds the pairs that will impact during the step, and takes them out of the contact solve (Standing::Awaited).
+/// Finds the pairs that will impact during the step, and takes them out of the contact solve
+/// (Standing::Awaited).
 void find(Context& context);
 
 /// The impact of i and j at or after `from`, if there is one before the end of the step and it is not left

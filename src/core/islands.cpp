@@ -39,7 +39,9 @@ class DisjointSets {
   std::vector<Index> parent_;
 };
 
-void append(std::vector<Index>& to, const std::vector<Index>& from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<Index>& to, const std::vector<Index>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
 
 void advanceBatch(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
@@ -73,7 +75,8 @@ void finish(Context& context) {
 
 void moveLedBodies(Context& context) {
   Bodies& bodies = context.scene.bodies;
-  for (const Index i : context.scene.rosters.led) bodies.pose[i] = context.step.poseAt(bodies, i, context.step.t1);
+  for (const Index i : context.scene.rosters.led)
+    bodies.pose[i] = context.step.poseAt(bodies, i, context.step.t1);
 }
 
 }  // namespace
@@ -96,7 +99,8 @@ void link(Context& context) {
   for (const Index i : context.scene.rosters.movers) mover[i] = 1;
   const std::vector<ContactPair>& pairs = step.contacts.pairs;
   for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (step.standing[k] != Standing::Awaited && mover[pairs[k].i] && mover[pairs[k].j]) sets.unite(pairs[k].i, pairs[k].j);
+    if (step.standing[k] != Standing::Awaited && mover[pairs[k].i] && mover[pairs[k].j])
+      sets.unite(pairs[k].i, pairs[k].j);
 
   for (const Index i : context.scene.rosters.movers) {
     const Index root = sets.root(i);

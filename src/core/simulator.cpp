@@ -17,8 +17,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
-Clock::duration duration(double s) { return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s)); }
+double seconds(Clock::duration d) {
+  return std::chrono::duration<double>(d).count();
+}
+Clock::duration duration(double s) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+}
 
 // Wall time after which lost steps are dropped instead of made up for, s: a simulation that cannot keep up
 // runs slower, it does not freeze.
@@ -231,6 +235,8 @@ void Simulator::setSpeed(double speed) {
   });
 }
 
-std::shared_ptr<const Snapshot> Simulator::snapshot() const { return std::atomic_load(&impl_->published); }
+std::shared_ptr<const Snapshot> Simulator::snapshot() const {
+  return std::atomic_load(&impl_->published);
+}
 
 }  // namespace rbs

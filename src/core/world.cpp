@@ -110,15 +110,19 @@ void throwIfAny(const std::vector<Problem>& problems) {
   if (!problems.empty()) throw InvalidInput(problems);
 }
 
-std::string textOf(const Vec3& v) { return '[' + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ']'; }
+std::string textOf(const Vec3& v) {
+  return '[' + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ']';
+}
 
 // Every component finite and at most `limit` in magnitude.
-void checkVector(const Vec3& v, double limit, const char* path, const char* unit, std::vector<Problem>& problems) {
+void checkVector(const Vec3& v, double limit, const char* path, const char* unit,
+                 std::vector<Problem>& problems) {
   if (v.allFinite() && v.cwiseAbs().maxCoeff() <= limit) return;
   problems.push_back({path, textOf(v), "finite, each component at most " + text(limit) + ' ' + unit});
 }
 
-void checkPositive(double value, double limit, const char* path, const char* unit, std::vector<Problem>& problems) {
+void checkPositive(double value, double limit, const char* path, const char* unit,
+                   std::vector<Problem>& problems) {
   if (value > 0.0 && value <= limit) return;
   problems.push_back({path, text(value), "above 0 and at most " + text(limit) + ' ' + unit});
 }
@@ -167,7 +171,8 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
         touch.normal = point.normal;
         touch.friction_W = point.tangent_W;
         if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
-          problems.push_back({"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
+          problems.push_back(
+              {"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
         contacts.touches.push_back(touch);
       }
       contacts.pairs.push_back(pair);
@@ -188,7 +193,9 @@ World& World::operator=(World&&) noexcept = default;
 
 // --- bodies
 
-BodyId World::addBody(const BodyDef& body) { return addBodies({body}).front(); }
+BodyId World::addBody(const BodyDef& body) {
+  return addBodies({body}).front();
+}
 
 std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
   std::vector<Problem> problems;
@@ -312,7 +319,8 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   Twist twist = bodies.twist[i];
   twist.v_WB += bodies.inertia[i].inv_mass * impulse_W;
   twist.w_WB += bodies.inertia[i].inverseW(bodies.R_WB(i)) * (point_W - bodies.pose[i].p_WB).cross(impulse_W);
-  if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed || twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
+  if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
+      twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
     throw InvalidInput({{"impulse", textOf(impulse_W),
                          "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
                              text(Limits::max_spin) + " rad/s"}});
@@ -320,7 +328,8 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   impl_->edited(false);
 }
 
-void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds) {
+void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                        double seconds) {
   const Index i = impl_->require(id);
   const Bodies& bodies = impl_->scene.bodies;
   std::vector<Problem> problems;
@@ -362,7 +371,8 @@ void World::hold(BodyId id, const Pose& target) {
   std::vector<Problem> problems;
   checkVector(target.p_WB, Limits::max_position, "hold.position", "m", problems);
   const double norm = target.q_WB.norm();
-  if (!(norm > 1e-3 && norm < 1e3)) problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
+  if (!(norm > 1e-3 && norm < 1e3))
+    problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
   throwIfAny(problems);
   const Pose unit{target.p_WB, target.q_WB.normalized()};
   for (HandHold& hold : impl_->scene.holds) {
@@ -455,15 +465,26 @@ const StepReport& World::step() {
 
 // --- reading
 
-double World::time() const { return impl_->scene.time; }
-std::uint64_t World::steps() const { return impl_->scene.steps; }
-const SceneDef& World::scene() const { return impl_->scene.settings; }
-std::vector<StageInfo> World::pipeline() const { return impl_->pipeline.describe(impl_->census); }
-std::uint64_t World::stateHash() const { return rbs::stateHash(impl_->scene); }
+double World::time() const {
+  return impl_->scene.time;
+}
+std::uint64_t World::steps() const {
+  return impl_->scene.steps;
+}
+const SceneDef& World::scene() const {
+  return impl_->scene.settings;
+}
+std::vector<StageInfo> World::pipeline() const {
+  return impl_->pipeline.describe(impl_->census);
+}
+std::uint64_t World::stateHash() const {
+  return rbs::stateHash(impl_->scene);
+}
 
 SceneDef World::capture() const {
   SceneDef scene = impl_->scene.settings;
-  for (Index i = 0; i < impl_->scene.bodies.size(); ++i) scene.bodies.push_back(impl_->scene.bodies.define(i));
+  for (Index i = 0; i < impl_->scene.bodies.size(); ++i)
+    scene.bodies.push_back(impl_->scene.bodies.define(i));
   return scene;
 }
 
@@ -521,12 +542,13 @@ Snapshot World::snapshot() const {
   }
   s.bodies = w.descriptions;
   s.states.reserve(bodies.size());
-  for (Index i = 0; i < bodies.size(); ++i) s.states.push_back({bodies.id[i], bodies.pose[i], bodies.twist[i]});
+  for (Index i = 0; i < bodies.size(); ++i)
+    s.states.push_back({bodies.id[i], bodies.pose[i], bodies.twist[i]});
   for (const ContactPair& pair : w.scene.contacts.pairs) {
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       const Touch& touch = w.scene.contacts.touches[t];
-      s.contacts.push_back({pair.id_i, pair.id_j, touch.p_W, touch.n_W, touch.separation, touch.normal_impulse,
-                            touch.friction_impulse_W});
+      s.contacts.push_back({pair.id_i, pair.id_j, touch.p_W, touch.n_W, touch.separation,
+                            touch.normal_impulse, touch.friction_impulse_W});
     }
   }
   s.pipeline = pipeline();

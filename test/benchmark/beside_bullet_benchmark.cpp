@@ -1,6 +1,6 @@
-// The time of a step beside Bullet's, on the same scenes in the same run: turn by turn, in stretches of steps,
-// so that a noisy machine is noisy for all. Also how deep bodies overlap at the end of the stretches, found by
-// our narrow phase on the poses of either engine, because time without error says little.
+// The time of a step beside Bullet's, on the same scenes in the same run: turn by turn, in stretches of
+// steps, so that a noisy machine is noisy for all. Also how deep bodies overlap at the end of the stretches,
+// found by our narrow phase on the poses of either engine, because time without error says little.
 #include "narrowphase/collide.h"
 #include "rigid_body_sim/scenes.h"
 
@@ -47,7 +47,9 @@ class Ours : public Contestant {
   World world_;
 };
 
-btVector3 toBullet(const Vec3& v) { return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z())); }
+btVector3 toBullet(const Vec3& v) {
+  return btVector3(btScalar(v.x()), btScalar(v.y()), btScalar(v.z()));
+}
 
 /// Bullet's discrete dynamics world with its own defaults, its step cut into so many.
 class Bullet : public Contestant {
@@ -81,8 +83,10 @@ class Bullet : public Contestant {
 
  private:
   static std::unique_ptr<btCollisionShape> shapeOf(const Shape& shape) {
-    if (const auto* sphere = std::get_if<Sphere>(&shape)) return std::make_unique<btSphereShape>(btScalar(sphere->radius));
-    if (const auto* box = std::get_if<Box>(&shape)) return std::make_unique<btBoxShape>(toBullet(0.5 * box->size));
+    if (const auto* sphere = std::get_if<Sphere>(&shape))
+      return std::make_unique<btSphereShape>(btScalar(sphere->radius));
+    if (const auto* box = std::get_if<Box>(&shape))
+      return std::make_unique<btBoxShape>(toBullet(0.5 * box->size));
     return std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), btScalar(0));
   }
 
@@ -92,7 +96,8 @@ class Bullet : public Contestant {
     const double mass = def.mass.value_or(def.density.value_or(kDefaultDensity) * volume(def.shape));
     btVector3 inertia(0, 0, 0);
     if (moves) shapes_.back()->calculateLocalInertia(btScalar(mass), inertia);
-    bodies_.push_back(std::make_unique<btRigidBody>(btScalar(moves ? mass : 0.0), nullptr, shapes_.back().get(), inertia));
+    bodies_.push_back(
+        std::make_unique<btRigidBody>(btScalar(moves ? mass : 0.0), nullptr, shapes_.back().get(), inertia));
     btRigidBody& body = *bodies_.back();
     const Eigen::Quaternion<btScalar> q(def.pose.q_WB.cast<btScalar>());
     body.setWorldTransform(btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), toBullet(def.pose.p_WB)));
@@ -132,7 +137,8 @@ double deepestOverlap(const SceneDef& scene, const std::vector<Pose>& poses) {
 }
 
 double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -149,7 +155,8 @@ void race(const std::string& name) {
       for (int k = 0; k < kStretch; ++k) {
         const auto start = std::chrono::steady_clock::now();
         contestant->step();
-        contestant->seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        contestant->seconds.push_back(
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       }
       contestant->deepest = std::max(contestant->deepest, deepestOverlap(scene, contestant->poses()));
     }
@@ -166,7 +173,9 @@ void race(const std::string& name) {
 }  // namespace
 
 int main() {
-  std::printf("| scene | engine | median step, ms | 99th percentile, ms | median against ours | deepest overlap, mm |\n");
+  std::printf(
+      "| scene | engine | median step, ms | 99th percentile, ms | median against ours | deepest overlap, mm "
+      "|\n");
   std::printf("|---|---|--:|--:|--:|--:|\n");
   for (const char* scene : {"mixed_rain", "pyramid", "sphere_rain"}) race(scene);
 }

@@ -1,5 +1,5 @@
-// Sweep and prune against brute force: all pairs whose boxes and whose intervals along (1,1,1) overlap, whatever
-// moves, comes and goes.
+// Sweep and prune against brute force: all pairs whose boxes and whose intervals along (1,1,1) overlap,
+// whatever moves, comes and goes.
 #include "broadphase/bounds.h"
 #include "broadphase/sweep_and_prune.h"
 #include "context.h"
@@ -26,8 +26,10 @@ class Crowd {
     BodyDef def;
     const int kind = static_cast<int>(number(0.0, 4.0));
     const double size = std::pow(10.0, number(-2.0, 1.0));
-    if (kind == 0) def.shape = Sphere{size};
-    else def.shape = Box{Vec3(size, size * number(0.2, 1.0), size * number(0.2, 1.0))};
+    if (kind == 0)
+      def.shape = Sphere{size};
+    else
+      def.shape = Box{Vec3(size, size * number(0.2, 1.0), size * number(0.2, 1.0))};
     def.kind = kind == 3 ? BodyKind::Static : BodyKind::Dynamic;
     def.pose = {place(reach), Quat(Eigen::Quaterniond::UnitRandom())};
     if (def.kind == BodyKind::Dynamic) def.twist = {place(30.0), place(10.0)};
@@ -54,7 +56,8 @@ std::uint32_t bruteForceCount(const World& world) {
       const Interval a = diagonalInterval(bodies, load[i], i, scene.step);
       const Interval b = diagonalInterval(bodies, load[j], j, scene.step);
       if (a.hi < b.lo || b.hi < a.lo) continue;
-      count += sweptBounds(bodies, load[i], i, scene.step).overlaps(sweptBounds(bodies, load[j], j, scene.step));
+      count +=
+          sweptBounds(bodies, load[i], i, scene.step).overlaps(sweptBounds(bodies, load[j], j, scene.step));
     }
   }
   return count;
@@ -119,8 +122,10 @@ TEST(Bounds, HoldTheBodyOverTheWholeStep) {
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
         Vec3 point = p;
-        if (const auto* box = std::get_if<Box>(&def.shape)) point += R * (0.5 * box->size.cwiseProduct(sign));
-        else point += std::get<Sphere>(def.shape).radius * sign.normalized();
+        if (const auto* box = std::get_if<Box>(&def.shape))
+          point += R * (0.5 * box->size.cwiseProduct(sign));
+        else
+          point += std::get<Sphere>(def.shape).radius * sign.normalized();
         EXPECT_TRUE(bounds.contains({point, point})) << seed;
         EXPECT_LE(interval.lo, point.sum() / std::sqrt(3.0)) << seed;
         EXPECT_GE(interval.hi, point.sum() / std::sqrt(3.0)) << seed;

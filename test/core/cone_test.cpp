@@ -41,7 +41,9 @@ TEST(Cone, AnImpulseKeepsTheLawsOfContact) {
     }
     ++slid;
     EXPECT_NEAR(r.head<2>().norm(), limit, 1e-12 * (limit + r[2]));
-    EXPECT_NEAR(u.head<2>().dot(r.head<2>()), -u.head<2>().norm() * r.head<2>().norm(), 1e-9 * scale * r.norm()) << trial;
+    EXPECT_NEAR(u.head<2>().dot(r.head<2>()), -u.head<2>().norm() * r.head<2>().norm(),
+                1e-9 * scale * r.norm())
+        << trial;
   }
   EXPECT_GT(stuck, 1000);
   EXPECT_GT(slid, 1000);

@@ -16,7 +16,10 @@ class Bodies2 {
       side->p_WB = anyVector();
       side->twist = {anyVector(), anyVector()};
       side->inv_mass = std::exp(normal_(random_));
-      const Mat3 R = Quat(Eigen::Quaterniond(normal_(random_), normal_(random_), normal_(random_), normal_(random_)).normalized()).toRotationMatrix();
+      const Mat3 R =
+          Quat(Eigen::Quaterniond(normal_(random_), normal_(random_), normal_(random_), normal_(random_))
+                   .normalized())
+              .toRotationMatrix();
       const Vec3 size(std::exp(normal_(random_)), std::exp(normal_(random_)), std::exp(normal_(random_)));
       const Vec3 squares = size.cwiseProduct(size);
       const Vec3 moments = (squares.sum() * Vec3::Ones() - squares) / (12.0 * side->inv_mass);
@@ -36,7 +39,8 @@ class Bodies2 {
   Vec3 angularMomentum() const {
     Vec3 sum = Vec3::Zero();
     for (const ImpactSide* side : {&a, &b})
-      sum += side->p_WB.cross(side->twist.v_WB) / side->inv_mass + side->inv_inertia_W.inverse() * side->twist.w_WB;
+      sum += side->p_WB.cross(side->twist.v_WB) / side->inv_mass +
+             side->inv_inertia_W.inverse() * side->twist.w_WB;
     return sum;
   }
 

@@ -92,9 +92,9 @@ TEST(WorldEdits, WhatASceneDoesNotNeedDoesNotRun) {
   SceneDef scene = emptySpace(1.0 / 60.0);
   scene.bodies.push_back(ball("ball", 0.5, Vec3::Zero()));
   World world(scene);
-  for (const char* stage : {"forces.gravity", "forces.drag", "forces.wrench", "forces.grab", "hands.hold",
-                            "broadphase.pairs", "impacts.find", "narrowphase.collide", "contacts.friction",
-                            "rotation.gyroscopic"}) {
+  for (const char* stage :
+       {"forces.gravity", "forces.drag", "forces.wrench", "forces.grab", "hands.hold", "broadphase.pairs",
+        "impacts.find", "narrowphase.collide", "contacts.friction", "rotation.gyroscopic"}) {
     EXPECT_FALSE(active(world, stage)) << stage;
   }
   world.setGravity({0.0, 0.0, -1.0});
@@ -131,13 +131,22 @@ TEST(WorldEdits, ABadEditSaysWhereAndChangesNothing) {
       {"restitution", edit([](BodyEdit& e) { e.restitution = 1.01; })},
       {"drag", edit([](BodyEdit& e) { e.drag_coefficient = kNaN; })},
       {"size", edit([](BodyEdit& e) { e.shape = Box{Vec3(1.0, 0.0, 1.0)}; })},
-      {"position", edit([](BodyEdit& e) { e.pose = Pose{Vec3(kNaN, 0.0, 0.0), Quat::Identity()}; })},
-      {"orientation", edit([](BodyEdit& e) { e.pose = Pose{Vec3::Zero(), Quat(0.0, 0.0, 0.0, 0.0)}; })},
-      {"velocity", edit([](BodyEdit& e) { e.twist = Twist{Vec3(1e9, 0.0, 0.0), Vec3::Zero()}; })},
+      {"position", edit([](BodyEdit& e) {
+         e.pose = Pose{Vec3(kNaN, 0.0, 0.0), Quat::Identity()};
+       })},
+      {"orientation", edit([](BodyEdit& e) {
+         e.pose = Pose{Vec3::Zero(), Quat(0.0, 0.0, 0.0, 0.0)};
+       })},
+      {"velocity", edit([](BodyEdit& e) {
+         e.twist = Twist{Vec3(1e9, 0.0, 0.0), Vec3::Zero()};
+       })},
       {"density", edit([](BodyEdit& e) { e.mass = 1.0, e.density = 1.0; })},
       {"name", [&] { world.addBody(ball("crate", 0.5, Vec3::Zero())); }},
       {"name", [&] { world.addBody(ball("no good", 0.5, Vec3::Zero())); }},
-      {"bodies[1]", [&] { world.addBodies({ball("fine", 0.5, Vec3::Zero()), ball("bad", -0.5, Vec3::Zero())}); }},
+      {"bodies[1]",
+       [&] {
+         world.addBodies({ball("fine", 0.5, Vec3::Zero()), ball("bad", -0.5, Vec3::Zero())});
+       }},
       {"impulse", [&] { world.applyImpulse(ball_id, Vec3(kNaN, 0.0, 0.0), Vec3::Zero()); }},
       {"floor", [&] { world.applyImpulse(floor, Vec3::UnitX(), Vec3::Zero()); }},
       {"seconds", [&] { world.applyWrench(ball_id, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0.0); }},

@@ -19,7 +19,8 @@ TEST_P(Flight, AProjectileFollowsTheParabolaToRounding) {
   World world(scene);
   advance(world, 10.0);
   const double t = world.time();
-  const Vec3 expected = Vec3(1.0, 2.0, 3.0) + t * Vec3(10.0, 5.0, 20.0) + 0.5 * t * t * Vec3(0.0, 0.0, -kGravity);
+  const Vec3 expected =
+      Vec3(1.0, 2.0, 3.0) + t * Vec3(10.0, 5.0, 20.0) + 0.5 * t * t * Vec3(0.0, 0.0, -kGravity);
   EXPECT_LE((stateOf(world, "shot").pose.p_WB - expected).norm(), 1e-12 * expected.norm());
   EXPECT_NEAR(stateOf(world, "shot").twist.v_WB.z(), 20.0 - kGravity * t, 1e-11);
 }
@@ -36,7 +37,8 @@ TEST_P(Flight, AFallingBallReachesItsTerminalVelocityAsTheHyperbolicTangent) {
   for (const double seconds : {0.5, 1.5, 8.0}) {
     advance(world, seconds);
     const double expected = terminal * std::tanh(kGravity * world.time() / terminal);
-    EXPECT_NEAR(-stateOf(world, "ball").twist.v_WB.z(), expected, 0.5 * GetParam() * expected) << world.time();
+    EXPECT_NEAR(-stateOf(world, "ball").twist.v_WB.z(), expected, 0.5 * GetParam() * expected)
+        << world.time();
   }
   advance(world, 30.0);
   EXPECT_NEAR(-stateOf(world, "ball").twist.v_WB.z(), terminal, 1e-6 * terminal);
@@ -100,7 +102,8 @@ TEST_P(Flight, AnUnstableSpinFlipsAndKeepsEnergyAndAngularMomentum) {
   EXPECT_EQ(flips, 6);  // the flips are 3.514 s apart, from elliptic integrals; the sixth ends at 19.10 s
   const Totals after = world.totals();
   EXPECT_NEAR(after.kinetic_energy / before.kinetic_energy, 1.0, 1e-9);
-  EXPECT_LE((after.angular_momentum - before.angular_momentum).norm(), 1e-13 * before.angular_momentum.norm());
+  EXPECT_LE((after.angular_momentum - before.angular_momentum).norm(),
+            1e-13 * before.angular_momentum.norm());
 }
 
 }  // namespace

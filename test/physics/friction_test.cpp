@@ -11,8 +11,8 @@ namespace {
 class Friction : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Steps, Friction, testing::Values(1.0 / 60.0, 1.0 / 240.0, 1.0 / 1000.0));
 
-// A ball sinks into the floor by this share of its radius, about, and friction has that much less of a lever. It
-// falls as the square of the step.
+// A ball sinks into the floor by this share of its radius, about, and friction has that much less of a lever.
+// It falls as the square of the step.
 constexpr double kSunk = 1e-4;
 
 // A scene on a slope with one flat box that lies on it.
@@ -135,8 +135,8 @@ TEST_P(Friction, ABoxOnASlopeTipsOrSlides) {
     double mu, tangent;
     bool tips, slides;
   };
-  for (const Case& c : {Case{0.45, 0.44, false, false}, Case{0.45, 0.46, false, true}, Case{0.55, 0.49, false, false},
-                        Case{0.55, 0.52, true, false}}) {
+  for (const Case& c : {Case{0.45, 0.44, false, false}, Case{0.45, 0.46, false, true},
+                        Case{0.55, 0.49, false, false}, Case{0.55, 0.52, true, false}}) {
     SceneDef scene = onFloor(GetParam(), c.mu);
     scene.gravity = slopeGravity(std::atan(c.tangent));
     scene.bodies.push_back(box("box", Vec3(0.5, 0.5, 1.0), Vec3(0.0, 0.0, 0.5)));

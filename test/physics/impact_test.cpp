@@ -91,7 +91,8 @@ TEST_P(Impact, TwoSpheresCollideObliquelyWithFrictionAndSpin) {
         const Vec3 w1_after = w1 - (r1 * n).cross(P) / (0.4 * m1 * r1 * r1);
         const Vec3 w2_after = w2 + (-r2 * n).cross(P) / (0.4 * m2 * r2 * r2);
 
-        const std::string which = "e " + std::to_string(e) + " mu " + std::to_string(mu) + " b " + std::to_string(offset);
+        const std::string which =
+            "e " + std::to_string(e) + " mu " + std::to_string(mu) + " b " + std::to_string(offset);
         EXPECT_LE((stateOf(world, "one").twist.v_WB - (v1 - P / m1)).norm(), 1e-12) << which;
         EXPECT_LE((stateOf(world, "two").twist.v_WB - (v2 + P / m2)).norm(), 1e-12) << which;
         EXPECT_LE((stateOf(world, "one").twist.w_WB - w1_after).norm(), 1e-12) << which;
@@ -106,7 +107,8 @@ TEST_P(Impact, TwoSpheresCollideObliquelyWithFrictionAndSpin) {
 std::vector<double> cradle(double step, const std::vector<double>& speeds, double gap) {
   SceneDef scene = emptySpace(step);
   for (std::size_t k = 0; k < speeds.size(); ++k) {
-    scene.bodies.push_back(ball("ball_" + std::to_string(k), 0.5, Vec3(k * (1.0 + gap) + (k >= 1 ? 0.1 : 0.0), 0.0, 0.0)));
+    scene.bodies.push_back(
+        ball("ball_" + std::to_string(k), 0.5, Vec3(k * (1.0 + gap) + (k >= 1 ? 0.1 : 0.0), 0.0, 0.0)));
     scene.bodies.back().material.restitution = 1.0;
     scene.bodies.back().twist.v_WB.x() = speeds[k];
   }
@@ -128,13 +130,14 @@ TEST_P(Impact, InACradleAsManyBallsLeaveAsCame) {
 }
 
 // G. Galperin, "Playing pool with pi", 2003: a ball of mass 1 between a wall and one of mass 100^k that comes
-// meets wall and ball as often as the first k + 1 digits of pi say. All is along z, so that nothing is rounded
-// sideways: spheres in line are unstable.
+// meets wall and ball as often as the first k + 1 digits of pi say. All is along z, so that nothing is
+// rounded sideways: spheres in line are unstable.
 TEST_P(Impact, ABilliardCountsTheDigitsOfPi) {
   const unsigned digits[] = {3, 31, 314, 3141, 31415};
   for (int k = 0; k < 5; ++k) {
     SceneDef scene = emptySpace(GetParam());
-    scene.bodies = {floorOf(0.0), ball("light", 0.5, Vec3(0.0, 0.0, 2.0)), ball("heavy", 0.5, Vec3(0.0, 0.0, 4.0))};
+    scene.bodies = {floorOf(0.0), ball("light", 0.5, Vec3(0.0, 0.0, 2.0)),
+                    ball("heavy", 0.5, Vec3(0.0, 0.0, 4.0))};
     for (BodyDef& def : scene.bodies) def.material.restitution = 1.0, def.material.friction = 0.0;
     scene.bodies[1].mass = 1.0;
     scene.bodies[2].mass = std::pow(100.0, k);

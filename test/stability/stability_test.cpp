@@ -17,7 +17,8 @@ namespace {
 SceneDef stackOfTen(double gap) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.6);
   for (int k = 0; k < 10; ++k)
-    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k * (1.0 + gap))));
+    scene.bodies.push_back(
+        box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k * (1.0 + gap))));
   return scene;
 }
 
@@ -53,7 +54,8 @@ TEST(Stability, ABallOf300MetresASecondNeverPassesAWallOfTwoCentimetres) {
         World world(scene);
         for (int k = 0; k < 6; ++k) {
           world.step();
-          ASSERT_LE(stateOf(world, "ball").pose.p_WB.x(), 0.0) << "step " << step << ", e " << e << ", shot " << shot;
+          ASSERT_LE(stateOf(world, "ball").pose.p_WB.x(), 0.0)
+              << "step " << step << ", e " << e << ", shot " << shot;
         }
       }
     }

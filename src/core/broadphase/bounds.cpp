@@ -55,8 +55,7 @@ Interval diagonalInterval(const Bodies& bodies, const Load& load, Index i, doubl
   const Path path = pathOver(bodies, load, i, dt);
   const double centre = d.dot(bodies.pose[i].p_WB);
   const double shift = d.dot(path.displacement);
-  const double half =
-      strayed(reach<1>(bodies, i, d)[0], bodies.traits[i], bodies.twist[i], dt) + path.slack;
+  const double half = strayed(reach<1>(bodies, i, d)[0], bodies.traits[i], bodies.twist[i], dt) + path.slack;
   return {centre + std::min(shift, 0.0) - half, centre + std::max(shift, 0.0) + half};
 }
 

@@ -49,7 +49,8 @@ void sweep(Context& context, const std::vector<Interval>& intervals) {
     const Index a = order[k];
     for (std::size_t m = k + 1; m < order.size() && intervals[order[m]].lo <= intervals[a].hi; ++m) {
       const Index b = order[m];
-      if (bounds[a].overlaps(bounds[b]) && mayCollide(bodies.traits[a], bodies.traits[b])) addPair(context, a, b);
+      if (bounds[a].overlaps(bounds[b]) && mayCollide(bodies.traits[a], bodies.traits[b]))
+        addPair(context, a, b);
     }
   }
 }

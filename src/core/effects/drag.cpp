@@ -82,7 +82,8 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
   return sum;
 }
 
-void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h, Load& load) {
+void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h,
+             Load& load) {
   const Mat3 R_WB = bodies.R_WB(i);
   const Vec3& w = bodies.twist[i].w_WB;
   const BoxDrag air = boxDrag(box.size, R_WB, u, w, half_rho_C);

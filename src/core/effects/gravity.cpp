@@ -10,7 +10,8 @@ Need need(const Census& c) {
 }
 
 void run(Context& context) {
-  for (const Index i : context.scene.rosters.movers) context.step.load[i].a_W += context.scene.settings.gravity;
+  for (const Index i : context.scene.rosters.movers)
+    context.step.load[i].a_W += context.scene.settings.gravity;
 }
 
 }  // namespace rbs::gravity

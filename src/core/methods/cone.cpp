@@ -34,7 +34,8 @@ class Sliding {
     while (excess(high) > 0.0) low = high, high *= 4.0;
     double f_low = excess(low), f_high = excess(high);
     for (int k = 0; k < 200 && high - low > 1e-16 * high; ++k) {
-      double a = low == 0.0 || k % 8 == 7 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
+      double a =
+          low == 0.0 || k % 8 == 7 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
       if (!(a > low && a < high)) a = 0.5 * (low + high);
       const double f = excess(a);
       if (f == 0.0) return impulse(a);

@@ -12,14 +12,16 @@ namespace rbs {
 namespace {
 
 struct ImpactPoint {
-  Vec3 r_a, r_b;      // from the centres
-  Mat3 W;             // response in the contact frame, 1/kg
-  double closing_in;  // normal velocity before the impact, m/s; negative when closing
-  Vec3 velocity_in;   // in the contact frame
+  Vec3 r_a, r_b;                // from the centres
+  Mat3 W;                       // response in the contact frame, 1/kg
+  double closing_in;            // normal velocity before the impact, m/s; negative when closing
+  Vec3 velocity_in;             // in the contact frame
   Vec3 impulse = Vec3::Zero();  // in the contact frame
 };
 
-Vec3 velocityAt(const ImpactSide& side, const Vec3& r) { return side.twist.v_WB + side.twist.w_WB.cross(r); }
+Vec3 velocityAt(const ImpactSide& side, const Vec3& r) {
+  return side.twist.v_WB + side.twist.w_WB.cross(r);
+}
 
 void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
   side.twist.v_WB += side.inv_mass * impulse_W;
@@ -114,7 +116,8 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
   return fastest;
 }
 
-void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction, double restitution) {
+void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction,
+                   double restitution) {
   Impact impact(a, b, manifold, friction);
   const double speed = closingSpeed(a, b, manifold);
   const double mass = 1.0 / (a.inv_mass + b.inv_mass);

@@ -9,7 +9,7 @@ namespace rbs {
 /// One side of an impact: where the body is, how it moves, and what resists.
 struct ImpactSide {
   Vec3 p_WB;
-  Twist twist;             ///< changed by collideBodies()
+  Twist twist;  ///< changed by collideBodies()
   double inv_mass = 0.0;
   Mat3 inv_inertia_W = Mat3::Zero();
 };
@@ -23,6 +23,7 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
 /// friction, on the exact circular cone, acting against the sliding that is left at the end of the impact.
 /// Where that would create energy, which Newton's law can do in eccentric impacts with friction, e is
 /// lowered to the largest value that does not (e = 0 never does).
-void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction, double restitution);
+void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction,
+                   double restitution);
 
 }  // namespace rbs

@@ -1,8 +1,8 @@
 // Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
 //
-// The interval [t0, t1] is cut into n sub-steps of length h. The narrow phase runs at the start, and again for
-// a pair that has since moved by more than a small share of its size; in between the gap s of a contact point
-// follows the motion of its bodies. A sub-step
+// The interval [t0, t1] is cut into n sub-steps of length h. The narrow phase runs at the start, and again
+// for a pair that has since moved by more than a small share of its size; in between the gap s of a contact
+// point follows the motion of its bodies. A sub-step
 //   1. adds the loads to the velocities, and last sub-step's impulses (warm start);
 //   2. solves each contact once with a soft constraint that also closes the position error;
 //   3. moves the bodies;
@@ -13,13 +13,14 @@
 // frequency w and damping ratio z, integrated implicitly, which an impulse solver writes as
 //   dl = -a m (u + b s) - c l,   b = w/(2z + h w),   x = h w (2z + h w),   a = x/(1 + x),   c = 1/(1 + x),
 // with l the accumulated impulse (Catto, "Soft constraints", GDC 2011; "Solver2D", 2024). w is a fixed
-// fraction of the sub-step rate, so that it has no unit of its own (and that of a whole sub-step also in one that
-// an impact cuts short, or a sliver of time would push as fast as it can); the steady error under a force F is
-// F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its own length.
+// fraction of the sub-step rate, so that it has no unit of its own (and that of a whole sub-step also in one
+// that an impact cuts short, or a sliver of time would push as fast as it can); the steady error under a
+// force F is F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its
+// own length.
 //
 // A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h. The
-// relaxing pass leaves out the points without an impulse: by then they have moved, and what they ask for is the
-// next sub-step's matter, or that of an impact there.
+// relaxing pass leaves out the points without an impulse: by then they have moved, and what they ask for is
+// the next sub-step's matter, or that of an impact there.
 //
 // Friction is a vector in the contact plane, |l_T| <= mu l_n, on the circular cone. A sticking point is
 // solved as a 2 x 2 block. A sliding one steps by rho = 1/(largest eigenvalue of its 2 x 2 response) and is
@@ -42,8 +43,8 @@ namespace rbs::soft_step {
 
 namespace {
 
-// w h of a contact. Stiffer sags less, but a stack of ten then never comes to rest (from 0.45 pi) or gains energy
-// as it lands (from 0.35 pi).
+// w h of a contact. Stiffer sags less, but a stack of ten then never comes to rest (from 0.45 pi) or gains
+// energy as it lands (from 0.35 pi).
 constexpr double kStiffness = 0.3 * kPi;
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
@@ -60,7 +61,9 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-int subSteps(Fidelity fidelity) { return fidelity == Fidelity::Preview ? 1 : 8; }
+int subSteps(Fidelity fidelity) {
+  return fidelity == Fidelity::Preview ? 1 : 8;
+}
 
 class Solver {
  public:

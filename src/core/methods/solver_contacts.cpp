@@ -36,7 +36,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.turned.setZero();
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
-                                                : store.inertia[i].inverseW(store.R_WB(i));
+                                               : store.inertia[i].inverseW(store.R_WB(i));
   s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
   s.reach = std::holds_alternative<Box>(store.traits[i].shape) ? store.traits[i].bounding_radius : 0.0;
   s.body = i;
@@ -91,7 +91,8 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const SolverBody& j = bodies[block.j];
   const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
   const double margin = marginOf(block, left);
-  const Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
+  const Manifold manifold =
+      rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
@@ -106,7 +107,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
 }
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
-                          const Vec3& centre_j, SolverPoint& point) const {
+                                  const Vec3& centre_j, SolverPoint& point) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   point.p_W = found.p_W;
@@ -116,8 +117,8 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.feature = found.feature;
 
   const Mat3 lever_i = crossMatrix(point.r_i), lever_j = crossMatrix(point.r_j);
-  const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() -
-                        lever_i * i.inv_inertia_W * lever_i - lever_j * j.inv_inertia_W * lever_j;
+  const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() - lever_i * i.inv_inertia_W * lever_i -
+                        lever_j * j.inv_inertia_W * lever_j;
   point.mass_n = 1.0 / block.n.dot(response * block.n);
   point.u_0 = normalVelocity(block, point);
   if (block.mu == 0.0) return;
@@ -138,12 +139,14 @@ void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, Solver
     point.guess_n = touch.normal;
     point.guess_t_W = touch.friction_W;
     point.l_n = touch.normal * h;
-    if (block.mu > 0.0) point.l_t = h * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
+    if (block.mu > 0.0)
+      point.l_t = h * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
     break;
   }
 }
 
-void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const {
+void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_block,
+                              SolverPoint& point) const {
   for (int k = old_block.first; k < old_block.first + old_block.size; ++k) {
     const SolverPoint& old = points[k];
     if (old.feature != point.feature) continue;
@@ -176,9 +179,9 @@ void SolverContacts::refresh(double now, double left) {
   }
 }
 
-// The gap after the bodies moved by x and turned by theta since the point was found. A point of the surface at r has gone to
-// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not
-// turn with it.
+// The gap after the bodies moved by x and turned by theta since the point was found. A point of the surface
+// at r has gone to x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2. A sphere's
+// nearest point does not turn with it.
 double SolverContacts::gapNow(const SolverBlock& block, const SolverPoint& point) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
@@ -200,8 +203,8 @@ double SolverContacts::normalVelocity(const SolverBlock& block, const SolverPoin
   return block.n.dot(j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i));
 }
 
-// The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut off,
-// the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
+// The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
+// off, the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
 void SolverContacts::store(double h, double h_full) {
   const double rest = std::max(h_full - h, 0.0);
   for (const SolverBody& s : bodies) {
@@ -216,12 +219,15 @@ void SolverContacts::store(double h, double h_full) {
     pair.size = static_cast<Index>(block.size);
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = points[k];
-      const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 { return t.x() * block.t1 + t.y() * block.t2; };
+      const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 {
+        return t.x() * block.t1 + t.y() * block.t2;
+      };
       Touch touch;
       touch.feature = point.feature;
       touch.normal = (point.l_n + rest * point.guess_n) / (h + rest);
       touch.friction_W = (inPlane(point.l_t) + rest * point.guess_t_W) / (h + rest);
-      touch.p_W = point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
+      touch.p_W =
+          point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
       touch.n_W = block.n;
       touch.separation = gapNow(block, point);
       touch.normal_impulse = point.sum_n;

@@ -1,5 +1,5 @@
-// The contact points of a batch of islands: where its pairs touch, what resists there, and what the last step and
-// the next one know of it. Shared by the methods that solve contacts by impulses.
+// The contact points of a batch of islands: where its pairs touch, what resists there, and what the last step
+// and the next one know of it. Shared by the methods that solve contacts by impulses.
 #pragma once
 
 #include "methods/methods.h"
@@ -11,31 +11,31 @@ namespace rbs {
 
 /// A body as the solver moves it.
 struct SolverBody {
-  Vec3 v, w;                // m/s, rad/s
-  Vec3 moved, turned;       // since the start, m, rad
+  Vec3 v, w;           // m/s, rad/s
+  Vec3 moved, turned;  // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
-  bool touched = false;     // by an impulse in this sub-step
-  bool round;               // its surface does not turn with it: a sphere
-  double reach;             // of the points that turning moves, m: 0 for a sphere and a plane
+  bool touched = false;  // by an impulse in this sub-step
+  bool round;            // its surface does not turn with it: a sphere
+  double reach;          // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
-  Vec3 r_i, r_j;        // from the centres, m
-  double gap;           // when it was found, m
-  double u_0;           // normal velocity of j against i when it was found, m/s
-  double mass_n;        // effective, along the normal, kg
+  Vec3 r_i, r_j;           // from the centres, m
+  double gap;              // when it was found, m
+  double u_0;              // normal velocity of j against i when it was found, m/s
+  double mass_n;           // effective, along the normal, kg
   Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
-  double rho;           // 1/(largest eigenvalue of the response in the contact plane), kg
-  double l_n = 0.0;     // impulses of this sub-step, N s
+  double rho;              // 1/(largest eigenvalue of the response in the contact plane), kg
+  double l_n = 0.0;        // impulses of this sub-step, N s
   Eigen::Vector2d l_t{0.0, 0.0};
   double guess_n = 0.0;  // the forces it began with, N
   Vec3 guess_t_W{0.0, 0.0, 0.0};
-  double sum_n = 0.0;   // over all sub-steps
+  double sum_n = 0.0;  // over all sub-steps
   Eigen::Vector2d sum_t{0.0, 0.0};
-  double open;          // gap now, m
+  double open;  // gap now, m
   std::uint32_t feature;
   Vec3 p_W;
 };
@@ -45,10 +45,10 @@ struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
   double mu, e;
-  double push;  // largest speed of separation, m/s
-  Index pair;   // in step.contacts.pairs
-  int first, size;  // in SolverContacts::points
-  double stray;                                // how far the pair may move until its points are found anew, m
+  double push;                                // largest speed of separation, m/s
+  Index pair;                                 // in step.contacts.pairs
+  int first, size;                            // in SolverContacts::points
+  double stray;                               // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies when they were found
 };
 
@@ -56,8 +56,8 @@ class SolverContacts {
  public:
   SolverContacts(Context& context, const IslandBatch& batch);
 
-  /// Finds the points of all pairs at time `now`, with `left` s to go, and the impulses that the forces of the
-  /// last step make of a sub-step of length h.
+  /// Finds the points of all pairs at time `now`, with `left` s to go, and the impulses that the forces of
+  /// the last step make of a sub-step of length h.
   void find(double now, double left, double h);
   /// Finds the points anew of the pairs that have strayed since theirs were found.
   void refresh(double now, double left);
@@ -65,8 +65,8 @@ class SolverContacts {
   double gapNow(const SolverBlock& block, const SolverPoint& point) const;
   /// Normal velocity of j against i at a point, m/s; negative when they close.
   double normalVelocity(const SolverBlock& block, const SolverPoint& point) const;
-  /// Writes the velocities to the bodies, and the touches to the step. `h` is the length of a sub-step, `h_full`
-  /// that of one that nothing cuts short.
+  /// Writes the velocities to the bodies, and the touches to the step. `h` is the length of a sub-step,
+  /// `h_full` that of one that nothing cuts short.
   void store(double h, double h_full);
 
   std::vector<SolverBody> bodies;
@@ -78,8 +78,8 @@ class SolverContacts {
   Index slotOf(Index i);
   double marginOf(const SolverBlock& block, double left) const;
   void findPoints(SolverBlock& block, double now, double left);
-  void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i, const Vec3& centre_j,
-                    SolverPoint& point) const;
+  void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
+                    const Vec3& centre_j, SolverPoint& point) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasStrayed(const SolverBlock& block) const;
