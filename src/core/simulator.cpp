@@ -57,6 +57,7 @@ class SpeedMeter {
 struct Simulator::Impl {
   // What the thread alone touches.
   World world;
+  std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
   SceneDef loaded;
   std::optional<SavedState> loaded_state;
   bool paused;
@@ -80,6 +81,8 @@ struct Simulator::Impl {
 
   void publish() {
     Snapshot snapshot = world.snapshot();
+    snapshot.edits += edits_before;
+    snapshot.description_version += versions_before;
     snapshot.paused = paused;
     snapshot.requested_speed = speed;
     snapshot.achieved_speed = paused ? 0.0 : meter.speed();
@@ -91,9 +94,12 @@ struct Simulator::Impl {
     meter.reset();
   }
 
-  void replaceWorld() {
-    world = World(loaded, loaded_state);
+  void replaceWorld(World fresh) {
+    edits_before = published->edits + 1;
+    versions_before = published->description_version + 1;
+    world = std::move(fresh);
     restartClock();
+    publish();
   }
 
   // Runs `command` on the thread, between two steps, and waits for it.
@@ -173,20 +179,14 @@ void Simulator::edit(const std::function<void(World&)>& command) {
 
 void Simulator::load(SceneDef scene, const std::optional<SavedState>& saved) {
   impl_->post([&] {
-    World fresh(scene, saved);
-    impl_->world = std::move(fresh);
+    impl_->replaceWorld(World(scene, saved));
     impl_->loaded = std::move(scene);
     impl_->loaded_state = saved;
-    impl_->restartClock();
-    impl_->publish();
   });
 }
 
 void Simulator::reset() {
-  impl_->post([&] {
-    impl_->replaceWorld();
-    impl_->publish();
-  });
+  impl_->post([&] { impl_->replaceWorld(World(impl_->loaded, impl_->loaded_state)); });
 }
 
 void Simulator::pause() {

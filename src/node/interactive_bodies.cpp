@@ -56,10 +56,21 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
     std::lock_guard<std::mutex> lock(inbox_mutex_);
     std::swap(news, inbox_);
   }
+  if (snapshot.scene != scene_) forgetScene(snapshot);
   for (const FeedbackPtr& feedback : news.feedback) handle(*feedback, snapshot);
   if (news.selection) selectNamed(*news.selection, snapshot);
   leadDrags(snapshot);
   showMarkers(snapshot);
+}
+
+// Every scene numbers its bodies anew: an id of the last one would be of some other body.
+void InteractiveBodies::forgetScene(const Snapshot& snapshot) {
+  scene_ = snapshot.scene;
+  for (const auto& [client, drag] : drags_) board_.letGo(drag.marker());
+  drags_.clear();
+  selected_ = BodyId{};
+  resizes_ = false;
+  focus_W_.reset();
 }
 
 void InteractiveBodies::handle(const Feedback& feedback, const Snapshot& snapshot) {
@@ -169,6 +180,10 @@ void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
 
 void InteractiveBodies::showSelection(const Snapshot& snapshot) {
   const int i = snapshot.find(selected_);
+  if (i < 0) {  // it is gone, and a later body may get its id
+    selected_ = BodyId{};
+    resizes_ = false;
+  }
   const bool has_faces = i >= 0 && !std::holds_alternative<Plane>((*snapshot.bodies)[i].shape);
   const bool has_handles = resizes_ && has_faces;
   if (i < 0 || has_handles) board_.erase(kGizmoName);

@@ -45,6 +45,7 @@ class InteractiveBodies {
     std::optional<std::string> selection;  ///< name of a body, or ""
   };
 
+  void forgetScene(const Snapshot& snapshot);
   void handle(const Feedback& feedback, const Snapshot& snapshot);
   void press(const Feedback& feedback, const Snapshot& snapshot, int body);
   void followMouse(const Feedback& feedback);
@@ -64,6 +65,7 @@ class InteractiveBodies {
   Inbox inbox_;
   MarkerBoard board_;
   ClickTargets targets_;
+  std::string scene_;
   std::map<std::string, Drag> drags_;  ///< by client: each has one mouse
   BodyId selected_;
   bool resizes_ = false;         ///< whether the selection has handles in place of the gizmo

@@ -53,10 +53,13 @@ void MarkerPublisher::publish(const Snapshot& snapshot) {
     return;
   }
   if (!isTime(snapshot)) return;
-  MarkerArray news;
-  if (snapshot.bodies != described_) follow(snapshot, news);
+  MarkerArray removals, news;
+  if (snapshot.bodies != described_) follow(snapshot, removals, news);
   move(snapshot, news);
-  if (!news.markers.empty()) publisher_.publish(news);
+  // Two messages, since RViz warns of a marker that one message both takes away and adds.
+  for (const MarkerArray& message : {removals, news}) {
+    if (!message.markers.empty()) publisher_.publish(message);
+  }
 }
 
 bool MarkerPublisher::isTime(const Snapshot& snapshot) {
@@ -88,12 +91,11 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
 
 // A marker of the same (ns, id) in the same frame takes the place of the old one and needs no DELETE. RViz
 // keeps a marker locked that once was, so where the frame changes the old one is taken away first.
-void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& news) {
+void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
   std::map<BodyId, Shown> old;
   for (Shown& shown : shown_) old.emplace(shown.id, std::move(shown));
   shown_.clear();
   const std::vector<MarkerLook> looks = looksOf(snapshot);
-  MarkerArray additions;
   for (std::size_t i = 0; i < looks.size(); ++i) {
     const BodyState& state = snapshot.states[i];
     const auto it = old.find(state.id);
@@ -103,16 +105,15 @@ void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& news) {
       continue;
     }
     shown_.push_back({state.id, looks[i], state.pose, markersOf(state.id, looks[i], state.pose)});
-    append(shown_.back().markers, additions);
+    append(shown_.back().markers, news);
     if (it != old.end() && it->second.look.frame == looks[i].frame &&
         it->second.markers.size() <= shown_.back().markers.size()) {
       old.erase(it);
     }
   }
   for (const auto& [id, gone] : old) {
-    for (const Marker& marker : gone.markers) news.markers.push_back(removalOf(marker));
+    for (const Marker& marker : gone.markers) removals.markers.push_back(removalOf(marker));
   }
-  append(additions.markers, news);
   described_ = snapshot.bodies;
 }
 

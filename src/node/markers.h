@@ -42,7 +42,8 @@ class MarkerPublisher {
   void greet(const ros::SingleSubscriberPublisher& newcomer);
   bool isTime(const Snapshot& snapshot);
   std::vector<MarkerLook> looksOf(const Snapshot& snapshot) const;
-  void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
+  void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
+              visualization_msgs::MarkerArray& news);
   void move(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
 
   const TfMode tf_;

@@ -52,6 +52,8 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
   rigid_body_sim::Status msg;
   msg.header.stamp = moment.stamp;
   msg.scene = snapshot.scene;
+  msg.view_eye = toPoint(snapshot.view.eye);
+  msg.view_target = toPoint(snapshot.view.target);
   msg.paused = snapshot.paused;
   msg.time = snapshot.time;
   msg.steps = snapshot.steps;

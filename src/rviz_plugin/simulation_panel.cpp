@@ -1,5 +1,8 @@
 #include "simulation_panel.h"
 
+#include "view.h"
+
+#include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
 #include <rviz/window_manager_interface.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -47,17 +50,15 @@ void SimulationPanel::layOut() {
   rows->addWidget(status_);
   rows->addWidget(pipeline_, 1);
 
-  auto* node = new QHBoxLayout;
-  node->addWidget(new QLabel("Node"));
-  node->addWidget(node_);
   auto* last_row = new QHBoxLayout;
-  last_row->addWidget(message_, 1);
-  last_row->addLayout(node);
-  last_row->setAlignment(node, Qt::AlignTop);
+  last_row->addStretch();
+  last_row->addWidget(new QLabel("Node"));
+  last_row->addWidget(node_);
   auto* panel = new QVBoxLayout(this);
   panel->setContentsMargins(6, 4, 6, 4);
   panel->setSpacing(4);
   panel->addWidget(controls_, 1);
+  panel->addWidget(message_);
   panel->addLayout(last_row);
 }
 
@@ -88,11 +89,13 @@ void SimulationPanel::load(const rviz::Config& config) {
   rviz::Panel::load(config);
   QString node;
   if (config.mapGetString("Node", &node)) follow(node);
+  config.mapGetString("Scene", &scene_);
 }
 
 void SimulationPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Node", node_->text());
+  config.mapSetValue("Scene", scene_);
 }
 
 void SimulationPanel::follow(const QString& node) {
@@ -102,12 +105,22 @@ void SimulationPanel::follow(const QString& node) {
 }
 
 void SimulationPanel::show(const rigid_body_sim::Status& status) {
+  look(status);
   transport_->show(status);
   status_->show(status);
   pipeline_->show(status.pipeline);
   scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
   wind_->setChecked(status.wind);
   for (const std::string& warning : status.warnings) tell(QString::fromStdString(warning), true);
+}
+
+void SimulationPanel::look(const rigid_body_sim::Status& status) {
+  const QString scene = QString::fromStdString(status.scene);
+  if (scene == scene_) return;
+  scene_ = scene;
+  if (rviz::ViewController* const view = vis_manager_->getViewManager()->getCurrent()) {
+    lookFrom(*view, status.view_eye, status.view_target);
+  }
 }
 
 void SimulationPanel::showHeard(bool is_heard) {

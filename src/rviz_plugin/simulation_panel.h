@@ -17,7 +17,8 @@
 
 namespace rbs {
 
-/// Greyed while no simulator is heard. The name of the node is saved with the layout as "Node".
+/// Greyed while no simulator is heard. The layout keeps the name of the node as "Node" and the scene that its
+/// view was saved with as "Scene": for any other scene, the view moves to where that asks to be seen from.
 class SimulationPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -34,10 +35,12 @@ class SimulationPanel : public rviz::Panel {
   void follow(const QString& node);
   void show(const rigid_body_sim::Status& status);
   void showHeard(bool is_heard);
+  void look(const rigid_body_sim::Status& status);
   void showScenes(const QStringList& names, const QStringList& properties);
   void tell(const QString& text, bool is_trouble);
 
   SimulatorClient simulator_;
+  QString scene_;  ///< that the view belongs to
   QWidget* controls_;
   TransportBar* transport_;
   QComboBox* scenes_;

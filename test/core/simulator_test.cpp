@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <thread>
 #include <vector>
 
@@ -63,6 +64,17 @@ TEST(Simulator, ResetComesBackToTheSceneAsItWasLoaded) {
   std::uint64_t after = 0;
   simulator.edit([&](World& world) { after = world.stateHash(); });
   EXPECT_EQ(after, hash);
+}
+
+TEST(Simulator, TheCountersOfChangesGrowOnResetAndLoad) {
+  Simulator simulator(fallingBall(), paused());
+  const std::vector<std::function<void()>> changes = {[&] { simulator.reset(); }, [&] { simulator.load(fallingBall()); }};
+  for (const auto& change : changes) {
+    const auto before = simulator.snapshot();
+    change();
+    EXPECT_GT(simulator.snapshot()->edits, before->edits);
+    EXPECT_GT(simulator.snapshot()->description_version, before->description_version);
+  }
 }
 
 TEST(Simulator, WhatAnEditThrowsIsThrownToTheOneWhoAsked) {

@@ -3,11 +3,12 @@
 import time
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from rigid_body_sim.msg import BodySpec
-from rigid_body_sim.srv import GetBody, ListBodies, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
+from rigid_body_sim.srv import GetBody, ListBodies, LoadScene, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
@@ -15,6 +16,7 @@ from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdat
 
 GIZMO = "selection.gizmo"
 FACES = ["selection." + face for face in ("+x", "-x", "+y", "-y", "+z", "-z")]
+SMALL = roslib.packages.get_pkg_dir("rigid_body_sim") + "/test/node/small.yaml"
 PATIENCE = 20.0  # s of wall time before a wait counts as failed
 
 
@@ -193,6 +195,33 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client.wait_without("crate")
         self.assertEqual(len(self.client.markers), 301)
         publisher.unregister()
+
+    # Every scene numbers its bodies from 1 on, so the next one has bodies with the ids of these.
+
+    def test_the_next_scene_has_nothing_selected(self):
+        call("load_scene", LoadScene, name=SMALL)
+        self.client.wait_for("floor")
+        self.client.choose("crate", "Resize")
+        self.client.wait_for(*FACES)
+        call("load_scene", LoadScene, name="playground")
+        self.client.wait_for("kerb_east")
+        self.client.wait_without(GIZMO, *FACES)
+
+    def test_a_drag_ends_with_its_scene(self):
+        call("load_scene", LoadScene, name=SMALL)
+        self.client.wait_for("floor")
+        self.client.click("crate")
+        self.client.press(GIZMO)
+        self.client.move(GIZMO, pose_at(0, 0, 5))
+        wait(lambda: distance(position("crate"), [0, 0, 5]) < 1e-9, "the drag is on")
+        same_id = body("crate").description.id
+        call("load_scene", LoadScene, name="playground")
+        self.client.move(GIZMO, pose_at(0, 0, 9))
+        self.client.release(GIZMO, pose_at(0, 0, 9))
+        self.client.wait_for("kerb_west")
+        self.client.click("kerb_west")  # done after all of that
+        self.assertEqual(body("kerb_east").description.id, same_id)
+        self.assertEqual(position("kerb_east"), [6.1, 0.0, 0.15])
 
     # --- dragging the body
 

@@ -108,6 +108,7 @@ class MarkersTest(unittest.TestCase):
 
     def check(self, message):
         """What holds for every message."""
+        self.assertEqual(len({key(marker) for marker in message.markers}), len(message.markers))
         for marker in message.markers:
             self.assertIn(marker.action, (Marker.ADD, Marker.DELETE))
             self.assertTrue(marker.header.stamp.is_zero())

@@ -56,6 +56,18 @@ class TopicsTest(unittest.TestCase):
             self.assertGreater(after.header.stamp, before.header.stamp)
             before = after
 
+    def test_a_reset_while_paused_is_seen_in_tf(self):
+        call('load_scene', name='playground')
+        for _ in range(2):
+            self.tf.clear()
+            call('step', n=30)
+            wait(lambda: any(t.transform.translation.x > -0.5 for t in self.transforms('thrown_ball')),
+                 'tf has the ball where it flew')
+            self.tf.clear()
+            call('reset')
+            wait(lambda: any(t.transform.translation.x == -1.0 for t in self.transforms('thrown_ball')),
+                 'tf has the ball back where it began')
+
     def test_the_clock_starts_at_one_and_only_goes_forward(self):
         self.clock.clear()
         call('step', n=30)
