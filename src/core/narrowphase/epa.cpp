@@ -6,7 +6,8 @@
 // translation that separates.
 //
 // Distances are signed: an origin outside by rounding is nearest to the face with the smallest, negative one,
-// and needs no special case. Ties go to the older face.
+// and needs no special case. Ties go to the older face. A face in whose plane w lies, up to rounding, counts
+// as seen: flat sides of A - B are triangulated afresh rather than covered with slivers.
 #include "narrowphase/epa.h"
 
 #include "algebra.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <queue>
 #include <vector>
 
 namespace rbs {
@@ -39,23 +41,23 @@ int next(int edge) {
 
 class Polytope {
  public:
-  explicit Polytope(const Simplex& s) : points_(s.points.begin(), s.points.end()) {
+  Polytope(const Simplex& s, double rounding)
+      : points_(s.points.begin(), s.points.end()), rounding_(rounding) {
     const Vec3 e1 = points_[1].w - points_[0].w, e2 = points_[2].w - points_[0].w;
     if (e1.cross(e2).dot(points_[3].w - points_[0].w) > 0.0) std::swap(points_[1], points_[2]);
     makeFace(0, 1, 2), makeFace(0, 3, 1), makeFace(0, 2, 3), makeFace(1, 3, 2);
     join(0, 0, 1, 2), join(0, 1, 3, 2), join(0, 2, 2, 0);
     join(1, 0, 2, 2), join(1, 1, 3, 0), join(2, 1, 3, 1);
+    for (int face = 0; face < 4; ++face) nearest_.push({faces_[face].distance, face});
   }
 
-  const Face& nearestFace() const {
-    const Face* best = nullptr;
-    for (const Face& face : faces_)
-      if (face.alive && (best == nullptr || face.distance < best->distance)) best = &face;
-    return *best;
+  const Face& nearestFace() {
+    while (!faces_[nearest_.top().second].alive) nearest_.pop();
+    return faces_[nearest_.top().second];
   }
 
-  // Replaces what `point` sees by the cone from it over the horizon. False, with nothing changed, when
-  // the cone would have a face without area.
+  // Replaces what `point` sees, starting with `seen`, by the cone from it over the horizon. False, with
+  // nothing changed, when the cone would have a face without area.
   bool expand(const Face& seen, const SupportPoint& point) {
     horizon_.clear();
     removed_.clear();
@@ -80,6 +82,7 @@ class Polytope {
     for (int k = 0; k < count; ++k) {
       join(first + k, 0, horizon_[k].first, horizon_[k].second);
       join(first + k, 1, first + (k + 1) % count, 2);
+      nearest_.push({faces_[first + k].distance, first + k});
     }
     return true;
   }
@@ -88,11 +91,19 @@ class Polytope {
 
  private:
   bool makeFace(int i, int j, int k) {
-    const Vec3& p = points_[i].w;
-    const Vec3 e1 = points_[j].w - p, e2 = points_[k].w - p;
-    Face face{{i, j, k}, {-1, -1, -1}, {}, e1.cross(e2)};
+    const Vec3 ij = points_[j].w - points_[i].w, jk = points_[k].w - points_[j].w,
+               ki = points_[i].w - points_[k].w;
+    const double a = ij.squaredNorm(), b = jk.squaredNorm(), c = ki.squaredNorm(),
+                 longest = std::max({a, b, c});
+    // The two shorter edges: in a needle the cross product of the two long ones would cancel.
+    Face face{{i, j, k},
+              {-1, -1, -1},
+              {},
+              a == longest   ? jk.cross(ki)
+              : b == longest ? ki.cross(ij)
+                             : ij.cross(jk)};
     const double area = face.n.norm();
-    const bool sound = area > kRounding * e1.norm() * e2.norm();
+    const bool sound = area > rounding_ * std::sqrt(longest);
     if (sound) face.n /= area;
     // From the corner nearest to the origin, where rounding is least.
     const auto nearer = [&](int l, int m) { return points_[l].w.squaredNorm() < points_[m].w.squaredNorm(); };
@@ -116,7 +127,7 @@ class Polytope {
   void walk(int face, int edge, const Vec3& w) {
     Face& f = faces_[face];
     if (!f.alive) return;
-    if (f.n.dot(w) <= f.distance) {
+    if (f.n.dot(w) <= f.distance - rounding_) {
       horizon_.emplace_back(face, edge);
       return;
     }
@@ -126,10 +137,13 @@ class Polytope {
     walk(f.neighbour[right], f.twin[right], w);
   }
 
+  using Entry = std::pair<double, int>;  // distance, face
   std::vector<SupportPoint> points_;
   std::vector<Face> faces_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> nearest_;
   std::vector<std::pair<int, int>> horizon_;
   std::vector<int> removed_;
+  double rounding_;
 };
 
 // Adds to the simplex the support point, among those along the given directions and their opposites, with
@@ -197,7 +211,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   Vec3 flat_normal = Vec3::UnitZ();
   if (!makeTetrahedron(support, tetrahedron, scale, flat_normal)) return flatResult(simplex, flat_normal);
 
-  Polytope polytope(tetrahedron);
+  Polytope polytope(tetrahedron, kRounding * scale);
   EpaResult result;
   result.upper = std::numeric_limits<double>::infinity();
   for (; result.iterations < kEpaIterations; ++result.iterations) {

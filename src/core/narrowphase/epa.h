@@ -21,7 +21,7 @@ struct EpaResult {
   int iterations = 0;      ///< kEpaIterations when it was cut off; the interval still holds
 };
 
-inline constexpr int kEpaIterations = 256;
+inline constexpr int kEpaIterations = 1024;
 
 /// `simplex` (1 to 4 points of A - B) holds the origin or touches it, up to rounding; `scale` is the size
 /// of the coordinates (GjkResult::scale), m. A flat A - B has depth 0 along its normal.

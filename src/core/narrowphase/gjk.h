@@ -28,21 +28,22 @@ struct GjkResult {
 
 inline constexpr int kGjkIterations = 128;
 
-/// `support(d)` gives the SupportPoint of A - B farthest along d; `centre` is any point well inside A - B.
+/// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any
+/// will do, and those that an earlier call on nearly the same pair ended with save most of the work.
 template <class Support>
-GjkResult gjk(const Support& support, const Vec3& centre) {
+GjkResult gjk(const Support& support, const Simplex& start) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   GjkResult result;
   const auto measure = [&](const SupportPoint& p) {
     result.scale = std::max({result.scale, p.a.cwiseAbs().maxCoeff(), p.b.cwiseAbs().maxCoeff()});
   };
-  const SupportPoint first = support(centre.isZero(0.0) ? Vec3(-Vec3::UnitX()) : Vec3(-centre));
-  measure(first);
-  result.simplex.add(first);
+  result.simplex = start;
+  for (int i = 0; i < start.size; ++i) measure(start.points[i]);
   result.v = reduceToNearest(result.simplex);
   result.upper = result.v.norm();
+  result.overlap = result.simplex.size == 4;
 
-  for (; result.iterations < kGjkIterations; ++result.iterations) {
+  for (; !result.overlap && result.iterations < kGjkIterations; ++result.iterations) {
     const double rounding = kRounding * result.scale;
     if (result.upper <= rounding) {
       result.overlap = true;
@@ -61,13 +62,18 @@ GjkResult gjk(const Support& support, const Vec3& centre) {
     result.simplex = simplex;
     result.v = v;
     result.upper = length;
-    if (simplex.size == 4) {
-      result.overlap = true;
-      break;
-    }
+    result.overlap = simplex.size == 4;
   }
   if (result.overlap) result.lower = 0.0;
   return result;
+}
+
+/// Likewise, from the point of A - B farthest from `centre`, which is any point well inside A - B.
+template <class Support>
+GjkResult gjk(const Support& support, const Vec3& centre) {
+  Simplex start;
+  start.add(support(centre.isZero(0.0) ? Vec3(-Vec3::UnitX()) : Vec3(-centre)));
+  return gjk(support, start);
 }
 
 }  // namespace rbs

@@ -9,6 +9,7 @@
 #include "narrowphase/simplex.h"
 
 #include <limits>
+#include <utility>
 
 namespace rbs {
 
@@ -49,7 +50,14 @@ Nearest ofSegment(const Points& s, int i, int j) {
   return {v, v.squaredNorm(), 2, {i, j}, {1.0 - t, t}};
 }
 
+// The two shorter edges span it: in a needle the cross product of the two long ones would cancel.
 Nearest ofTriangle(const Points& s, int i, int j, int k) {
+  const double ij = (s[j].w - s[i].w).squaredNorm(), ik = (s[k].w - s[i].w).squaredNorm(),
+               jk = (s[k].w - s[j].w).squaredNorm();
+  if (ij > ik && ij > jk)
+    std::swap(i, k);
+  else if (ik > jk)
+    std::swap(i, j);
   const Vec3 e1 = s[j].w - s[i].w, e2 = s[k].w - s[i].w, r = -s[i].w;
   const Vec3 n = e1.cross(e2);
   const double area2 = n.squaredNorm();

@@ -51,7 +51,8 @@ struct RelativePose {
 
 /// A point w = a - b of the Minkowski difference A - B, and the points of A and B it comes from.
 struct SupportPoint {
-  Vec3 w, a, b;
+  Vec3 w = Vec3::Zero(), a = Vec3::Zero(), b = Vec3::Zero();
+  Vec3 b_B = Vec3::Zero();  ///< b in B's frame, where it stays when B moves
 };
 
 /// The support function of the Minkowski difference A - B of two cores, in A's frame.
@@ -61,11 +62,11 @@ class CoreDifference {
   CoreDifference(const CoreA& a, const CoreB& b, const RelativePose& X_AB) : a_(a), b_(b), X_AB_(X_AB) {}
 
   SupportPoint operator()(const Vec3& direction) const {
-    SupportPoint point;
-    point.a = a_(direction);
-    point.b = X_AB_.p_AB + X_AB_.R_AB * b_(X_AB_.R_AB.transpose() * -direction);
-    point.w = point.a - point.b;
-    return point;
+    return pointOf(a_(direction), b_(X_AB_.R_AB.transpose() * -direction));
+  }
+  SupportPoint pointOf(const Vec3& a, const Vec3& b_B) const {
+    const Vec3 b = X_AB_.p_AB + X_AB_.R_AB * b_B;
+    return {a - b, a, b, b_B};
   }
   Vec3 centre() const { return -X_AB_.p_AB; }
 
