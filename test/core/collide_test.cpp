@@ -34,6 +34,33 @@ Pair randomPair(Random& random, std::uint64_t seed, int k) {
           "seed " + std::to_string(seed) + ", pair " + std::to_string(k)};
 }
 
+// How far a point is outside of a shape (negative: inside).
+double outside(const Shape& shape, const Pose& pose, const Vec3& p_W) {
+  const oracle::Vec q = oracle::PlacedBox(Box{}, pose).toBody(p_W.cast<oracle::Real>());
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return static_cast<double>(q.norm() - sphere->radius);
+  if (std::holds_alternative<Plane>(shape)) return static_cast<double>(q.z());
+  const oracle::Vec beyond = q.cwiseAbs() - 0.5L * std::get<Box>(shape).size.cast<oracle::Real>();
+  const oracle::Real out = beyond.cwiseMax(0.0L).norm();
+  return static_cast<double>(out > 0.0L ? out : beyond.maxCoeff());
+}
+
+TEST(Collide, ThePointsOfAGapLieOnBothSurfacesAndSpanIt) {
+  const std::uint64_t seed = 50;
+  Random random(seed);
+  int overlaps = 0;
+  for (int k = 0; k < 20000; ++k) {
+    Pair p = randomPair(random, seed, k);
+    if (k % 3 == 0) p.X_WB.q_WB = p.X_WA.q_WB;  // faces and edges parallel
+    if (std::holds_alternative<Plane>(p.a) && std::holds_alternative<Plane>(p.b)) continue;
+    const Gap found = gap(p.a, p.X_WA, p.b, p.X_WB);
+    overlaps += found.distance < 0.0;
+    ASSERT_NEAR((found.p_WB - found.p_WA - found.distance * found.n_W).norm(), 0.0, 1e-14) << p.where;
+    ASSERT_NEAR(outside(p.a, p.X_WA, found.p_WA), 0.0, 1e-13) << p.where;
+    ASSERT_NEAR(outside(p.b, p.X_WB, found.p_WB), 0.0, 1e-13) << p.where;
+  }
+  EXPECT_GT(overlaps, 2000);
+}
+
 TEST(Collide, SwappingTurnsTheNormal) {
   const std::uint64_t seed = 51;
   Random random(seed);

@@ -149,6 +149,13 @@ void addEdgePoint(Manifold& manifold, const PlacedBox& a, const PlacedBox& b, co
                0x80000000u | ((3u * i + j) * 16u + signs));
 }
 
+// A point of A where B touches it once B is moved out along the axis.
+Vec3 touchingPoint(const Box& a, const Box& b, RelativePose X_AB, const BoxAxis& axis) {
+  X_AB.p_AB -= axis.separation * axis.n_A;
+  const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
+  return gjk(difference, difference.centre()).simplex.witnessA();
+}
+
 }  // namespace
 
 Manifold collideBoxes(const Box& box_a, const Pose& X_WA, const Box& box_b, const Pose& X_WB, double margin) {
@@ -180,12 +187,17 @@ Gap gapBoxes(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
   const BoxAxis axis =
       *farthestAxis(0.5 * a.size, 0.5 * b.size, X_AB, std::numeric_limits<double>::infinity());
   const double size = a.size.maxCoeff() + b.size.maxCoeff();
+  const auto placed = [&](double distance, const Vec3& n_A, const Vec3& middle_A) {
+    return spanAbout(X_WA.p_WB + X_WA.q_WB * middle_A, distance, X_WA.q_WB * n_A);
+  };
   if (axis.separation > 0.0) {
     const ConvexGap gap = convexGap(a, b, X_AB);
     const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-14 * size;
-    if (!spanned) return {std::max(gap.distance, axis.separation), X_WA.q_WB * gap.n_A};
+    if (!spanned) return placed(std::max(gap.distance, axis.separation), gap.n_A, gap.middle_A);
+    return placed(axis.separation, axis.n_A, gap.middle_A);
   }
-  return {axis.separation, X_WA.q_WB * axis.n_A};
+  return placed(axis.separation, axis.n_A,
+                touchingPoint(a, b, X_AB, axis) + 0.5 * axis.separation * axis.n_A);
 }
 
 }  // namespace rbs

@@ -23,7 +23,9 @@ struct Heights {
 
 Gap gapBoxPlane(const Box& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB) {
   const Heights heights(a, X_WA, X_WB);
-  return {heights.lowest(), -heights.up_W};
+  const double lowest = heights.lowest();
+  const Vec3 corner_W = X_WA.p_WB + heights.half_edges_W * -heights.edges.cwiseSign();
+  return {lowest, -heights.up_W, corner_W, corner_W - lowest * heights.up_W};
 }
 
 Manifold collideBoxPlane(const Box& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB,

@@ -4,6 +4,7 @@
 #include "narrowphase/pairs.h"
 
 #include <limits>
+#include <utility>
 
 namespace rbs {
 
@@ -36,7 +37,7 @@ Manifold collidePlanes(const Plane&, const Pose&, const Plane&, const Pose&, dou
 }
 
 Gap gapPlanes(const Plane&, const Pose&, const Plane&, const Pose&) {
-  return {std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+  return {std::numeric_limits<double>::infinity(), Vec3::UnitZ(), Vec3::Zero(), Vec3::Zero()};
 }
 
 // Half of the table is empty: that pair is the other one with A and B swapped. Two convex shapes without a
@@ -74,6 +75,7 @@ Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
   if (const Meeting& m = meetingOf(a, b); m.gap != nullptr) return m.gap(a, X_WA, b, X_WB);
   Gap swapped = meetingOf(b, a).gap(b, X_WB, a, X_WA);
   swapped.n_W = -swapped.n_W;
+  std::swap(swapped.p_WA, swapped.p_WB);
   return swapped;
 }
 

@@ -11,10 +11,12 @@ namespace rbs {
 /// planes never meet.
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
 
-/// Gap between A and B (negative: overlap depth), with the unit normal from A to B.
+/// Gap between A and B, with the points of their surfaces that span it: p_WB - p_WA = distance n_W up to
+/// rounding. Where there are several such pairs of points, one of them.
 struct Gap {
-  double distance;
-  Vec3 n_W;
+  double distance;  ///< m; negative: depth of the overlap. Infinite for two planes
+  Vec3 n_W;         ///< unit, from A to B
+  Vec3 p_WA, p_WB;  ///< of A and of B, m; zero for two planes
 };
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 

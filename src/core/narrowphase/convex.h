@@ -38,10 +38,15 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) 
   return gap;
 }
 
+/// The gap whose points lie half of it to either side of `middle_W`.
+inline Gap spanAbout(const Vec3& middle_W, double distance, const Vec3& n_W) {
+  return {distance, n_W, middle_W - 0.5 * distance * n_W, middle_W + 0.5 * distance * n_W};
+}
+
 template <class ShapeA, class ShapeB>
 Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
   const ConvexGap gap = convexGap(a, b, RelativePose(X_WA, X_WB));
-  return {gap.distance, X_WA.q_WB * gap.n_A};
+  return spanAbout(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, X_WA.q_WB * gap.n_A);
 }
 
 template <class ShapeA, class ShapeB>
