@@ -21,7 +21,7 @@ struct Material {
   double friction = 0.6;
   /// Newton's coefficient, 0 (no rebound) to 1 (elastic). A pair uses the larger of its two.
   double restitution = 0.0;
-  /// Dimensionless, >= 0. Empty means that of the shape: 0.47 (sphere), 1.05 (box face).
+  /// Dimensionless, >= 0. Empty means defaultDragCoefficient(): 0.47 (sphere, capsule) or 1.05.
   std::optional<double> drag_coefficient;
 };
 
@@ -57,8 +57,11 @@ struct BodyDef {
 };
 
 inline constexpr double kDefaultDensity = 1000.0;  ///< kg/m³, water
-inline constexpr double kSphereDrag = 0.47;        ///< drag coefficient of a sphere
-inline constexpr double kBoxDrag = 1.05;           ///< drag coefficient of a box face
+inline constexpr double kRoundedDrag = 0.47;       ///< drag coefficient of a sphere; taken for a capsule too
+inline constexpr double kEdgedDrag = 1.05;  ///< drag coefficient of a box face; taken for all with edges
+
+/// The drag coefficient of a body that is given none; 0 for a plane.
+double defaultDragCoefficient(const Shape& shape);
 
 /// Air at rest unless there is wind; its presence asks for drag.
 struct Air {

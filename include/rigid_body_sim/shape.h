@@ -1,11 +1,13 @@
 // The shapes a body can have, and what the rest of the core asks of a shape.
 //
 // A shape is described in its body's frame B, whose origin is the centre of mass and whose axes are
-// the principal axes of inertia.
+// the principal axes of inertia. All shapes are convex.
 #pragma once
 
+#include "rigid_body_sim/polyhedron.h"
 #include "rigid_body_sim/types.h"
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <variant>
@@ -25,17 +27,54 @@ struct Box {
 /// The half-space z <= 0 of B: a wall or floor without end. Never dynamic.
 struct Plane {};
 
-using Shape = std::variant<Sphere, Box, Plane>;
+/// All points within `radius` of a segment on the z axis of B, about its origin.
+struct Capsule {
+  double radius = 0.125;       ///< m, > 0
+  double half_length = 0.125;  ///< of the segment, m, >= 0; 0 is a ball
+};
 
-/// "sphere", "box" or "plane".
+/// A cylinder about the z axis and the origin of B.
+struct Cylinder {
+  double radius = 0.25;       ///< m, > 0
+  double half_length = 0.25;  ///< m, > 0
+};
+
+/// A cone about the z axis of B, with its apex at z = 3/4 of its height and its base at -1/4.
+struct Cone {
+  double radius = 0.25;  ///< of the base, m, > 0
+  double height = 0.5;   ///< m, > 0
+};
+
+/// A polyhedron, shared by all copies of the shape.
+struct ConvexHull {
+  std::shared_ptr<const Polyhedron> polyhedron;  ///< never null in a sound body
+};
+
+using Shape = std::variant<Sphere, Box, Plane, Capsule, Cylinder, Cone, ConvexHull>;
+
+/// "sphere", "box", "plane", "capsule", "cylinder", "cone" or "hull".
 std::string shapeName(const Shape& shape);
+
+/// Whether two shapes are the same, size and all, bit for bit.
+bool sameShape(const Shape& a, const Shape& b);
+
+/// The bounds in B, m. A cone and a hull are not symmetric about the origin; a plane has infinite ones.
+Aabb localBounds(const Shape& shape);
 
 /// Full extents along the axes of B, m: (d, d, d) for a sphere; zero for a plane.
 Vec3 fullExtents(const Shape& shape);
 
-/// The shape of this name with these full extents. A sphere takes its diameter from x; y and z must
-/// equal x or be 0. A plane takes no size. An extent of 0 means the default. Throws InvalidInput for
-/// an unknown name or a bad size, with `path` in front.
+/// The point of the shape that is farthest along d (in B, of any length above 0). Not for a plane.
+Vec3 supportPoint(const Shape& shape, const Vec3& d_B);
+
+/// The largest d.x over the points x of the shape: how far it reaches along d, m for a unit d. Infinite for a
+/// plane, but 0 along its z axis.
+double reach(const Shape& shape, const Vec3& d_B);
+
+/// The shape of this name with these full extents. A sphere takes its diameter from x; y and z must equal x
+/// or be 0. Capsule, cylinder and cone take their diameter from x and their whole length from z; y must equal
+/// x or be 0. A plane takes no size. An extent of 0 means the default. A hull is not made by its size. Throws
+/// InvalidInput for an unknown name or a bad size, with `path` in front.
 Shape makeShape(const std::string& name, const Vec3& full_extents, const std::string& path);
 
 /// The same shape, `factor` times as large. A plane stays what it is.
@@ -43,6 +82,9 @@ Shape scaled(const Shape& shape, double factor);
 
 /// m³; 0 for a plane.
 double volume(const Shape& shape);
+
+/// Area of the surface, m²; infinite for a plane.
+double surfaceArea(const Shape& shape);
 
 /// Principal moments of inertia about the origin of B, divided by the mass, m²; 0 for a plane.
 Vec3 momentsPerMass(const Shape& shape);

@@ -33,6 +33,17 @@ struct Twist {
   Vec3 w_WB = Vec3::Zero();  ///< rad/s
 };
 
+/// Axis-aligned bounds: all x with lo <= x <= hi.
+struct Aabb {
+  Vec3 lo, hi;
+  bool overlaps(const Aabb& o) const {
+    return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all();
+  }
+  bool contains(const Aabb& o) const {
+    return (lo.array() <= o.lo.array()).all() && (o.hi.array() <= hi.array()).all();
+  }
+};
+
 /// Names a body for as long as it lives. Creation numbers grow and are never used again, so a stale
 /// handle is recognised, and their order is the canonical order of bodies. 0 names no body.
 struct BodyId {

@@ -6,10 +6,7 @@
 namespace rbs {
 
 double Traits::dragCoefficient() const {
-  const double by_shape = std::holds_alternative<Sphere>(shape) ? kSphereDrag
-                          : std::holds_alternative<Box>(shape)  ? kBoxDrag
-                                                                : 0.0;
-  return material.drag_coefficient.value_or(by_shape);
+  return material.drag_coefficient.value_or(defaultDragCoefficient(shape));
 }
 
 Index Bodies::indexOf(BodyId body) const {

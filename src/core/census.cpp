@@ -11,9 +11,8 @@ namespace rbs {
 namespace {
 
 auto fields(const Census& c) {
-  return std::tie(c.bodies, c.moved_by_forces, c.led, c.collidable, c.spheres, c.boxes, c.planes,
-                  c.asymmetric, c.rough, c.bouncy, c.dragged, c.grabs, c.holds, c.wrenches, c.gravity,
-                  c.air_density, c.wind);
+  return std::tie(c.bodies, c.moved_by_forces, c.led, c.collidable, c.asymmetric, c.rough, c.bouncy,
+                  c.dragged, c.grabs, c.holds, c.wrenches, c.gravity, c.air_density, c.wind);
 }
 
 }  // namespace
@@ -30,9 +29,6 @@ Census takeCensus(const SceneStore& scene) {
     c.moved_by_forces += t.moved_by_forces();
     c.led += t.led();
     c.collidable += t.mask != 0;
-    c.spheres += std::holds_alternative<Sphere>(t.shape);
-    c.boxes += std::holds_alternative<Box>(t.shape);
-    c.planes += std::holds_alternative<Plane>(t.shape);
     c.asymmetric += t.moved_by_forces() && !scene.bodies.inertia[i].isotropic;
     c.rough += t.material.friction > 0.0;
     c.bouncy += t.material.restitution > 0.0;

@@ -16,11 +16,10 @@ struct Census {
   Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
   Index led = 0;              ///< kinematic or held
   Index collidable = 0;       ///< with a mask that is not 0
-  Index spheres = 0, boxes = 0, planes = 0;
-  Index asymmetric = 0;  ///< moved by forces, with principal moments that differ
-  Index rough = 0;       ///< friction > 0
-  Index bouncy = 0;      ///< restitution > 0
-  Index dragged = 0;     ///< moved by forces, with a drag coefficient > 0
+  Index asymmetric = 0;       ///< moved by forces, with principal moments that differ
+  Index rough = 0;            ///< friction > 0
+  Index bouncy = 0;           ///< restitution > 0
+  Index dragged = 0;          ///< moved by forces, with a drag coefficient > 0
   Index grabs = 0, holds = 0, wrenches = 0;
   double gravity = 0.0;      ///< magnitude, m/s²
   double air_density = 0.0;  ///< kg/m³; 0 without air

@@ -54,17 +54,6 @@ struct SceneStore {
   std::uint64_t steps = 0;
 };
 
-/// Axis-aligned bounds.
-struct Aabb {
-  Vec3 lo, hi;
-  bool overlaps(const Aabb& o) const {
-    return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all();
-  }
-  bool contains(const Aabb& o) const {
-    return (lo.array() <= o.lo.array()).all() && (o.hi.array() <= hi.array()).all();
-  }
-};
-
 /// What the effects add up, constant over the step.
 struct Load {
   Vec3 a_W = Vec3::Zero();       ///< acceleration of the centre of mass, m/s²

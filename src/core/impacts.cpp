@@ -93,8 +93,9 @@ Need need(const Census& c) {
   return {true, count(c.collidable, "body", "bodies") + " can collide"};
 }
 
-// A pair with a box that touches already impacts now or is left to the contact solver: foretelling how a face
-// rocks on another, to find when it comes back, would cost more than it is worth within a step.
+// A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
+// another, to find when it comes back, would cost more than it is worth within a step. Of spheres and planes
+// it is known in closed form.
 std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
@@ -104,7 +105,10 @@ std::optional<PendingImpact> locate(const Context& context, Index i, Index j, do
     const auto [first, second] = std::minmax(i, j);
     return PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
   };
-  if (std::holds_alternative<Box>(a) || std::holds_alternative<Box>(b)) {
+  const auto isSimple = [](const Shape& shape) {
+    return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Plane>(shape);
+  };
+  if (!isSimple(a) || !isSimple(b)) {
     const Meeting now(context, i, j, from);
     if (now.manifold.size > 0) return impactAt(now, from);
   }

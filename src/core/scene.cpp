@@ -200,6 +200,12 @@ const char* kindName(BodyKind kind) {
   return "";
 }
 
+double defaultDragCoefficient(const Shape& shape) {
+  if (std::holds_alternative<Plane>(shape)) return 0.0;
+  const bool rounded = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Capsule>(shape);
+  return rounded ? kRoundedDrag : kEdgedDrag;
+}
+
 const char* fidelityName(Fidelity fidelity) {
   switch (fidelity) {
     case Fidelity::Preview:

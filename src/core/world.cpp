@@ -286,10 +286,9 @@ BodyId World::find(const std::string& name) const {
 Vec3 World::freePlace(const Shape& shape, double clearance) const {
   const Bodies& bodies = impl_->scene.bodies;
   const double radius = boundingRadius(shape);
-  const double lowest = std::isfinite(radius) ? 0.5 * fullExtents(shape).z() : 0.0;
-  Pose pose;
-  pose.p_WB.z() = clearance + lowest;
   if (!std::isfinite(radius)) return Vec3::Zero();
+  Pose pose;
+  pose.p_WB.z() = clearance + reach(shape, -Vec3::UnitZ());
   const double room = 0.02 * radius;
   for (int tries = 0; tries < 100000; ++tries) {
     double rise = 0.0;

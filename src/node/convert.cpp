@@ -12,10 +12,6 @@ double drawable(double coordinate) {
   return std::clamp(finite(coordinate), -kFar, kFar);
 }
 
-double dragCoefficient(const Material& material, const Shape& shape) {
-  return material.drag_coefficient.value_or(std::holds_alternative<Sphere>(shape) ? kSphereDrag : kBoxDrag);
-}
-
 }  // namespace
 
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
@@ -83,7 +79,7 @@ rigid_body_sim::Material toMsg(const Material& material, const Shape& shape) {
   rigid_body_sim::Material msg;
   msg.friction = {material.friction};
   msg.restitution = {material.restitution};
-  msg.drag_coefficient = {dragCoefficient(material, shape)};
+  msg.drag_coefficient = {material.drag_coefficient.value_or(defaultDragCoefficient(shape))};
   return msg;
 }
 

@@ -9,9 +9,8 @@ namespace rbs {
 /// so that contacts that come and go by rounding stay in the list.
 Aabb sweptBounds(const Bodies& bodies, const Load& load, Index i, double dt);
 
-/// The same as an interval on the axis d = (1, 1, 1)/sqrt(3). For a sphere of radius R it is d.p -+ R,
-/// for a box of half extents h it is d.p -+ sum_k h_k |d.e_k| with e_k its edges' directions: both are
-/// tighter than the projection of the bounds.
+/// The same as an interval on the axis d = (1, 1, 1)/sqrt(3). It takes the exact reach of the shape
+/// along d, so it is tighter than the projection of the bounds.
 struct Interval {
   double lo, hi;
 };

@@ -38,7 +38,8 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));
   s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
-  s.reach = std::holds_alternative<Box>(store.traits[i].shape) ? store.traits[i].bounding_radius : 0.0;
+  const bool is_plane = std::holds_alternative<Plane>(store.traits[i].shape);
+  s.reach = s.round || is_plane ? 0.0 : store.traits[i].bounding_radius;
   s.body = i;
   return s;
 }

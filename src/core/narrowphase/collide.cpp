@@ -40,8 +40,7 @@ Gap gapPlanes(const Plane&, const Pose&, const Plane&, const Pose&) {
   return {std::numeric_limits<double>::infinity(), Vec3::UnitZ(), Vec3::Zero(), Vec3::Zero()};
 }
 
-// Half of the table is empty: that pair is the other one with A and B swapped. Two convex shapes without a
-// routine of their own meet by meeting<A, B, collideConvex, gapConvex>().
+// Half of the table is empty: that pair is the other one with A and B swapped.
 constexpr Meeting kSwapped{nullptr, nullptr};
 constexpr auto kSpheres = meeting<Sphere, Sphere, collideSpheres, gapSpheres>();
 constexpr auto kSphereBox = meeting<Sphere, Box, collideSphereBox, gapSphereBox>();
@@ -49,13 +48,24 @@ constexpr auto kSpherePlane = meeting<Sphere, Plane, collideSpherePlane, gapSphe
 constexpr auto kBoxes = meeting<Box, Box, collideBoxes, gapBoxes>();
 constexpr auto kBoxPlane = meeting<Box, Plane, collideBoxPlane, gapBoxPlane>();
 constexpr auto kPlanes = meeting<Plane, Plane, collidePlanes, gapPlanes>();
+template <class A>
+constexpr auto kOnPlane = meeting<A, Plane, collideConvexPlane<A>, gapConvexPlane<A>>();
+template <class A, class B>
+constexpr auto kConvex = meeting<A, B, collideConvex<A, B>, gapConvex<A, B>>();
+using Hull = ConvexHull;
 
+// clang-format off
 constexpr Meeting kTable[][std::variant_size_v<Shape>] = {
-    // with   sphere     box         plane
-    /* sphere */ {kSpheres, kSphereBox, kSpherePlane},
-    /* box    */ {kSwapped, kBoxes, kBoxPlane},
-    /* plane  */ {kSwapped, kSwapped, kPlanes},
+    // with     sphere    box         plane               capsule                     cylinder                     cone                     hull
+    /* sphere   */ {kSpheres, kSphereBox, kSpherePlane, kConvex<Sphere, Capsule>, kConvex<Sphere, Cylinder>, kConvex<Sphere, Cone>, kConvex<Sphere, Hull>},
+    /* box      */ {kSwapped, kBoxes, kBoxPlane, kConvex<Box, Capsule>, kConvex<Box, Cylinder>, kConvex<Box, Cone>, kConvex<Box, Hull>},
+    /* plane    */ {kSwapped, kSwapped, kPlanes, kSwapped, kSwapped, kSwapped, kSwapped},
+    /* capsule  */ {kSwapped, kSwapped, kOnPlane<Capsule>, kConvex<Capsule, Capsule>, kConvex<Capsule, Cylinder>, kConvex<Capsule, Cone>, kConvex<Capsule, Hull>},
+    /* cylinder */ {kSwapped, kSwapped, kOnPlane<Cylinder>, kSwapped, kConvex<Cylinder, Cylinder>, kConvex<Cylinder, Cone>, kConvex<Cylinder, Hull>},
+    /* cone     */ {kSwapped, kSwapped, kOnPlane<Cone>, kSwapped, kSwapped, kConvex<Cone, Cone>, kConvex<Cone, Hull>},
+    /* hull     */ {kSwapped, kSwapped, kOnPlane<Hull>, kSwapped, kSwapped, kSwapped, kConvex<Hull, Hull>},
 };
+// clang-format on
 static_assert(std::size(kTable) == std::variant_size_v<Shape>, "one row for each shape");
 
 const Meeting& meetingOf(const Shape& a, const Shape& b) {

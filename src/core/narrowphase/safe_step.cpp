@@ -42,22 +42,18 @@ struct Reach {
 
 Reach reachAlong(const Mover& x, const Vec3& d, const Vec3& m) {
   if (const auto* sphere = std::get_if<Sphere>(&x.shape)) return {sphere->radius, 0.0};
-  const auto* box = std::get_if<Box>(&x.shape);
-  if (box == nullptr) return {};
-  const Vec3 d_B = x.R_WB.transpose() * d, m_B = x.R_WB.transpose() * m;
-  Reach reach;
-  for (int k = 0; k < 3; ++k) {
-    const double end = std::copysign(0.5 * box->size[k], d_B[k]);
-    reach.value += end * d_B[k], reach.slope += end * m_B[k];
-  }
-  return reach;
+  if (isPlane(x)) return {};
+  const Vec3 farthest_W = x.R_WB * supportPoint(x.shape, x.R_WB.transpose() * d);
+  return {farthest_W.dot(d), farthest_W.dot(m)};
 }
 
 // The reach along n of the solid that the body sweeps as it spins.
 double sweptReach(const Mover& x, const Vec3& n) {
   const auto* box = std::get_if<Box>(&x.shape);
   const double rate = x.w_W.norm();
-  if (box == nullptr || rate == 0.0) return reachAlong(x, n, Vec3::Zero()).value;
+  const bool turns = rate > 0.0 && !isPlane(x) && !std::holds_alternative<Sphere>(x.shape);
+  if (!turns) return reachAlong(x, n, Vec3::Zero()).value;
+  if (box == nullptr) return boundingRadius(x.shape);
   const Vec3 axis_B = x.R_WB.transpose() * (x.w_W / rate);
   const double along = n.dot(x.w_W) / rate;
   const double across = std::sqrt(std::max(0.0, 1.0 - along * along));

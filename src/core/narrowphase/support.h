@@ -1,8 +1,8 @@
 // Support functions: the only thing GJK and EPA know of a shape.
 //
-// A convex shape is a core (a point, a segment, a polytope) with a ball of some radius swept over it. The
-// core answers "which of your points is farthest along d?". A sphere is a point core with its radius, so
-// that GJK on cores is exact for it and EPA is needed only where the cores themselves overlap.
+// A convex shape is a core (a point, a segment, a polytope, a cylinder, a cone) with a ball of some radius
+// swept over it. The core answers "which of your points is farthest along d?". A sphere is a point core with
+// its radius, so that GJK on cores is exact for it and EPA is needed only where the cores themselves overlap.
 #pragma once
 
 #include "rigid_body_sim/shape.h"
@@ -24,6 +24,48 @@ struct BoxCore {
   }
 };
 
+/// From -half to half on the z axis.
+struct SegmentCore {
+  double half;
+  Vec3 operator()(const Vec3& direction) const { return {0.0, 0.0, std::copysign(half, direction.z())}; }
+};
+
+/// The point of a circle about the z axis that is farthest along d; the circle's centre where d is the axis.
+inline Vec3 onCircle(double radius, double z, const Vec3& direction) {
+  const double across = std::hypot(direction.x(), direction.y());
+  if (across == 0.0) return {0.0, 0.0, z};
+  return {radius * (direction.x() / across), radius * (direction.y() / across), z};
+}
+
+struct CylinderCore {
+  double radius, half_length;
+  Vec3 operator()(const Vec3& direction) const {
+    return onCircle(radius, std::copysign(half_length, direction.z()), direction);
+  }
+};
+
+struct ConeCore {
+  double radius, height;
+  Vec3 operator()(const Vec3& direction) const {
+    const double across = std::hypot(direction.x(), direction.y());
+    if (height * direction.z() > radius * across) return {0.0, 0.0, 0.75 * height};
+    return onCircle(radius, -0.25 * height, direction);
+  }
+};
+
+struct PolyhedronCore {
+  const Polyhedron* polyhedron;
+  Vec3 operator()(const Vec3& direction) const {
+    const std::vector<Vec3>& vertices = polyhedron->vertices;
+    std::size_t farthest = 0;
+    double most = vertices[0].dot(direction);
+    for (std::size_t i = 1; i < vertices.size(); ++i) {
+      if (const double along = vertices[i].dot(direction); along > most) farthest = i, most = along;
+    }
+    return vertices[farthest];
+  }
+};
+
 // A new convex shape joins GJK, EPA and the collision table by one line in each of these two lists.
 inline PointCore coreOf(const Sphere& /*sphere*/) {
   return {};
@@ -31,11 +73,27 @@ inline PointCore coreOf(const Sphere& /*sphere*/) {
 inline BoxCore coreOf(const Box& box) {
   return {0.5 * box.size};
 }
+inline SegmentCore coreOf(const Capsule& capsule) {
+  return {capsule.half_length};
+}
+inline CylinderCore coreOf(const Cylinder& cylinder) {
+  return {cylinder.radius, cylinder.half_length};
+}
+inline ConeCore coreOf(const Cone& cone) {
+  return {cone.radius, cone.height};
+}
+inline PolyhedronCore coreOf(const ConvexHull& hull) {
+  return {hull.polyhedron.get()};
+}
 
 inline double coreRadius(const Sphere& sphere) {
   return sphere.radius;
 }
-inline double coreRadius(const Box& /*box*/) {
+inline double coreRadius(const Capsule& capsule) {
+  return capsule.radius;
+}
+template <class Sharp>
+double coreRadius(const Sharp& /*shape*/) {
   return 0.0;
 }
 
