@@ -62,8 +62,10 @@ Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const
 template <class Convex>
 Gap gapConvexPlane(const Convex& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB) {
   const Vec3 up_W = X_WB.q_WB * Vec3::UnitZ();
-  const Vec3 lowest_A = coreOf(a)(X_WA.q_WB.conjugate() * -up_W);
-  return {up_W.dot(X_WA.p_WB + X_WA.q_WB * lowest_A - X_WB.p_WB) - coreRadius(a), -up_W};
+  const Vec3 core_A = coreOf(a)(X_WA.q_WB.conjugate() * -up_W);
+  const Vec3 lowest_W = X_WA.p_WB + X_WA.q_WB * core_A - coreRadius(a) * up_W;
+  const double height = up_W.dot(lowest_W - X_WB.p_WB);
+  return {height, -up_W, lowest_W, lowest_W - height * up_W};
 }
 
 template <class Convex>
@@ -72,10 +74,7 @@ Manifold collideConvexPlane(const Convex& a, const Pose& X_WA, const Plane& b, c
   const Gap gap = gapConvexPlane(a, X_WA, b, X_WB);
   Manifold manifold;
   manifold.n_W = gap.n_W;
-  if (gap.distance > margin) return manifold;
-  const Vec3 lowest_A = coreOf(a)(X_WA.q_WB.conjugate() * gap.n_W);
-  manifold.add(X_WA.p_WB + X_WA.q_WB * lowest_A + (coreRadius(a) + 0.5 * gap.distance) * gap.n_W,
-               gap.distance, 0);
+  if (gap.distance <= margin) manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, 0);
   return manifold;
 }
 
