@@ -1,5 +1,6 @@
 #include "rigid_body_sim/world.h"
 
+#include "checks.h"
 #include "context.h"
 #include "effects/effects.h"
 #include "narrowphase/collide.h"
@@ -105,27 +106,6 @@ void World::Impl::nameBodies(std::vector<BodyDef>& bodies) {
 }
 
 namespace {
-
-void throwIfAny(const std::vector<Problem>& problems) {
-  if (!problems.empty()) throw InvalidInput(problems);
-}
-
-std::string textOf(const Vec3& v) {
-  return '[' + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ']';
-}
-
-// Every component finite and at most `limit` in magnitude.
-void checkVector(const Vec3& v, double limit, const char* path, const char* unit,
-                 std::vector<Problem>& problems) {
-  if (v.allFinite() && v.cwiseAbs().maxCoeff() <= limit) return;
-  problems.push_back({path, textOf(v), "finite, each component at most " + text(limit) + ' ' + unit});
-}
-
-void checkPositive(double value, double limit, const char* path, const char* unit,
-                   std::vector<Problem>& problems) {
-  if (value > 0.0 && value <= limit) return;
-  problems.push_back({path, text(value), "above 0 and at most " + text(limit) + ' ' + unit});
-}
 
 void checkNames(const Bodies& bodies, const std::vector<BodyDef>& added, std::vector<Problem>& problems) {
   std::unordered_set<std::string> taken(bodies.name.begin(), bodies.name.end());

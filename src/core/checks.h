@@ -1,0 +1,24 @@
+// Checks of the numbers of a request: each adds what is wrong to a list, so that all of it is heard at once.
+#pragma once
+
+#include "rigid_body_sim/types.h"
+
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+void throwIfAny(const std::vector<Problem>& problems);
+
+/// Every component finite and at most `limit` in magnitude.
+void checkVector(const Vec3& v, double limit, const std::string& path, const char* unit,
+                 std::vector<Problem>& problems);
+
+/// Above 0 and at most `limit`.
+void checkPositive(double value, double limit, const std::string& path, const char* unit,
+                   std::vector<Problem>& problems);
+
+/// "[1, 0, 2.5]"
+std::string textOf(const Vec3& v);
+
+}  // namespace rbs
