@@ -50,7 +50,7 @@ struct ConvexHull {
   std::shared_ptr<const Polyhedron> polyhedron;  ///< never null in a sound body
 };
 
-using Shape = std::variant<Sphere, Box, Plane, Capsule, Cylinder, Cone, ConvexHull>;
+using Shape = std::variant<Sphere, Box, Capsule, Cylinder, Cone, ConvexHull, Plane>;
 
 /// "sphere", "box", "plane", "capsule", "cylinder", "cone" or "hull".
 std::string shapeName(const Shape& shape);

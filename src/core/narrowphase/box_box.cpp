@@ -158,7 +158,7 @@ Vec3 touchingPoint(const Box& a, const Box& b, RelativePose X_AB, const BoxAxis&
 
 }  // namespace
 
-Manifold collideBoxes(const Box& box_a, const Pose& X_WA, const Box& box_b, const Pose& X_WB, double margin) {
+Manifold collidePair(const Box& box_a, const Pose& X_WA, const Box& box_b, const Pose& X_WB, double margin) {
   const PlacedBox a{0.5 * box_a.size, X_WA}, b{0.5 * box_b.size, X_WB};
   const RelativePose X_AB(X_WA, X_WB);
   const std::optional<BoxAxis> axis = farthestAxis(a.half, b.half, X_AB, margin);
@@ -182,7 +182,7 @@ Manifold collideBoxes(const Box& box_a, const Pose& X_WA, const Box& box_b, cons
 
 // Overlapping boxes are judged by their axes. So is the direction of a tiny gap, where a face or two edges
 // span it: then the gap along the axis is the distance.
-Gap gapBoxes(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
+Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
   const RelativePose X_AB(X_WA, X_WB);
   const BoxAxis axis =
       *farthestAxis(0.5 * a.size, 0.5 * b.size, X_AB, std::numeric_limits<double>::infinity());

@@ -1,92 +1,58 @@
+// Which routine finds the manifold of which pair of shapes is a matter of overloads: pairs.h has those of the
+// pairs with a method of their own, convex.h and half_space.h the general ones. Each pair is written down in
+// one order of its kinds, that of their names in Shape; in the other order A and B are swapped.
 #include "narrowphase/collide.h"
 
 #include "narrowphase/convex.h"
+#include "narrowphase/half_space.h"
 #include "narrowphase/pairs.h"
 
-#include <limits>
 #include <utility>
+#include <variant>
 
 namespace rbs {
 
 namespace {
 
-/// How one ordered pair of kinds of shapes meets.
-struct Meeting {
-  Manifold (*collide)(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
-  Gap (*gap)(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
-};
-
-template <class A, class B>
-using CollidePair = Manifold (*)(const A&, const Pose&, const B&, const Pose&, double);
-template <class A, class B>
-using GapPair = Gap (*)(const A&, const Pose&, const B&, const Pose&);
-
-// Hands the alternatives of the variants to routines for them.
-template <class A, class B, CollidePair<A, B> collide_pair, GapPair<A, B> gap_pair>
-constexpr Meeting meeting() {
-  return {[](const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
-            return collide_pair(*std::get_if<A>(&a), X_WA, *std::get_if<B>(&b), X_WB, margin);
-          },
-          [](const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
-            return gap_pair(*std::get_if<A>(&a), X_WA, *std::get_if<B>(&b), X_WB);
-          }};
-}
-
-Manifold collidePlanes(const Plane&, const Pose&, const Plane&, const Pose&, double) {
-  return {};
-}
-
-Gap gapPlanes(const Plane&, const Pose&, const Plane&, const Pose&) {
-  return {std::numeric_limits<double>::infinity(), Vec3::UnitZ(), Vec3::Zero(), Vec3::Zero()};
-}
-
-// Half of the table is empty: that pair is the other one with A and B swapped.
-constexpr Meeting kSwapped{nullptr, nullptr};
-constexpr auto kSpheres = meeting<Sphere, Sphere, collideSpheres, gapSpheres>();
-constexpr auto kSphereBox = meeting<Sphere, Box, collideSphereBox, gapSphereBox>();
-constexpr auto kSpherePlane = meeting<Sphere, Plane, collideSpherePlane, gapSpherePlane>();
-constexpr auto kBoxes = meeting<Box, Box, collideBoxes, gapBoxes>();
-constexpr auto kBoxPlane = meeting<Box, Plane, collideBoxPlane, gapBoxPlane>();
-constexpr auto kPlanes = meeting<Plane, Plane, collidePlanes, gapPlanes>();
-template <class A>
-constexpr auto kOnPlane = meeting<A, Plane, collideConvexPlane<A>, gapConvexPlane<A>>();
-template <class A, class B>
-constexpr auto kConvex = meeting<A, B, collideConvex<A, B>, gapConvex<A, B>>();
-using Hull = ConvexHull;
-
-// clang-format off
-constexpr Meeting kTable[][std::variant_size_v<Shape>] = {
-    // with     sphere    box         plane               capsule                     cylinder                     cone                     hull
-    /* sphere   */ {kSpheres, kSphereBox, kSpherePlane, kConvex<Sphere, Capsule>, kConvex<Sphere, Cylinder>, kConvex<Sphere, Cone>, kConvex<Sphere, Hull>},
-    /* box      */ {kSwapped, kBoxes, kBoxPlane, kConvex<Box, Capsule>, kConvex<Box, Cylinder>, kConvex<Box, Cone>, kConvex<Box, Hull>},
-    /* plane    */ {kSwapped, kSwapped, kPlanes, kSwapped, kSwapped, kSwapped, kSwapped},
-    /* capsule  */ {kSwapped, kSwapped, kOnPlane<Capsule>, kConvex<Capsule, Capsule>, kConvex<Capsule, Cylinder>, kConvex<Capsule, Cone>, kConvex<Capsule, Hull>},
-    /* cylinder */ {kSwapped, kSwapped, kOnPlane<Cylinder>, kSwapped, kConvex<Cylinder, Cylinder>, kConvex<Cylinder, Cone>, kConvex<Cylinder, Hull>},
-    /* cone     */ {kSwapped, kSwapped, kOnPlane<Cone>, kSwapped, kSwapped, kConvex<Cone, Cone>, kConvex<Cone, Hull>},
-    /* hull     */ {kSwapped, kSwapped, kOnPlane<Hull>, kSwapped, kSwapped, kSwapped, kConvex<Hull, Hull>},
-};
-// clang-format on
-static_assert(std::size(kTable) == std::variant_size_v<Shape>, "one row for each shape");
-
-const Meeting& meetingOf(const Shape& a, const Shape& b) {
-  return kTable[a.index()][b.index()];
+template <class Kind, std::size_t index = 0>
+constexpr std::size_t orderOf() {
+  if constexpr (std::is_same_v<std::variant_alternative_t<index, Shape>, Kind>)
+    return index;
+  else
+    return orderOf<Kind, index + 1>();
 }
 
 }  // namespace
 
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
-  if (const Meeting& m = meetingOf(a, b); m.collide != nullptr) return m.collide(a, X_WA, b, X_WB, margin);
-  Manifold manifold = meetingOf(b, a).collide(b, X_WB, a, X_WA, margin);
-  manifold.n_W = -manifold.n_W;
-  return manifold;
+  const auto meet = [&](const auto& kind_a, const auto& kind_b) {
+    using A = std::decay_t<decltype(kind_a)>;
+    using B = std::decay_t<decltype(kind_b)>;
+    if constexpr (orderOf<A>() <= orderOf<B>()) {
+      return collidePair(kind_a, X_WA, kind_b, X_WB, margin);
+    } else {
+      Manifold manifold = collidePair(kind_b, X_WB, kind_a, X_WA, margin);
+      manifold.n_W = -manifold.n_W;
+      return manifold;
+    }
+  };
+  return std::visit(meet, a, b);
 }
 
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
-  if (const Meeting& m = meetingOf(a, b); m.gap != nullptr) return m.gap(a, X_WA, b, X_WB);
-  Gap swapped = meetingOf(b, a).gap(b, X_WB, a, X_WA);
-  swapped.n_W = -swapped.n_W;
-  std::swap(swapped.p_WA, swapped.p_WB);
-  return swapped;
+  const auto meet = [&](const auto& kind_a, const auto& kind_b) {
+    using A = std::decay_t<decltype(kind_a)>;
+    using B = std::decay_t<decltype(kind_b)>;
+    if constexpr (orderOf<A>() <= orderOf<B>()) {
+      return gapPair(kind_a, X_WA, kind_b, X_WB);
+    } else {
+      Gap gap = gapPair(kind_b, X_WB, kind_a, X_WA);
+      gap.n_W = -gap.n_W;
+      std::swap(gap.p_WA, gap.p_WB);
+      return gap;
+    }
+  };
+  return std::visit(meet, a, b);
 }
 
 }  // namespace rbs

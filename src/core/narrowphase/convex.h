@@ -3,8 +3,10 @@
 
 #include "narrowphase/collide.h"
 #include "narrowphase/epa.h"
+#include "narrowphase/facet.h"
 #include "narrowphase/gjk.h"
 #include "narrowphase/manifold.h"
+#include "narrowphase/patch.h"
 
 namespace rbs {
 
@@ -51,31 +53,31 @@ Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_
 
 template <class ShapeA, class ShapeB>
 Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
-  const ConvexGap gap = convexGap(a, b, RelativePose(X_WA, X_WB));
+  const RelativePose X_AB(X_WA, X_WB);
+  const ConvexGap gap = convexGap(a, b, X_AB);
   Manifold manifold;
   manifold.n_W = X_WA.q_WB * gap.n_A;
-  if (gap.distance <= margin) manifold.add(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, 0);
+  if (gap.distance > margin) return manifold;
+  Facet facet_b = facetTowards(b, X_AB.R_AB.transpose() * -gap.n_A);
+  for (int k = 0; k < facet_b.size; ++k) facet_b.corners[k] = X_AB.p_AB + X_AB.R_AB * facet_b.corners[k];
+  const Manifold patch = patchOf(
+      {facetTowards(a, gap.n_A), facet_b, coreRadius(a), coreRadius(b), gap.n_A, gap.middle_A, gap.distance},
+      margin);
+  for (int k = 0; k < patch.size; ++k) {
+    const ManifoldPoint& point = patch.points[k];
+    manifold.add(X_WA.p_WB + X_WA.q_WB * point.p_W, point.separation, point.feature);
+  }
   return manifold;
 }
 
-// Against a half-space: the point of the shape that is lowest over it.
-template <class Convex>
-Gap gapConvexPlane(const Convex& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB) {
-  const Vec3 up_W = X_WB.q_WB * Vec3::UnitZ();
-  const Vec3 core_A = coreOf(a)(X_WA.q_WB.conjugate() * -up_W);
-  const Vec3 lowest_W = X_WA.p_WB + X_WA.q_WB * core_A - coreRadius(a) * up_W;
-  const double height = up_W.dot(lowest_W - X_WB.p_WB);
-  return {height, -up_W, lowest_W, lowest_W - height * up_W};
+// What two kinds of shapes get that have no method of their own.
+template <class ShapeA, class ShapeB>
+Gap gapPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
+  return gapConvex(a, X_WA, b, X_WB);
 }
-
-template <class Convex>
-Manifold collideConvexPlane(const Convex& a, const Pose& X_WA, const Plane& b, const Pose& X_WB,
-                            double margin) {
-  const Gap gap = gapConvexPlane(a, X_WA, b, X_WB);
-  Manifold manifold;
-  manifold.n_W = gap.n_W;
-  if (gap.distance <= margin) manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, 0);
-  return manifold;
+template <class ShapeA, class ShapeB>
+Manifold collidePair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
+  return collideConvex(a, X_WA, b, X_WB, margin);
 }
 
 }  // namespace rbs

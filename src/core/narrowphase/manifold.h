@@ -15,14 +15,16 @@ struct ManifoldPoint {
   std::uint32_t feature = 0;  ///< same number for the same pair of features from step to step
 };
 
-/// Up to eight points that share one normal.
+/// Points that share one normal.
 struct Manifold {
+  static constexpr int kPoints = 32;
+
   Vec3 n_W = Vec3::UnitZ();  ///< unit normal, from A to B
   int size = 0;              ///< 0: no contact within the margin
-  std::array<ManifoldPoint, 8> points;
+  std::array<ManifoldPoint, kPoints> points;
 
   void add(const Vec3& p_W, double separation, std::uint32_t feature) {
-    points[size++] = {p_W, separation, feature};
+    if (size < kPoints) points[size++] = {p_W, separation, feature};
   }
 };
 

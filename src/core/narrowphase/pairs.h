@@ -1,4 +1,5 @@
-// The pairs of shapes with a closed form: one manifold routine and one gap routine each.
+// The pairs of shapes with a method of their own: one manifold routine and one gap routine each. The other
+// pairs meet by the templates of convex.h; an overload here takes a pair away from these.
 #pragma once
 
 #include "narrowphase/collide.h"
@@ -6,24 +7,19 @@
 
 namespace rbs {
 
-Manifold collideSpheres(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin);
-Gap gapSpheres(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin);
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB);
 
-Manifold collideSphereBox(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
-Gap gapSphereBox(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB);
 
-Manifold collideSpherePlane(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB,
-                            double margin);
-Gap gapSpherePlane(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB);
-
-/// The corners of the box within the margin of the plane; the feature is the number of the corner.
-Manifold collideBoxPlane(const Box& a, const Pose& X_WA, const Plane& b, const Pose& X_WB, double margin);
-Gap gapBoxPlane(const Box& a, const Pose& X_WA, const Plane& b, const Pose& X_WB);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB, double margin);
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB);
 
 /// Up to eight points where one box's face clips the other's, or the one point of two crossing edges, or,
 /// for boxes that meet with neither, their nearest points. The normal is the separating axis on which the
 /// boxes are farthest apart (or overlap least).
-Manifold collideBoxes(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
-Gap gapBoxes(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB);
+Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
+Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB);
 
 }  // namespace rbs

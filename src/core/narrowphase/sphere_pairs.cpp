@@ -22,20 +22,20 @@ Manifold onePoint(const Gap& gap, double margin) {
 
 }  // namespace
 
-Gap gapSpheres(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB) {
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB) {
   const Vec3 p_AB_W = X_WB.p_WB - X_WA.p_WB;
   const double distance = p_AB_W.norm(), touching = a.radius + b.radius;
   const Vec3 n_W = distance > kCoincident * touching ? Vec3(p_AB_W / distance) : Vec3(Vec3::UnitZ());
   return gapFrom(X_WA.p_WB, a.radius, distance - touching, n_W);
 }
 
-Manifold collideSpheres(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin) {
-  return onePoint(gapSpheres(a, X_WA, b, X_WB), margin);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin) {
+  return onePoint(gapPair(a, X_WA, b, X_WB), margin);
 }
 
 // Outside, the nearest point of the box is the centre clamped to it, axis by axis. Inside, the way out is
 // through the nearest face, and the first of several.
-Gap gapSphereBox(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
   const Vec3 half = 0.5 * b.size;
   const Vec3 centre_B = X_WB.q_WB.conjugate() * (X_WA.p_WB - X_WB.p_WB);
   const Vec3 outside_B = centre_B - centre_B.cwiseMax(-half).cwiseMin(half);
@@ -49,18 +49,17 @@ Gap gapSphereBox(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_
   return gapFrom(X_WA.p_WB, a.radius, -depth - a.radius, X_WB.q_WB * inward_B);
 }
 
-Manifold collideSphereBox(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin) {
-  return onePoint(gapSphereBox(a, X_WA, b, X_WB), margin);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin) {
+  return onePoint(gapPair(a, X_WA, b, X_WB), margin);
 }
 
-Gap gapSpherePlane(const Sphere& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB) {
+Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X_WB) {
   const Vec3 up_W = X_WB.q_WB * Vec3::UnitZ();
   return gapFrom(X_WA.p_WB, a.radius, up_W.dot(X_WA.p_WB - X_WB.p_WB) - a.radius, -up_W);
 }
 
-Manifold collideSpherePlane(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB,
-                            double margin) {
-  return onePoint(gapSpherePlane(a, X_WA, b, X_WB), margin);
+Manifold collidePair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB, double margin) {
+  return onePoint(gapPair(a, X_WA, b, X_WB), margin);
 }
 
 }  // namespace rbs

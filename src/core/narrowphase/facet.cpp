@@ -1,0 +1,124 @@
+#include "narrowphase/facet.h"
+
+#include "algebra.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rbs {
+
+namespace {
+
+constexpr int kRim = 8;
+
+// Eight points of a circle about the z axis, anticlockwise seen from +z, or from -z when `up` is false.
+void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_id) {
+  static const std::array<Eigen::Vector2d, kRim> kCircle = [] {
+    std::array<Eigen::Vector2d, kRim> circle;
+    const double h = std::sqrt(0.5);
+    circle = {{{1, 0}, {h, h}, {0, 1}, {-h, h}, {-1, 0}, {-h, -h}, {0, -1}, {h, -h}}};
+    return circle;
+  }();
+  for (std::uint32_t k = 0; k < kRim; ++k) {
+    const std::uint32_t at = up ? k : kRim - 1 - k;
+    facet.add({radius * kCircle[at].x(), radius * kCircle[at].y(), z}, first_id + at);
+  }
+}
+
+// The direction across the z axis in which d points; x where it points along z.
+Eigen::Vector2d acrossAxis(const Vec3& d) {
+  const double across = std::hypot(d.x(), d.y());
+  return across > 0.0 ? Eigen::Vector2d(d.x() / across, d.y() / across) : Eigen::Vector2d::UnitX();
+}
+
+}  // namespace
+
+Facet facetTowards(const Sphere& /*sphere*/, const Vec3& /*d*/) {
+  Facet facet;
+  facet.add(Vec3::Zero(), 0);
+  return facet;
+}
+
+Facet facetTowards(const Box& box, const Vec3& d) {
+  int axis;
+  d.cwiseAbs().maxCoeff(&axis);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const bool up = d[axis] >= 0.0;
+  Facet facet;
+  for (const auto& [right, far] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1)}) {
+    // u, v and the axis are right-handed: seen from below the other way round is anticlockwise.
+    const int iu = up ? right : far, iv = up ? far : right;
+    Vec3 corner;
+    corner[axis] = up ? 0.5 * box.size[axis] : -0.5 * box.size[axis];
+    corner[u] = iu ? 0.5 * box.size[u] : -0.5 * box.size[u];
+    corner[v] = iv ? 0.5 * box.size[v] : -0.5 * box.size[v];
+    facet.add(corner, (up ? 1u << axis : 0u) | (iu ? 1u << u : 0u) | (iv ? 1u << v : 0u));
+  }
+  return facet;
+}
+
+Facet facetTowards(const Capsule& capsule, const Vec3& /*d*/) {
+  Facet facet;
+  facet.add({0.0, 0.0, capsule.half_length}, 0);
+  facet.add({0.0, 0.0, -capsule.half_length}, 1);
+  return facet;
+}
+
+Facet facetTowards(const Cylinder& cylinder, const Vec3& d) {
+  Facet facet;
+  const double across = std::hypot(d.x(), d.y());
+  if (std::abs(d.z()) >= across) {
+    const bool up = d.z() > 0.0;
+    addRim(facet, cylinder.radius, up ? cylinder.half_length : -cylinder.half_length, up, up ? 0 : kRim);
+    return facet;
+  }
+  const Eigen::Vector2d side = cylinder.radius * acrossAxis(d);
+  facet.add({side.x(), side.y(), cylinder.half_length}, 2 * kRim);
+  facet.add({side.x(), side.y(), -cylinder.half_length}, 2 * kRim + 1);
+  return facet;
+}
+
+// The base faces (0, 0, -1), the side (h a, r) / sqrt(h² + r²) where a is the direction across the axis.
+Facet facetTowards(const Cone& cone, const Vec3& d) {
+  Facet facet;
+  const double across = std::hypot(d.x(), d.y());
+  const double towards_side =
+      (cone.height * across + cone.radius * d.z()) / std::hypot(cone.height, cone.radius);
+  if (-d.z() >= towards_side) {
+    addRim(facet, cone.radius, -0.25 * cone.height, false, 0);
+    return facet;
+  }
+  const Eigen::Vector2d side = cone.radius * acrossAxis(d);
+  facet.add({0.0, 0.0, 0.75 * cone.height}, kRim);
+  facet.add({side.x(), side.y(), -0.25 * cone.height}, kRim + 1);
+  return facet;
+}
+
+Facet facetTowards(const ConvexHull& hull, const Vec3& d) {
+  const Polyhedron& solid = *hull.polyhedron;
+  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  double reach = -std::numeric_limits<double>::infinity();
+  for (const Vec3& vertex : solid.vertices) reach = std::max(reach, vertex.dot(d));
+  reach -= kRounding * solid.bounding_radius;
+
+  const Polyhedron::Face* best = nullptr;
+  double alignment = -std::numeric_limits<double>::infinity();
+  for (const Polyhedron::Face& face : solid.faces) {
+    const double cosine = face.normal.dot(d);
+    if (!(cosine > alignment)) continue;
+    if (std::none_of(face.corners.begin(), face.corners.end(),
+                     [&](int corner) { return solid.vertices[corner].dot(d) >= reach; }))
+      continue;
+    best = &face, alignment = cosine;
+  }
+  Facet facet;
+  const int corners = static_cast<int>(best->corners.size()), kept = std::min(corners, Facet::kCorners);
+  for (int k = 0; k < kept; ++k) {
+    const int corner = best->corners[k * corners / kept];
+    facet.add(solid.vertices[corner], static_cast<std::uint32_t>(corner));
+  }
+  return facet;
+}
+
+}  // namespace rbs

@@ -1,0 +1,34 @@
+// The flat piece of a convex shape's surface that faces a direction: what can lie on another shape.
+#pragma once
+
+#include "rigid_body_sim/shape.h"
+
+#include <array>
+#include <cstdint>
+
+namespace rbs {
+
+/// A corner, the two ends of an edge, or a polygon, anticlockwise seen from outside.
+struct Facet {
+  /// A face of a hull with more corners is stood for by this many, spread evenly.
+  static constexpr int kCorners = 16;
+
+  int size = 0;
+  std::array<Vec3, kCorners> corners;
+  std::array<std::uint32_t, kCorners>
+      ids;  ///< of the corners, below 65,536: the same in every facet of the shape
+
+  void add(const Vec3& corner, std::uint32_t id) { corners[size] = corner, ids[size++] = id; }
+};
+
+/// The facet of the core of a shape (support.h) whose outward normal is nearest to `d`, of those that hold a
+/// point of the core farthest along d. In the shape's frame; d is a unit vector. The disc of a cylinder or
+/// cone is stood for by eight points of its rim, and its round side by one line.
+Facet facetTowards(const Sphere& sphere, const Vec3& d);
+Facet facetTowards(const Box& box, const Vec3& d);
+Facet facetTowards(const Capsule& capsule, const Vec3& d);
+Facet facetTowards(const Cylinder& cylinder, const Vec3& d);
+Facet facetTowards(const Cone& cone, const Vec3& d);
+Facet facetTowards(const ConvexHull& hull, const Vec3& d);
+
+}  // namespace rbs
