@@ -3,6 +3,7 @@
 
 #include "rigid_body_sim/types.h"
 
+#include <cmath>
 #include <utility>
 
 namespace rbs {
@@ -14,6 +15,15 @@ inline Mat3 crossMatrix(const Vec3& r) {
   Mat3 m;
   m << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
   return m;
+}
+
+/// exp(theta): the turn by |theta| radians about theta.
+inline Quat rotationBy(const Vec3& theta) {
+  const double angle = theta.norm();
+  // sin(x)/x to full precision near zero, where the quotient would lose it.
+  const double half = 0.5 * angle;
+  const double s = half < 1e-4 ? 0.5 * (1.0 - half * half / 6.0) : std::sin(half) / angle;
+  return Quat(std::cos(half), s * theta.x(), s * theta.y(), s * theta.z());
 }
 
 /// Two unit vectors that make a right-handed frame (t1, t2, n) with the unit vector n. Duff et al.,

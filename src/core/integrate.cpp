@@ -1,5 +1,7 @@
 #include "integrate.h"
 
+#include "algebra.h"
+
 #include <cmath>
 
 namespace rbs {
@@ -55,14 +57,6 @@ Quat aligned(const Quat& q, const Vec3& from, const Vec3& to) {
 }
 
 }  // namespace
-
-Quat rotationBy(const Vec3& theta) {
-  const double angle = theta.norm();
-  // sin(x)/x to full precision near zero, where the quotient would lose it.
-  const double half = 0.5 * angle;
-  const double s = half < 1e-4 ? 0.5 * (1.0 - half * half / 6.0) : std::sin(half) / angle;
-  return Quat(std::cos(half), s * theta.x(), s * theta.y(), s * theta.z());
-}
 
 // The classical fourth-order Runge-Kutta method on Euler's equations in the body frame, in sub-cycles of
 // |w| dt <= 0.08, made to keep the angular momentum: L in W is known exactly (it does not change), so after

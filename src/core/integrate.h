@@ -5,9 +5,6 @@
 
 namespace rbs {
 
-/// exp(theta): the turn by |theta| radians about theta.
-Quat rotationBy(const Vec3& theta);
-
 /// Turns a body freely for `dt` seconds: no torque acts, its angular momentum stays what it is.
 void rotateFreely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt);
 

@@ -1,7 +1,7 @@
 #include "islands.h"
 
+#include "algebra.h"
 #include "impact_loop.h"
-#include "integrate.h"
 #include "methods/methods.h"
 #include "text.h"
 

@@ -1,21 +1,31 @@
 // Bounds for conservative advancement: B. Mirtich, "Impulse-based dynamic simulation of rigid body systems",
-// PhD thesis, Berkeley, 1996. Two lower bounds of the separation along a direction n(s) are used.
+// PhD thesis, Berkeley, 1996. The separation of the bodies along a direction n(s) that turns with a constant
+// angular velocity w_n, n(s) = exp(w_n s) n, is known at any s from their support functions, without a search
+// for the nearest points. Two lower bounds of it lead from one s to the next.
 //
 // 1. Of the swept bodies, for a fixed n: a spinning body never leaves the solid of revolution about its spin,
 //    so only the centres move, and n.p(s) is a parabola.
 //
-// 2. Of second order, for a direction that turns with an angular velocity w_n, n(s) = exp(w_n s) n. For a
-//    point r of body X, seen from its centre, u(s) = n(s).r(s) has
+// 2. Of second order. For a point r of the core of body X, seen from its centre, u(s) = n(s).r(s) has
 //      u'(0) = r.m  with  m = n x (w_X - w_n),      |u''| <= k |r|,
 //      k = 0 if w_n = w_X,  |w_X| |w_X x n| if w_n = 0,  (|w_X| + |w_n|)² else,
 //    so with x = p_B - p_A and h_X(d) = max over X of d.r
 //      separation(s) >= n(s).x(s) - h_A(n + s m_A) - h_B(-(n + s m_B)) - k s²/2.
-//    It agrees with the motion to first order, so that advancing by it converges like Newton's method where
-//    n turns with the face that is met. The bound is concave: its chords lie below it, its tangents above.
+//    It agrees with the motion to first order, so that advancing by it converges like Newton's method. It is
+//    concave: its chords lie below it, its tangents above.
+//
+// A body of revolution that spins about its axis with w_r looks the same as one that does not: w_X is what
+// turns the axis, of constant length but turning with w_r itself, so that k = (|w_X| + |w_n|)² + |w_r| |w_X|.
 #include "narrowphase/safe_step.h"
+
+#include "algebra.h"
+#include "narrowphase/parabola.h"
+#include "narrowphase/support.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <type_traits>
 
 namespace rbs {
 
@@ -25,71 +35,116 @@ bool isPlane(const Mover& x) {
   return std::holds_alternative<Plane>(x.shape);
 }
 
-// The spin as far as it moves the surface.
-Vec3 spin(const Mover& x) {
-  return std::holds_alternative<Sphere>(x.shape) ? Vec3(Vec3::Zero()) : x.w_W;
+// The spin as far as it moves the surface, and the rate of the rest of it.
+struct Spin {
+  Vec3 w;
+  double roll = 0.0;
+};
+
+Spin spinOf(const Mover& x) {
+  if (std::holds_alternative<Sphere>(x.shape)) return {Vec3::Zero()};
+  const bool round = std::holds_alternative<Capsule>(x.shape) || std::holds_alternative<Cylinder>(x.shape) ||
+                     std::holds_alternative<Cone>(x.shape);
+  if (!round) return {x.w_W};
+  const Vec3 axis = x.R_WB.col(2);
+  const double roll = axis.dot(x.w_W);
+  return {x.w_W - roll * axis, std::abs(roll)};
 }
 
-double radiusOf(const Mover& x) {
-  return isPlane(x) ? 0.0 : boundingRadius(x.shape);
+double curvature(const Spin& spin, const Vec3& w_n, const Vec3& n) {
+  const double rate = spin.w.norm();
+  if (spin.roll == 0.0 && spin.w == w_n) return 0.0;
+  if (spin.roll == 0.0 && w_n.isZero(0.0)) return rate * spin.w.cross(n).norm();
+  const double sum = rate + w_n.norm();
+  return sum * sum + spin.roll * rate;
 }
 
-// How far a body reaches along d, and how that grows with s when d is n + s m. A sphere's reach does not
-// depend on the direction, and a plane is only asked for its normal.
+// The ball swept over the core of a shape. Of a plane, only the points below its origin are looked at.
+double roundingOf(const Mover& x) {
+  return std::visit(
+      [](const auto& shape) {
+        if constexpr (std::is_same_v<decltype(shape), const Plane&>)
+          return 0.0;
+        else
+          return coreRadius(shape);
+      },
+      x.shape);
+}
+
+double coreExtent(const Mover& x) {
+  return isPlane(x) ? 0.0 : boundingRadius(x.shape) - roundingOf(x);
+}
+
+// How far the core of a body reaches along d, and how that grows with s when d is n + s m.
 struct Reach {
   double value = 0.0, slope = 0.0;
 };
 
 Reach reachAlong(const Mover& x, const Vec3& d, const Vec3& m) {
-  if (const auto* sphere = std::get_if<Sphere>(&x.shape)) return {sphere->radius, 0.0};
   if (isPlane(x)) return {};
-  const Vec3 farthest_W = x.R_WB * supportPoint(x.shape, x.R_WB.transpose() * d);
-  return {farthest_W.dot(d), farthest_W.dot(m)};
+  const Vec3 d_B = x.R_WB.transpose() * d;
+  const Vec3 farthest_B = std::visit(
+      [&](const auto& shape) -> Vec3 {
+        if constexpr (std::is_same_v<decltype(shape), const Plane&>)
+          return Vec3::Zero();
+        else
+          return coreOf(shape)(d_B);
+      },
+      x.shape);
+  return {farthest_B.dot(d_B), farthest_B.dot(x.R_WB.transpose() * m)};
 }
 
 // The reach along n of the solid that the body sweeps as it spins.
 double sweptReach(const Mover& x, const Vec3& n) {
-  const auto* box = std::get_if<Box>(&x.shape);
   const double rate = x.w_W.norm();
-  const bool turns = rate > 0.0 && !isPlane(x) && !std::holds_alternative<Sphere>(x.shape);
-  if (!turns) return reachAlong(x, n, Vec3::Zero()).value;
-  if (box == nullptr) return boundingRadius(x.shape);
+  if (rate == 0.0 || isPlane(x)) return reachAlong(x, n, Vec3::Zero()).value + roundingOf(x);
   const Vec3 axis_B = x.R_WB.transpose() * (x.w_W / rate);
   const double along = n.dot(x.w_W) / rate;
   const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
+  const auto swept = [&](const Vec3& r) { return along * axis_B.dot(r) + across * axis_B.cross(r).norm(); };
+  const auto onAxis = [](double z) { return Vec3(0.0, 0.0, z); };
+  if (const auto* sphere = std::get_if<Sphere>(&x.shape)) return sphere->radius;
+  if (const auto* capsule = std::get_if<Capsule>(&x.shape))
+    return std::max(swept(onAxis(capsule->half_length)), swept(onAxis(-capsule->half_length))) +
+           capsule->radius;
+  if (const auto* cylinder = std::get_if<Cylinder>(&x.shape))
+    return std::max(swept(onAxis(cylinder->half_length)), swept(onAxis(-cylinder->half_length))) +
+           cylinder->radius;
+  if (const auto* cone = std::get_if<Cone>(&x.shape))
+    return std::max(swept(onAxis(0.75 * cone->height)), swept(onAxis(-0.25 * cone->height)) + cone->radius);
   double reach = 0.0;
-  for (int corner = 0; corner < 4; ++corner) {  // and their opposites, by the sign of `along`
-    const Vec3 r = 0.5 * box->size.cwiseProduct(Vec3(1.0, corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0));
-    reach = std::max(reach, std::abs(along * axis_B.dot(r)) + across * axis_B.cross(r).norm());
+  if (const auto* box = std::get_if<Box>(&x.shape)) {
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3 signs(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
+      reach = std::max(reach, swept(box->size.cwiseProduct(signs)));
+    }
+  } else {
+    for (const Vec3& vertex : std::get<ConvexHull>(x.shape).polyhedron->vertices)
+      reach = std::max(reach, swept(vertex));
   }
   return reach;
-}
-
-double curvature(const Vec3& w_X, const Vec3& w_n, const Vec3& n) {
-  if (w_X == w_n) return 0.0;
-  if (w_n.isZero(0.0)) return w_X.norm() * w_X.cross(n).norm();
-  const double sum = w_X.norm() + w_n.norm();
-  return sum * sum;
 }
 
 // The bound of second order.
 class ConcaveBound {
  public:
-  ConcaveBound(const Mover& a, const Mover& b, const Vec3& n, const Vec3& w_n, double separation,
-               double horizon)
-      : a_(a), b_(b), n_(n), m_a_(n.cross(spin(a) - w_n)), m_b_(n.cross(spin(b) - w_n)) {
+  ConcaveBound(const Mover& a, const Mover& b, const Vec3& n, const Vec3& w_n, double horizon)
+      : a_(a), b_(b), n_(n), horizon_(horizon) {
+    const Spin spin_a = spinOf(a), spin_b = spinOf(b);
+    m_a_ = n.cross(spin_a.w - w_n), m_b_ = n.cross(spin_b.w - w_n);
     const Vec3 x = b.p_W - a.p_W, v = b.v_W - a.v_W, acceleration = b.a_W - a.a_W;
-    const double loss = curvature(spin(a), w_n, n) * radiusOf(a) + curvature(spin(b), w_n, n) * radiusOf(b);
+    const double loss = curvature(spin_a, w_n, n) * coreExtent(a) + curvature(spin_b, w_n, n) * coreExtent(b);
     double bend = n.dot(acceleration);
     if (const double turn = w_n.norm(); turn > 0.0) {
-      // (n.x)'' = n''.x + 2 n'.x' + n.x'', with the largest |x| and |x'| up to the horizon.
-      const double rush = horizon * acceleration.norm();
-      const double speed = v.norm() + rush, distance = x.norm() + horizon * speed;
+      // (n.x)'' = n''.x + 2 n'.x' + n.x'', with the largest |x| and |x'| up to the horizon. That is not
+      // farther than the loss by n'' leads.
+      horizon_ = std::min(horizon_, 2.0 / turn);
+      const double speed = v.norm() + horizon_ * acceleration.norm(), distance = x.norm() + horizon_ * speed;
       bend = -(turn * turn * distance + 2.0 * turn * speed + acceleration.norm());
     }
     bend_ = std::min(bend - loss, 0.0);
     slope_ = n.dot(v) + w_n.cross(n).dot(x);
-    offset_ = separation + reachAlong(a, n, m_a_).value + reachAlong(b, -n, -m_b_).value;
+    offset_ = n.dot(x) - roundingOf(a) - roundingOf(b);
   }
 
   // Value and slope at s.
@@ -100,13 +155,14 @@ class ConcaveBound {
             slope_ + s * bend_ - reach_a.slope - reach_b.slope};
   }
 
-  // A time, at most `horizon`, up to which the bound stays at or above `floor`: between the root of a
+  // A time, at most the horizon, up to which the bound stays at or above `floor`: between the root of a
   // chord, which is early, and that of a tangent, which is late, until they nearly agree.
-  double timeAbove(double floor, double horizon) const {
-    constexpr double kAgreed = 1e-4;
-    double early = 0.0, late = horizon;
-    double above = at(early).value - floor;
+  double timeAbove(double floor) const {
+    constexpr double kAgreed = 1e-2;
+    const Reach now = at(0.0);
+    double early = 0.0, above = now.value - floor;
     if (!(above > 0.0)) return 0.0;
+    double late = std::min(horizon_, firstFall(above, now.slope, bend_).value_or(horizon_));
     for (int k = 0; k < 50; ++k) {
       const Reach end = at(late);
       const double below = end.value - floor;
@@ -123,43 +179,56 @@ class ConcaveBound {
  private:
   const Mover &a_, &b_;
   Vec3 n_, m_a_, m_b_;
-  double offset_, slope_, bend_;
+  double horizon_, offset_, slope_, bend_;
 };
 
-// The bound of the swept bodies.
-double sweptTime(const Mover& a, const Mover& b, const Vec3& n, double slack, double horizon) {
-  const double gap = n.dot(b.p_W - a.p_W) - sweptReach(a, n) - sweptReach(b, -n) + slack;
-  if (!(gap > 0.0)) return 0.0;
-  return std::min(horizon, firstFall(gap, n.dot(b.v_W - a.v_W), n.dot(b.a_W - a.a_W)).value_or(horizon));
+Mover later(const Mover& x, double s) {
+  return {x.shape,
+          rotationBy(s * x.w_W).toRotationMatrix() * x.R_WB,
+          x.p_W + s * (x.v_W + 0.5 * s * x.a_W),
+          x.v_W + s * x.a_W,
+          x.a_W,
+          x.w_W};
+}
+
+// timeApart() along one direction.
+double follow(const Mover& a0, const Mover& b0, const Vec3& n0, const Vec3& w_n, bool touches,
+              const Levels& levels, double horizon) {
+  // A direction is left where little of the separation is left: another one will be better by then.
+  constexpr double kWorth = 1e-3;
+  constexpr int kSteps = 1000;
+  const double swept =
+      w_n.isZero(0.0) ? sweptReach(a0, n0) + sweptReach(b0, -n0) : std::numeric_limits<double>::infinity();
+  double s = 0.0, closed = levels.closed;
+  for (int k = 0; k < kSteps; ++k) {
+    const Mover a = later(a0, s), b = later(b0, s);
+    const Vec3 n = rotationBy(s * w_n) * n0;
+    const ConcaveBound bound(a, b, n, w_n, horizon - s);
+    const Reach now = bound.at(0.0);
+    if (k == 0) closed = std::max(closed, kWorth * now.value);
+    touches = touches && now.value <= levels.free;
+    if (touches ? k > 0 && now.slope <= 0.0 : now.value <= closed) break;
+    double step = bound.timeAbove(touches ? levels.floor : 0.0);
+    if (touches) {
+      if (bound.at(step).slope * step < -levels.free) step *= 0.5;  // what is thrown up turns round half-way
+    } else if (const double gap = n.dot(b.p_W - a.p_W) - swept; gap > 0.0) {
+      step = std::max(step, firstFall(gap, n.dot(b.v_W - a.v_W), n.dot(b.a_W - a.a_W)).value_or(horizon));
+    }
+    if (s + step >= horizon) return horizon;
+    if (s + step == s) break;
+    s += step;
+  }
+  return s;
 }
 
 }  // namespace
 
-// Of the two forms of each root, the one that adds numbers of equal sign.
-std::optional<double> firstFall(double q0, double q1, double q2) {
-  const double discriminant = q1 * q1 - 2.0 * q0 * q2;
-  if (discriminant < 0.0) return std::nullopt;
-  if (q1 < 0.0) return 2.0 * q0 / (std::sqrt(discriminant) - q1);
-  if (q2 < 0.0) return (std::sqrt(discriminant) + q1) / -q2;
-  return std::nullopt;
-}
-
-double safeStep(const Mover& a, const Mover& b, const Vec3& n_W, double separation, double slack,
-                double horizon) {
-  const auto timeAlong = [&](const Vec3& w_n, double limit) {
-    return ConcaveBound(a, b, n_W, w_n, separation, limit).timeAbove(-slack, limit);
-  };
-  if (isPlane(a) || isPlane(b)) {
-    const Vec3 w_plane = isPlane(a) ? a.w_W : b.w_W;
-    const double step = timeAlong(w_plane, horizon);
-    return w_plane.isZero(0.0) ? std::max(step, sweptTime(a, b, n_W, slack, horizon)) : step;
-  }
-  double step = std::max(timeAlong(Vec3::Zero(), horizon), sweptTime(a, b, n_W, slack, horizon));
-  for (const Vec3& w_n : {spin(a), spin(b)}) {
-    const double limit = std::min(horizon, 8.0 * step);
-    if (step < horizon && !w_n.isZero(0.0)) step = std::max(step, timeAlong(w_n, limit));
-  }
-  return step;
+double timeApart(const Mover& a, const Mover& b, const Vec3& n_W, const Vec3& turn_W, bool touches,
+                 const Levels& levels, double horizon) {
+  const auto along = [&](const Vec3& w_n) { return follow(a, b, n_W, w_n, touches, levels, horizon); };
+  if (isPlane(a) || isPlane(b)) return along(isPlane(a) ? a.w_W : b.w_W);
+  const double time = along(Vec3::Zero());
+  return time >= horizon || turn_W.isZero(0.0) ? time : std::max(time, along(turn_W));
 }
 
 }  // namespace rbs

@@ -4,8 +4,6 @@
 #include "rigid_body_sim/shape.h"
 #include "rigid_body_sim/types.h"
 
-#include <optional>
-
 namespace rbs {
 
 /// A moving shape at one time. Its acceleration and its angular velocity stay what they are.
@@ -15,13 +13,19 @@ struct Mover {
   Vec3 p_W, v_W, a_W, w_W;
 };
 
-/// The first s > 0 at which q0 + q1 s + q2 s²/2 falls to zero, for q0 >= 0.
-std::optional<double> firstFall(double q0, double q1, double q2);
+/// Separations along a direction, m, that tell how a pair stands.
+struct Levels {
+  double closed;  ///< at most this: has closed
+  double free;    ///< above this, a pair that touched has come free
+  double floor;   ///< how near a pair that touches may come while it is not free; < 0
+};
 
-/// Seconds, up to `horizon`, during which B does not come nearer to A than -slack along a direction that
-/// starts as `n_W` (unit, from A to B). `separation` is their gap along n_W now, + slack > 0. If one is a
-/// plane, n_W is normal to it.
-double safeStep(const Mover& a, const Mover& b, const Vec3& n_W, double separation, double slack,
-                double horizon);
+/// Seconds, up to `horizon`, during which B certainly stays apart from A along a direction that starts as
+/// `n_W` (unit, from A to B; normal to the plane if one is a plane), until little or nothing of that
+/// separation is left. A pair that `touches` may come as near as levels.floor until it is free; its time ends
+/// where it turns round. `turn_W`, rad/s, is a guess at how the direction turns; zero is no guess. 0 where
+/// n_W does not separate the pair by more than levels.closed.
+double timeApart(const Mover& a, const Mover& b, const Vec3& n_W, const Vec3& turn_W, bool touches,
+                 const Levels& levels, double horizon);
 
 }  // namespace rbs

@@ -1,8 +1,9 @@
-// Closed forms where the gap is a quadratic of time; conservative advancement elsewhere.
+// Closed forms where the gap is a root of a polynomial in time; conservative advancement elsewhere.
 #include "narrowphase/time_of_impact.h"
 
-#include "integrate.h"
+#include "algebra.h"
 #include "narrowphase/collide.h"
+#include "narrowphase/parabola.h"
 #include "narrowphase/safe_step.h"
 
 #include <algorithm>
@@ -18,6 +19,8 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kTouching = 1e-12;
 // A gap that closes is followed down to this fraction.
 constexpr double kClosed = 1e-14;
+// A pair that overlaps and opens may come nearer by this fraction of the overlap before it turns round.
+constexpr double kSink = 1e-3;
 // A velocity below this fraction of those it is the difference of is zero.
 constexpr double kStill = 8.0 * kEpsilon;
 constexpr int kAdvances = 10000;
@@ -26,29 +29,29 @@ constexpr int kAdvances = 10000;
 struct Scene {
   Pose X_WA, X_WB;
   Mover a, b;
+  Gap gap;
+  double closed, touching;  // the gap of a pair that has closed, and of one that touches at `from`, m
 
   Scene(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b, const Motion& motion_b, double t)
       : X_WA(motion_a.at(t)),
         X_WB(motion_b.at(t)),
         a(mover(shape_a, X_WA, motion_a, t)),
-        b(mover(shape_b, X_WB, motion_b, t)) {}
+        b(mover(shape_b, X_WB, motion_b, t)),
+        gap(rbs::gap(shape_a, X_WA, shape_b, X_WB)) {
+    const double length = std::min(characteristicLength(shape_a), characteristicLength(shape_b));
+    double size = X_WA.p_WB.cwiseAbs().maxCoeff() + X_WB.p_WB.cwiseAbs().maxCoeff();
+    for (const Shape* shape : {&shape_a, &shape_b})
+      if (!std::holds_alternative<Plane>(*shape)) size += boundingRadius(*shape);
+    const double rounding = 4.0 * kEpsilon * size;
+    closed = kClosed * length + rounding;
+    touching = kTouching * length + rounding;
+  }
 
   static Mover mover(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
     return {
         shape, pose.q_WB.toRotationMatrix(), pose.p_WB, motion.velocityAt(t), motion.a_W, motion.twist.w_WB};
   }
-  // What rounding leaves of a gap, m.
-  double rounding() const {
-    double size = X_WA.p_WB.cwiseAbs().maxCoeff() + X_WB.p_WB.cwiseAbs().maxCoeff();
-    for (const Mover* x : {&a, &b})
-      if (!std::holds_alternative<Plane>(x->shape)) size += boundingRadius(x->shape);
-    return 4.0 * kEpsilon * size;
-  }
 };
-
-double smallerLength(const Shape& a, const Shape& b) {
-  return std::min(characteristicLength(a), characteristicLength(b));
-}
 
 // Whether something that closes at `speed` (negative: opens) and is pressed at `push`, both differences of
 // terms as large as `speeds` and `pushes`, comes closer at once.
@@ -57,10 +60,10 @@ bool closes(double speed, double speeds, double push, double pushes) {
   return push > kStill * pushes;
 }
 
-// Whether any of the points within `margin` comes closer. A pair whose manifold is empty counts as closing.
-bool approaches(const Scene& scene, double margin) {
+// Whether any of the points that touch comes closer. A pair whose manifold is empty counts as closing.
+bool approaches(const Scene& scene) {
   const Mover &a = scene.a, &b = scene.b;
-  const Manifold manifold = collide(a.shape, scene.X_WA, b.shape, scene.X_WB, margin);
+  const Manifold manifold = collide(a.shape, scene.X_WA, b.shape, scene.X_WB, scene.touching);
   const Vec3& n = manifold.n_W;
   for (int k = 0; k < manifold.size; ++k) {
     const Vec3 arm_a = manifold.points[k].p_W - a.p_W, arm_b = manifold.points[k].p_W - b.p_W;
@@ -74,27 +77,26 @@ bool approaches(const Scene& scene, double margin) {
 }
 
 // Steps forward by times for which the pair certainly stays apart. A pair that touches and opens is led over
-// the time for which it certainly does not come back; deep in overlap, for which it does not turn round,
-// which under constant acceleration is half of that. Cut off, it answers a time that is early.
+// the time until it is free or turns round. How the normal has turned since the last step foretells how it
+// turns on: where edges meet, the separation along a normal that stays as it is is soon lost. Cut off, it
+// answers a time that is early.
 std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                               double from, double to) {
-  const double length = smallerLength(a, b);
-  double t = from;
+  double t = from, before = from;
+  Vec3 n_before = Vec3::Zero();
   for (int k = 0; k < kAdvances; ++k) {
     const Scene scene(a, motion_a, b, motion_b, t);
-    const Gap now = gap(a, scene.X_WA, b, scene.X_WB);
-    const double closed = kClosed * length + scene.rounding();
-    const double touching = kTouching * length + scene.rounding();
-    const bool touches = now.distance <= (t == from ? touching : closed);
-    if (touches && approaches(scene, touching)) return t;
+    const double distance = scene.gap.distance;
+    const bool touches = distance <= (t == from ? scene.touching : scene.closed);
+    if (touches && approaches(scene)) return t;
 
-    const double overlap = std::max(0.0, -now.distance);
-    const double slack = touches ? touching + 1e-3 * overlap : 0.0;
-    const double share = overlap > touching ? 0.5 : 1.0;
-    const double step =
-        share * safeStep(scene.a, scene.b, now.n_W, now.distance + overlap, slack, (to - t) / share);
-    if (step >= to - t) return std::nullopt;
-    double after = t + step;
+    const Vec3 turn = k > 0 ? Vec3(n_before.cross(scene.gap.n_W) / (t - before)) : Vec3(Vec3::Zero());
+    before = t, n_before = scene.gap.n_W;
+    const double floor = (1.0 + kSink) * std::min(distance, 0.0) - scene.touching;
+    const double time = timeApart(scene.a, scene.b, scene.gap.n_W, turn, touches,
+                                  {0.5 * scene.closed, scene.touching, floor}, to - t);
+    if (time >= to - t) return std::nullopt;
+    double after = t + time;
     if (after == t) {
       if (!touches) return t;  // closer than time can resolve
       after = std::nextafter(t, std::numeric_limits<double>::infinity());
@@ -105,35 +107,48 @@ std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shap
   return t;
 }
 
+std::optional<double> within(std::optional<double> s, double from, double to) {
+  if (!s || *s > to - from) return std::nullopt;
+  return std::min(from + *s, to);
+}
+
 // Equal accelerations leave the centres of B and A a straight path d + v s, and |d + v s| = R at
 //   s = c / (-d.v + sqrt(|v|² R² - |d x v|²)),   c = |d|² - R²,
 // the root of the quadratic in the form without cancellation.
-std::optional<double> spheresOnLine(double radii, const Scene& scene, double length, double from, double to) {
+std::optional<double> spheresOnLine(double radii, const Scene& scene) {
   const Vec3 d = scene.b.p_W - scene.a.p_W, v = scene.b.v_W - scene.a.v_W;
   const double distance = d.norm(), speed = v.norm(), closing = -d.dot(v);
   if (!(closing > kStill * distance * (scene.a.v_W.norm() + scene.b.v_W.norm()))) return std::nullopt;
-  if (distance - radii <= kTouching * length + scene.rounding()) return from;
+  if (distance - radii <= scene.touching) return 0.0;
   const double across = d.cross(v).norm();
   const double discriminant = (speed * radii - across) * (speed * radii + across);
   if (discriminant < 0.0) return std::nullopt;
-  const double s = (distance - radii) * (distance + radii) / (closing + std::sqrt(discriminant));
-  if (s > to - from) return std::nullopt;
-  return std::min(from + s, to);
+  return (distance - radii) * (distance + radii) / (closing + std::sqrt(discriminant));
 }
 
 // The height over a plane that does not turn is h + v s + a s²/2. Touching and not approaching, the sphere
 // comes back at the later root, or turns round at the apex when it never gets free.
-std::optional<double> sphereOverPlane(double height, double v, double a, bool touches, bool approaches,
-                                      double from, double to) {
-  std::optional<double> s;
-  if (!touches)
-    s = firstFall(height, v, a);
-  else if (approaches)
-    s = 0.0;
-  else if (a < 0.0)
-    s = (std::max(v, 0.0) + std::sqrt(std::max(0.0, v * v - 2.0 * a * height))) / -a;
-  if (!s || *s > to - from) return std::nullopt;
-  return std::min(from + *s, to);
+std::optional<double> sphereOverPlane(const Scene& scene) {
+  const double height = scene.gap.distance, v = scene.gap.n_W.dot(scene.b.v_W - scene.a.v_W),
+               a = scene.gap.n_W.dot(scene.b.a_W - scene.a.a_W);
+  if (height > scene.touching) return firstFall(height, v, a);
+  if (approaches(scene)) return 0.0;
+  if (!(a < 0.0)) return std::nullopt;
+  return (std::max(v, 0.0) + std::sqrt(std::max(0.0, v * v - 2.0 * a * height))) / -a;
+}
+
+// The path of the centre of sphere A, seen from the box B, which does not turn.
+Parabola pathOverBox(const Scene& scene) {
+  const Mat3 R_BW = scene.b.R_WB.transpose();
+  return {R_BW * (scene.a.p_W - scene.b.p_W), R_BW * (scene.a.v_W - scene.b.v_W),
+          R_BW * (scene.a.a_W - scene.b.a_W)};
+}
+
+// A sphere and a box that does not turn, or another sphere: then `radius` is that of both, `half` is zero.
+std::optional<double> sphereAndBox(double radius, const Vec3& half, const Scene& scene, double horizon) {
+  const bool touches = scene.gap.distance <= scene.touching;
+  if (touches && approaches(scene)) return 0.0;
+  return firstWithin(radius, half, pathOverBox(scene), touches, scene.touching, horizon);
 }
 
 }  // namespace
@@ -147,23 +162,25 @@ Pose Motion::at(double t) const {
 std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const Shape& b,
                                    const Motion& motion_b, double from, double to) {
   if (!(from <= to)) return std::nullopt;
-  const auto *sphere_a = std::get_if<Sphere>(&a), *sphere_b = std::get_if<Sphere>(&b);
-  if (sphere_a != nullptr && sphere_b != nullptr && motion_a.a_W == motion_b.a_W)
-    return spheresOnLine(sphere_a->radius + sphere_b->radius, Scene(a, motion_a, b, motion_b, from),
-                         smallerLength(a, b), from, to);
+  if (std::holds_alternative<Plane>(a) && std::holds_alternative<Plane>(b)) return std::nullopt;
+  const auto* sphere = std::get_if<Sphere>(&a);
+  if (sphere == nullptr && std::holds_alternative<Sphere>(b))
+    return timeOfImpact(b, motion_b, a, motion_a, from, to);
+  if (sphere == nullptr) return advance(a, motion_a, b, motion_b, from, to);
 
-  const bool plane_a = std::holds_alternative<Plane>(a), plane_b = std::holds_alternative<Plane>(b);
-  if (plane_a && plane_b) return std::nullopt;
-  const Motion& plane = plane_a ? motion_a : motion_b;
-  if ((plane_a && sphere_b != nullptr) || (plane_b && sphere_a != nullptr)) {
-    if (plane.twist.w_WB.isZero(0.0)) {
-      const Scene scene(a, motion_a, b, motion_b, from);
-      const Gap now = gap(a, scene.X_WA, b, scene.X_WB);
-      const double touching = kTouching * smallerLength(a, b) + scene.rounding();
-      return sphereOverPlane(now.distance, now.n_W.dot(scene.b.v_W - scene.a.v_W),
-                             now.n_W.dot(scene.b.a_W - scene.a.a_W), now.distance <= touching,
-                             now.distance <= touching && approaches(scene, touching), from, to);
-    }
+  const Scene scene(a, motion_a, b, motion_b, from);
+  if (const auto* other = std::get_if<Sphere>(&b)) {
+    const double radii = sphere->radius + other->radius;
+    return within(motion_a.a_W == motion_b.a_W ? spheresOnLine(radii, scene)
+                                               : sphereAndBox(radii, Vec3::Zero(), scene, to - from),
+                  from, to);
+  }
+  if (motion_b.twist.w_WB.isZero(0.0)) {
+    if (std::holds_alternative<Plane>(b)) return within(sphereOverPlane(scene), from, to);
+    const auto* box = std::get_if<Box>(&b);
+    const bool outside = scene.gap.distance > -sphere->radius;
+    if (box != nullptr && outside)
+      return within(sphereAndBox(sphere->radius, 0.5 * box->size, scene, to - from), from, to);
   }
   return advance(a, motion_a, b, motion_b, from, to);
 }
