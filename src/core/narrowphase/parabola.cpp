@@ -75,9 +75,9 @@ Times turnsOf(const Parabola& u, double begin, double end) {
 }
 
 // Follows |u| - radius over one stretch of a path after the other.
-class Watch {
+class Approach {
  public:
-  Watch(double radius, bool touches, double margin) : radius_(radius), margin_(margin), touches_(touches) {}
+  Approach(double radius, bool touches, double margin) : radius_(radius), margin_(margin), touches_(touches) {}
 
   std::optional<double> over(const Parabola& u, double begin, double end) {
     const auto gap = [&](double s) {
@@ -132,7 +132,7 @@ std::optional<double> firstWithin(double radius, const Vec3& half, const Parabol
   std::sort(crossings.time.begin(), crossings.time.begin() + crossings.size);
   crossings.add(horizon);
 
-  Watch watch(radius, touches, margin);
+  Approach approach(radius, touches, margin);
   double begin = 0.0;
   for (const double end : crossings) {
     const Vec3 middle = path.at(0.5 * (begin + end));
@@ -143,7 +143,7 @@ std::optional<double> firstWithin(double radius, const Vec3& half, const Parabol
       else
         u.p[k] -= std::copysign(half[k], middle[k]);
     }
-    if (const auto s = watch.over(u, begin, end)) return s;
+    if (const auto s = approach.over(u, begin, end)) return s;
     begin = end;
   }
   return std::nullopt;

@@ -191,19 +191,25 @@ Mover later(const Mover& x, double s) {
           x.w_W};
 }
 
-// timeApart() along one direction.
-double follow(const Mover& a0, const Mover& b0, const Vec3& n0, const Vec3& w_n, bool touches,
-              const Levels& levels, double horizon) {
+}  // namespace
+
+double separationAlong(const Mover& a, const Mover& b, const Vec3& n_W) {
+  return n_W.dot(b.p_W - a.p_W) - reachAlong(a, n_W, Vec3::Zero()).value - roundingOf(a) -
+         reachAlong(b, -n_W, Vec3::Zero()).value - roundingOf(b);
+}
+
+double timeApart(const Mover& a0, const Mover& b0, const Vec3& n_W, const Vec3& turn_W, bool touches,
+                 const Levels& levels, double horizon) {
   // A direction is left where little of the separation is left: another one will be better by then.
   constexpr double kWorth = 1e-3;
   constexpr int kSteps = 1000;
-  const double swept =
-      w_n.isZero(0.0) ? sweptReach(a0, n0) + sweptReach(b0, -n0) : std::numeric_limits<double>::infinity();
+  const double swept = turn_W.isZero(0.0) ? sweptReach(a0, n_W) + sweptReach(b0, -n_W)
+                                          : std::numeric_limits<double>::infinity();
   double s = 0.0, closed = levels.closed;
   for (int k = 0; k < kSteps; ++k) {
     const Mover a = later(a0, s), b = later(b0, s);
-    const Vec3 n = rotationBy(s * w_n) * n0;
-    const ConcaveBound bound(a, b, n, w_n, horizon - s);
+    const Vec3 n = rotationBy(s * turn_W) * n_W;
+    const ConcaveBound bound(a, b, n, turn_W, horizon - s);
     const Reach now = bound.at(0.0);
     if (k == 0) closed = std::max(closed, kWorth * now.value);
     touches = touches && now.value <= levels.free;
@@ -219,16 +225,6 @@ double follow(const Mover& a0, const Mover& b0, const Vec3& n0, const Vec3& w_n,
     s += step;
   }
   return s;
-}
-
-}  // namespace
-
-double timeApart(const Mover& a, const Mover& b, const Vec3& n_W, const Vec3& turn_W, bool touches,
-                 const Levels& levels, double horizon) {
-  const auto along = [&](const Vec3& w_n) { return follow(a, b, n_W, w_n, touches, levels, horizon); };
-  if (isPlane(a) || isPlane(b)) return along(isPlane(a) ? a.w_W : b.w_W);
-  const double time = along(Vec3::Zero());
-  return time >= horizon || turn_W.isZero(0.0) ? time : std::max(time, along(turn_W));
 }
 
 }  // namespace rbs

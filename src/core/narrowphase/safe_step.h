@@ -13,6 +13,9 @@ struct Mover {
   Vec3 p_W, v_W, a_W, w_W;
 };
 
+/// How far B is from A along `n_W` (unit, from A to B; normal to the plane if one is a plane), m.
+double separationAlong(const Mover& a, const Mover& b, const Vec3& n_W);
+
 /// Separations along a direction, m, that tell how a pair stands.
 struct Levels {
   double closed;  ///< at most this: has closed
@@ -21,10 +24,10 @@ struct Levels {
 };
 
 /// Seconds, up to `horizon`, during which B certainly stays apart from A along a direction that starts as
-/// `n_W` (unit, from A to B; normal to the plane if one is a plane), until little or nothing of that
-/// separation is left. A pair that `touches` may come as near as levels.floor until it is free; its time ends
-/// where it turns round. `turn_W`, rad/s, is a guess at how the direction turns; zero is no guess. 0 where
-/// n_W does not separate the pair by more than levels.closed.
+/// `n_W` (unit, from A to B) and turns with `turn_W`, rad/s, until little or nothing of that separation is
+/// left. If one is a plane, the direction is normal to it and turns with it. A pair that `touches` may come
+/// as near as levels.floor until it is free; its time ends where it turns round. 0 where n_W does not
+/// separate the pair by more than levels.closed.
 double timeApart(const Mover& a, const Mover& b, const Vec3& n_W, const Vec3& turn_W, bool touches,
                  const Levels& levels, double horizon);
 

@@ -76,25 +76,57 @@ bool approaches(const Scene& scene) {
   return manifold.size == 0;
 }
 
+// The direction along which a pair is watched. How the normal has turned since the last look foretells how it
+// turns on: where edges meet, the separation along a normal that stays as it is is soon lost. The foretold
+// normal is also the better one where the gap is so small that the normal found is mostly rounding. The
+// normal of a plane turns with the plane.
+class Watch {
+ public:
+  explicit Watch(const Scene& scene) : n_(scene.gap.n_W) {
+    for (const Mover* x : {&scene.a, &scene.b})
+      if (std::holds_alternative<Plane>(x->shape)) plane_ = true, turn_ = x->w_W;
+  }
+
+  /// Looks again after `passed` seconds.
+  void look(const Scene& scene, double passed) {
+    const Vec3 &found = scene.gap.n_W, foretold = rotationBy(passed * turn_) * n_;
+    if (!plane_ && separationAlong(scene.a, scene.b, foretold) > separationAlong(scene.a, scene.b, found)) {
+      n_ = foretold;
+    } else {
+      if (!plane_) turn_ = n_.cross(found) / passed;
+      n_ = found;
+    }
+  }
+
+  double timeApart(const Scene& scene, bool touches, const Levels& levels, double horizon) const {
+    const double time = rbs::timeApart(scene.a, scene.b, n_, turn_, touches, levels, horizon);
+    if (plane_ || turn_.isZero(0.0) || time >= horizon) return time;
+    return std::max(time, rbs::timeApart(scene.a, scene.b, n_, Vec3::Zero(), touches, levels, horizon));
+  }
+
+ private:
+  Vec3 n_, turn_ = Vec3::Zero();
+  bool plane_ = false;
+};
+
 // Steps forward by times for which the pair certainly stays apart. A pair that touches and opens is led over
-// the time until it is free or turns round. How the normal has turned since the last step foretells how it
-// turns on: where edges meet, the separation along a normal that stays as it is is soon lost. Cut off, it
-// answers a time that is early.
+// the time until it is free or turns round. Cut off, it answers a time that is early.
 std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                               double from, double to) {
-  double t = from, before = from;
-  Vec3 n_before = Vec3::Zero();
+  double t = from, step = 0.0;
+  std::optional<Watch> watch;
   for (int k = 0; k < kAdvances; ++k) {
     const Scene scene(a, motion_a, b, motion_b, t);
     const double distance = scene.gap.distance;
     const bool touches = distance <= (t == from ? scene.touching : scene.closed);
     if (touches && approaches(scene)) return t;
 
-    const Vec3 turn = k > 0 ? Vec3(n_before.cross(scene.gap.n_W) / (t - before)) : Vec3(Vec3::Zero());
-    before = t, n_before = scene.gap.n_W;
+    if (watch)
+      watch->look(scene, step);
+    else
+      watch.emplace(scene);
     const double floor = (1.0 + kSink) * std::min(distance, 0.0) - scene.touching;
-    const double time = timeApart(scene.a, scene.b, scene.gap.n_W, turn, touches,
-                                  {0.5 * scene.closed, scene.touching, floor}, to - t);
+    const double time = watch->timeApart(scene, touches, {0.5 * scene.closed, scene.touching, floor}, to - t);
     if (time >= to - t) return std::nullopt;
     double after = t + time;
     if (after == t) {
@@ -102,6 +134,7 @@ std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shap
       after = std::nextafter(t, std::numeric_limits<double>::infinity());
     }
     if (after > to) return std::nullopt;
+    step = after - t;
     t = after;
   }
   return t;
