@@ -1,8 +1,7 @@
 // A hundred thousand hard pairs of each kind against the oracles. A pair that fails is shrunk and printed as
 // it can be pasted into narrowphase_regressions_test.cpp. RBS_BATTERY_PAIRS sets another number of pairs,
 // RBS_BATTERY_SEED another seed.
-#include "core/hard_pairs.h"
-#include "narrowphase/collide.h"
+#include "core/narrowphase_check.h"
 #include "narrowphase/convex.h"
 
 #include <gtest/gtest.h>
@@ -15,6 +14,7 @@ namespace {
 
 using oracle::Pair;
 using oracle::Random;
+using oracle::Worst;
 
 long fromEnvironment(const char* name, long otherwise) {
   const char* value = std::getenv(name);
@@ -42,68 +42,6 @@ Rounds roundsOf(const Pair& pair) {
         }
       },
       pair.a, pair.b);
-}
-
-/// The worst that was met, as fractions of the size.
-struct Worst {
-  double distance = 0, depth = 0, normal = 0, along = 0, symmetry = 0;
-  int apart = 0, overlapping = 0;
-};
-
-/// What is wrong with a pair, or nothing.
-std::string faultOf(const Pair& pair, double depth_tolerance, Worst& worst) {
-  const double size = oracle::sizeOf(pair);
-  const Gap found = gap(pair.a, pair.X_WA, pair.b, pair.X_WB);
-  if (!std::isfinite(found.distance) || !found.n_W.allFinite()) return "not finite";
-  if (std::abs(found.n_W.norm() - 1.0) > 1e-13)
-    return "length: normal of " + oracle::number(found.n_W.norm());
-  const oracle::Judged judged = judge(pair, found.n_W);
-  const double truth = static_cast<double>(judged.truth.gap);
-  const std::string values = oracle::number(found.distance) + ", truth " + oracle::number(truth) +
-                             ", along its normal " + oracle::number(static_cast<double>(judged.along)) +
-                             ", size " + oracle::number(size);
-
-  if (std::abs(truth) > 1e-13 * size && (found.distance > 0.0) != (truth > 0.0)) return "class: " + values;
-  const double error = found.distance > truth
-                           ? found.distance - truth
-                           : std::max(0.0, truth - found.distance - static_cast<double>(judged.slack));
-  if (truth > 0.0) {
-    ++worst.apart;
-    const double beyond = error / (size + 100.0 * truth);
-    worst.distance = std::max(worst.distance, beyond);
-    if (beyond > 1e-14) return "distance: " + values;
-  } else {
-    ++worst.overlapping;
-    worst.depth = std::max(worst.depth, error / size);
-    if (error > depth_tolerance * size) return "depth: " + values;
-  }
-  // The normal is that of the cores. It must prove the gap, as far as the rounding of their nearest points
-  // lets it, and be the true one where there is but one.
-  const double core_gap = truth + static_cast<double>(judged.radius);
-  const double along = std::abs(static_cast<double>(judged.along - judged.truth.gap));
-  const double turned = 1e-15 * size / std::abs(core_gap);
-  const double allowed =
-      (truth > 0.0 ? 1e-12 * truth : 0.0) + depth_tolerance * size + turned * (size + core_gap);
-  worst.along = std::max(worst.along, along / allowed);
-  if (along > allowed) return "normal: the gap along it is off by " + oracle::number(along) + "; " + values;
-  const bool unique =
-      core_gap > 1e-6 * size ||
-      (core_gap<-1e-6 * size&& static_cast<double>(judged.truth.runner_up) + truth> 1e-6 * size);
-  if (unique) {
-    const double angle = static_cast<double>((judged.truth.n - found.n_W.cast<oracle::Real>()).norm());
-    worst.normal = std::max(worst.normal, angle);
-    if (angle > 1e-9) return "normal: off by " + oracle::number(angle) + "; " + values;
-  }
-  // The points span the gap along the normal, and lie on the surfaces.
-  const double span = (found.p_WB - found.p_WA - found.distance * found.n_W).norm();
-  const double reach = size + std::abs(truth) + pair.X_WA.p_WB.norm();
-  if (span > 1e-13 * reach)
-    return "points: their difference is off the normal by " + oracle::number(span) + "; " + values;
-  const Gap swapped = gap(pair.b, pair.X_WB, pair.a, pair.X_WA);
-  const double asymmetry = std::abs(swapped.distance - found.distance) / (size + std::abs(truth));
-  worst.symmetry = std::max(worst.symmetry, asymmetry);
-  if (!(asymmetry <= 1e-14)) return "swapped: " + oracle::number(swapped.distance) + " for " + values;
-  return "";
 }
 
 struct Kind {
