@@ -112,11 +112,12 @@ class Watch {
 // Steps forward by times for which the pair certainly stays apart. A pair that touches and opens is led over
 // the time until it is free or turns round. Cut off, it answers a time that is early.
 std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
-                              double from, double to) {
+                              double from, double to, int* looks) {
   double t = from, step = 0.0;
   std::optional<Watch> watch;
   for (int k = 0; k < kAdvances; ++k) {
     const Scene scene(a, motion_a, b, motion_b, t);
+    if (looks != nullptr) ++*looks;
     const double distance = scene.gap.distance;
     const bool touches = distance <= (t == from ? scene.touching : scene.closed);
     if (touches && approaches(scene)) return t;
@@ -193,13 +194,13 @@ Pose Motion::at(double t) const {
 }
 
 std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const Shape& b,
-                                   const Motion& motion_b, double from, double to) {
+                                   const Motion& motion_b, double from, double to, int* looks) {
   if (!(from <= to)) return std::nullopt;
   if (std::holds_alternative<Plane>(a) && std::holds_alternative<Plane>(b)) return std::nullopt;
   const auto* sphere = std::get_if<Sphere>(&a);
   if (sphere == nullptr && std::holds_alternative<Sphere>(b))
-    return timeOfImpact(b, motion_b, a, motion_a, from, to);
-  if (sphere == nullptr) return advance(a, motion_a, b, motion_b, from, to);
+    return timeOfImpact(b, motion_b, a, motion_a, from, to, looks);
+  if (sphere == nullptr) return advance(a, motion_a, b, motion_b, from, to, looks);
 
   const Scene scene(a, motion_a, b, motion_b, from);
   if (const auto* other = std::get_if<Sphere>(&b)) {
@@ -215,7 +216,7 @@ std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const
     if (box != nullptr && outside)
       return within(sphereAndBox(sphere->radius, 0.5 * box->size, scene, to - from), from, to);
   }
-  return advance(a, motion_a, b, motion_b, from, to);
+  return advance(a, motion_a, b, motion_b, from, to, looks);
 }
 
 }  // namespace rbs
