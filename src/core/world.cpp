@@ -135,9 +135,10 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
       problems.push_back({"state.time", text(saved->time), "finite and not negative, in s"});
     Contacts& contacts = impl_->scene.contacts;
     for (const SavedState::Contact& contact : saved->contacts) {
-      if (contact.a >= contact.b || contact.b >= bodies.size() || contact.points.size() > 8) {
+      if (contact.a >= contact.b || contact.b >= bodies.size() || contact.points.size() > Manifold::kPoints) {
         problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
-                            "two indices of bodies, the smaller first, and at most 8 points"});
+                            "two indices of bodies, the smaller first, and at most " +
+                                std::to_string(Manifold::kPoints) + " points"});
         continue;
       }
       ContactPair pair;

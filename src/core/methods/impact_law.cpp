@@ -34,7 +34,7 @@ Mat3 response(const ImpactSide& side, const Vec3& r) {
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
-// point needs one pass; the up to eight points of a face converge linearly. Convergence is asked of the
+// point needs one pass; the many points of a face converge linearly. Convergence is asked of the
 // velocities: the impulses of more than three points are not unique, and where the points do not quite lie in
 // a plane they drift on without an effect.
 class Impact {
@@ -101,7 +101,7 @@ class Impact {
   double mu_;
   int size_;
   Mat3 frame_;
-  std::array<ImpactPoint, 8> points_;
+  std::array<ImpactPoint, Manifold::kPoints> points_;
 };
 
 }  // namespace
