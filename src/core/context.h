@@ -78,6 +78,7 @@ struct PendingImpact {
 struct Island {
   std::vector<Index> bodies;  ///< movers only
   std::vector<Index> pairs;   ///< in step.contacts.pairs
+  bool contact = false;       ///< some of the pairs touch: Standing::Contact
   double time = 0.0;          ///< how far it has been advanced
 };
 

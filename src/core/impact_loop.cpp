@@ -43,7 +43,8 @@ class ImpactLoop {
     }
     // What other impacts have sent off its course is not awaited any more.
     for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
-      if (step_.standing[k] == Standing::Awaited) tie(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j);
+      if (step_.standing[k] == Standing::Awaited)
+        tie(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j, Standing::Open);
   }
 
  private:
@@ -112,10 +113,11 @@ class ImpactLoop {
     return ++met.count > kMeetings;
   }
 
-  // Leaves a pair to the contact solver for the rest of the step and makes one island of the two.
-  void tie(Index i, Index j) {
+  // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
+  // island of the two.
+  void tie(Index i, Index j, Standing standing = Standing::Contact) {
     const Index pair = pairOf(i, j);
-    step_.standing[pair] = Standing::Contact;
+    step_.standing[pair] = standing;
     Index a = step_.island[i], b = step_.island[j];
     if (a == kNone) std::swap(a, b);
     if (b != kNone && a != b) {
@@ -128,9 +130,11 @@ class ImpactLoop {
       for (const Index body : gone.bodies) step_.island[body] = a;
       kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
       kept.pairs.insert(kept.pairs.end(), gone.pairs.begin(), gone.pairs.end());
+      kept.contact = kept.contact || gone.contact;
       gone.bodies.clear();
       gone.pairs.clear();
     }
+    if (standing == Standing::Contact) step_.islands[a].contact = true;
     std::vector<Index>& pairs = step_.islands[a].pairs;
     if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
   }
@@ -184,7 +188,7 @@ class ImpactLoop {
       queue_.push(*impact);
       if (pair != kNone) step_.standing[pair] = Standing::Awaited;
     } else if (standing == Standing::Awaited) {
-      tie(std::min(i, j), std::max(i, j));  // it waited for an impact that will not come
+      tie(std::min(i, j), std::max(i, j), Standing::Open);  // it waited for an impact that will not come
     }
   }
 

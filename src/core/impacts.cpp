@@ -42,7 +42,7 @@ double lengthOf(const Bodies& bodies, Index i, Index j) {
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const auto in_contact = [&](Index k) {
-    return step.island[k] != kNone && !step.islands[step.island[k]].pairs.empty();
+    return step.island[k] != kNone && step.islands[step.island[k]].contact;
   };
   const bool exact = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
   return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);

@@ -106,7 +106,7 @@ void link(Context& context) {
     const Index root = sets.root(i);
     if (root == i) {
       step.island[i] = static_cast<Index>(step.islands.size());
-      step.islands.push_back({{}, {}, step.t0});
+      step.islands.push_back({{}, {}, false, step.t0});
     }
     step.island[i] = step.island[root];
     step.islands[step.island[i]].bodies.push_back(i);
@@ -114,7 +114,10 @@ void link(Context& context) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     if (step.standing[k] == Standing::Awaited) continue;
     const Index body = mover[pairs[k].i] ? pairs[k].i : pairs[k].j;
-    if (mover[body]) step.islands[step.island[body]].pairs.push_back(static_cast<Index>(k));
+    if (!mover[body]) continue;
+    Island& island = step.islands[step.island[body]];
+    island.pairs.push_back(static_cast<Index>(k));
+    island.contact = island.contact || step.standing[k] == Standing::Contact;
   }
 }
 

@@ -1,0 +1,142 @@
+// Many impacts in one step: in order, at their places, with nothing of the step lost, and the same from each
+// side.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+void makeElastic(SceneDef& scene) {
+  for (BodyDef& def : scene.bodies) def.material.restitution = 1.0, def.material.friction = 0.0;
+}
+
+// Hard case A58. Along each axis the ball runs a triangle wave between -0.9 and 0.9 m. Allowed is 1e-13 of
+// the room per impact; the clock's rounding alone makes 1e-12 m of each flight of 1 m.
+TEST(ImpactOrder, ABallInAClosedRoomKeepsToItsTimetable) {
+  for (const double step : {1.0 / 60.0, 1.0 / 1000.0})
+    for (const double speed : {1e3, 1e5}) {
+      SceneDef scene = emptySpace(step);
+      for (int k = 0; k < 3; ++k)
+        for (const double side : {-1.0, 1.0}) {
+          Vec3 size = Vec3::Constant(2.4);
+          size[k] = 0.2;
+          scene.bodies.push_back(box("wall", size, 1.1 * side * Vec3::Unit(k)));
+          scene.bodies.back().kind = BodyKind::Static;
+          scene.bodies.back().name += std::to_string(scene.bodies.size());
+        }
+      scene.bodies.push_back(ball("ball", 0.1, Vec3::Zero()));
+      const Vec3 v = speed * Vec3(1.0, std::sqrt(2.0), std::sqrt(5.0)).normalized();
+      scene.bodies.back().twist.v_WB = v;
+      makeElastic(scene);
+      World world(scene);
+      unsigned impacts = 0;
+      while (impacts < 10000) {
+        const StepReport& report = world.step();
+        impacts += report.impacts;
+        ASSERT_TRUE(report.warnings.empty());
+        const BodyState state = stateOf(world, "ball");
+        for (int k = 0; k < 3; ++k) {
+          const double place = std::fmod(v[k] * world.time() + 0.9, 3.6);
+          ASSERT_NEAR(state.pose.p_WB[k], (place > 1.8 ? 3.6 - place : place) - 0.9, 1e-12 + 2e-13 * impacts)
+              << "after " << impacts << " impacts";
+        }
+        ASSERT_NEAR(state.twist.v_WB.norm() / speed, 1.0, 1e-12);
+      }
+    }
+}
+
+// Hard case A59: balls of a cube fall together from all sides at once. What happens to one happens to its
+// mirror image.
+TEST(ImpactOrder, AnImplosionStaysSymmetric) {
+  for (const bool all : {false, true}) {  // the 8 corners, or all 27 places
+    SceneDef scene = emptySpace(1.0 / 60.0);
+    std::vector<Vec3> places;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (all || (x && y && z)) places.emplace_back(x, y, z);
+    for (const Vec3& place : places) {
+      scene.bodies.push_back(ball("ball" + std::to_string(scene.bodies.size()), 0.25, place));
+      scene.bodies.back().twist.v_WB = -3.0 * place;
+    }
+    makeElastic(scene);
+    World world(scene);
+    const double before = energy(world);
+    unsigned impacts = 0;
+    for (int k = 0; k < 60; ++k) {
+      impacts += world.step().impacts;
+      const std::vector<BodyState>& states = world.snapshot().states;
+      for (std::size_t i = 0; i < places.size(); ++i)
+        for (std::size_t j = 0; j < places.size(); ++j)
+          for (int axis = 0; axis < 3; ++axis) {
+            Vec3 mirrored = places[j], p = states[j].pose.p_WB;
+            mirrored[axis] *= -1.0, p[axis] *= -1.0;
+            if (mirrored == places[i]) {
+              ASSERT_LE((states[i].pose.p_WB - p).norm(), 1e-12) << places.size() << " balls, step " << k;
+            }
+          }
+    }
+    EXPECT_GE(impacts, places.size());
+    EXPECT_NEAR(energy(world) / before, 1.0, 1e-12);
+  }
+}
+
+// In one step a fast ball strikes the first of a row, that one the second, and so on. Each ball starts when
+// it is struck, where the one before it stops.
+TEST(ImpactOrder, ARowOfBallsPassesASpeedOnWithinOneStep) {
+  const double radius = 0.1, speed = 1e3, gap = 0.7;
+  const int row = 8;
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  for (int k = row; k >= 0; --k)  // the last comes first in the order of the bodies
+    scene.bodies.push_back(
+        ball("ball" + std::to_string(k), radius, Vec3(k * (2.0 * radius + gap), 0.0, 0.0)));
+  scene.bodies.back().twist.v_WB.x() = speed;
+  makeElastic(scene);
+  World world(scene);
+  EXPECT_EQ(world.step().impacts, static_cast<unsigned>(row));
+  for (int k = 0; k <= row; ++k) {
+    const double start = k * (2.0 * radius + gap);
+    const double truth = k < row ? start + gap : start + speed * world.time() - row * gap;
+    EXPECT_NEAR(stateOf(world, "ball" + std::to_string(k)).pose.p_WB.x(), truth, 1e-12) << k;
+  }
+}
+
+// What takes no part in impacts is advanced as if there were none.
+TEST(ImpactOrder, ImpactsDoNotDisturbWhoTakesNoPart) {
+  const auto run = [](bool storm) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+    for (int k = 0; k < 3; ++k)
+      scene.bodies.push_back(
+          box("box" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0, 0, 0.16 + 0.32 * k)));
+    scene.bodies.push_back(ball("thrown", 0.2, Vec3(-5.0, 0.0, 3.0)));
+    scene.bodies.back().twist = {Vec3(1.0, 2.0, 3.0), Vec3(4.0, 5.0, 6.0)};
+    if (storm)
+      for (int k = 0; k < 10; ++k) {
+        scene.bodies.push_back(ball("storm" + std::to_string(k), 0.1, Vec3(0.5 * k, 50.0, 5.0)));
+        scene.bodies.back().twist.v_WB = Vec3(k % 2 == 0 ? 90.0 : -90.0, 0.0, 0.0);
+        scene.bodies.back().material.restitution = 0.9;
+      }
+    World world(scene);
+    unsigned impacts = 0;
+    for (int k = 0; k < 60; ++k) impacts += world.step().impacts;
+    std::vector<BodyState> states;
+    for (const char* name : {"box0", "box1", "box2", "thrown"}) states.push_back(stateOf(world, name));
+    return std::pair(states, impacts);
+  };
+  const auto [alone, few] = run(false);
+  const auto [beside, many] = run(true);
+  EXPECT_GT(many, few + 10);
+  for (std::size_t k = 0; k < alone.size(); ++k) {
+    EXPECT_EQ(alone[k].pose.p_WB, beside[k].pose.p_WB) << k;
+    EXPECT_EQ(alone[k].pose.q_WB.coeffs(), beside[k].pose.q_WB.coeffs()) << k;
+    EXPECT_EQ(alone[k].twist.v_WB, beside[k].twist.v_WB) << k;
+  }
+}
+
+}  // namespace
