@@ -22,7 +22,7 @@ TEST(Drag, SlowsASphereAsTheClosedFormSays) {
   scene.bodies.back().mass = 0.1;
   scene.bodies.back().twist.v_WB = {0.0, 30.0, 0.0};
   World world(scene);
-  const double k = 1.2 * kSphereDrag * kPi * 0.09 / (2.0 * 0.1);
+  const double k = 1.2 * kRoundedDrag * kPi * 0.09 / (2.0 * 0.1);
   for (int step = 0; step < 100; ++step) {
     world.step();
     EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.y(), 30.0 / (1.0 + k * 30.0 * world.time()), 1e-11);
@@ -42,7 +42,7 @@ TEST(Drag, OfABoxIsThatOfItsProjectedArea) {
   const Vec3 u = q.conjugate() * wind;
   const double area = std::abs(u.x()) * size.y() * size.z() + std::abs(u.y()) * size.x() * size.z() +
                       std::abs(u.z()) * size.x() * size.y();  // times |u|
-  const Vec3 force = 0.5 * 1.2 * kBoxDrag * area * wind;
+  const Vec3 force = 0.5 * 1.2 * kEdgedDrag * area * wind;
   const Vec3 measured = stateOf(world, "box").twist.v_WB * (1000.0 * size.prod()) / scene.step;
   EXPECT_LE((measured - force).norm(), 1e-6 * force.norm());
   EXPECT_LE(stateOf(world, "box").twist.w_WB.norm(), 1e-12);

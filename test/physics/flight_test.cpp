@@ -33,7 +33,7 @@ TEST_P(Flight, AFallingBallReachesItsTerminalVelocityAsTheHyperbolicTangent) {
   scene.bodies.push_back(ball("ball", 0.2, Vec3(0.0, 0.0, 0.0)));
   scene.bodies.back().mass = 0.5;
   World world(scene);
-  const double terminal = std::sqrt(0.5 * kGravity / (0.5 * 1.2 * kSphereDrag * kPi * 0.2 * 0.2));
+  const double terminal = std::sqrt(0.5 * kGravity / (0.5 * 1.2 * kRoundedDrag * kPi * 0.2 * 0.2));
   for (const double seconds : {0.5, 1.5, 8.0}) {
     advance(world, seconds);
     const double expected = terminal * std::tanh(kGravity * world.time() / terminal);
