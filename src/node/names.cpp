@@ -71,10 +71,14 @@ std::size_t indexNamed(const Snapshot& snapshot, const std::string& name) {
   return index;
 }
 
+Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id) {
+  if (frame_id.empty() || frame_id == kWorldFrame) return {};
+  return snapshot.states[indexNamed(snapshot, frame_id)].pose;
+}
+
 Pose frameNamed(const World& world, const std::string& frame_id) {
   if (frame_id.empty() || frame_id == kWorldFrame) return {};
-  const Snapshot snapshot = world.snapshot();
-  return snapshot.states[indexNamed(snapshot, frame_id)].pose;
+  return frameNamed(world.snapshot(), frame_id);
 }
 
 Pose compose(const Pose& X_WF, const Pose& X_FB) {

@@ -15,6 +15,7 @@ BodyId bodyNamed(const World& world, const std::string& name);
 std::size_t indexNamed(const Snapshot& snapshot, const std::string& name);
 
 /// Place of a frame in W: "" and "world" are W itself, any other name is a body. The same error.
+Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id);
 Pose frameNamed(const World& world, const std::string& frame_id);
 
 /// A pose given in a frame that is at `X_WF` in W, seen from W.

@@ -20,6 +20,7 @@ Services::Services(Session& session) : session_(session), simulator_(session.sim
   offerPushes();
   offerSurroundings();
   offerReading();
+  offerQueries();
   offerRun();
   offerScenes();
 }

@@ -29,14 +29,21 @@ class Services {
   template <class Service>
   using Edit = std::string (*)(World&, const typename Service::Request&, typename Service::Response&);
 
+  /// The same for one that only reads.
+  template <class Service>
+  using Query = std::string (*)(const Snapshot&, const typename Service::Request&, typename Service::Response&);
+
   template <class Service>
   void offer(const std::string& name, Handler<Service> handler);
   template <class Service>
   void offerEdit(const std::string& name, Edit<Service> edit);
+  template <class Service>
+  void offerQuery(const std::string& name, Query<Service> query);
 
   void offerBodyEdits();
   void offerPushes();
   void offerReading();
+  void offerQueries();
   void offerSurroundings();
   void offerRun();
   void offerScenes();
@@ -70,6 +77,13 @@ void Services::offerEdit(const std::string& name, Edit<Service> edit) {
     std::string message;
     simulator_.edit([&](World& world) { message = edit(world, request, response); });
     return message;
+  });
+}
+
+template <class Service>
+void Services::offerQuery(const std::string& name, Query<Service> query) {
+  offer<Service>(name, [this, query](const auto& request, auto& response) {
+    return query(*simulator_.snapshot(), request, response);
   });
 }
 

@@ -76,7 +76,7 @@ std::string getBody(const Snapshot& snapshot, const GetBody::Request& request, G
   return words("'", body.name, "' at ", inWords(snapshot.states[index].pose.p_WB), " m: ", describe(body));
 }
 
-std::string listBodies(const Snapshot& snapshot, ListBodies::Response& response) {
+std::string listBodies(const Snapshot& snapshot, const ListBodies::Request&, ListBodies::Response& response) {
   for (const BodyDescription& body : *snapshot.bodies) response.names.push_back(body.name);
   return bodyCount(response.names.size());
 }
@@ -92,12 +92,8 @@ void Services::offerSurroundings() {
 }
 
 void Services::offerReading() {
-  offer<GetBody>("get_body", [this](const GetBody::Request& request, GetBody::Response& response) {
-    return getBody(*simulator_.snapshot(), request, response);
-  });
-  offer<ListBodies>("list_bodies", [this](const ListBodies::Request&, ListBodies::Response& response) {
-    return listBodies(*simulator_.snapshot(), response);
-  });
+  offerQuery<GetBody>("get_body", getBody);
+  offerQuery<ListBodies>("list_bodies", listBodies);
 }
 
 }  // namespace rbs

@@ -46,6 +46,21 @@ class ClientTest(unittest.TestCase):
         self.done('delete', 'top')
         self.assertNotIn('top', self.done('list'))
 
+    def test_questions_are_answered(self):
+        self.done('move', 'ball', '--at', 0, 0, 5)
+        ray = ('ray', '--from', 0, 0, 9, '--along', 0, 0, -1)
+        self.assertEqual(self.done(*ray).split()[0], 'ball')
+        self.assertEqual([line.split()[0] for line in self.done(*ray, '--all', '--ignore', 'crate').splitlines()],
+                         ['ball', 'floor'])
+        self.assertIn('nothing', self.done(*ray, '--max', 1))
+        hits = json.loads(self.done('--json', *ray))['hits']
+        self.assertAlmostEqual(hits[0]['distance'] + body('ball').description.size.x / 2, 4.0)
+        self.assertIn('apart', self.done('closest', 'ball', 'floor'))
+        self.assertLess(json.loads(self.done('--json', 'closest', 'ball', 'floor'))['normal']['z'], 0.0)
+        self.assertEqual(self.done('overlaps', '--at', 0, 0, 5, '--size', 0.1).split()[0], 'ball')
+        self.assertIn('no body', self.done('overlaps', '--at', 0, 0, 50))
+        self.assertEqual(rbs('ray', '--from', 0, 0, 0, '--along', 0, 0, 0).returncode, 1)
+
     def test_time_is_steered(self):
         self.assertAlmostEqual(json.loads(self.done('--json', 'step', 60))['time'], 1.0)
         self.done('reset')

@@ -129,6 +129,60 @@ class ServicesTest(unittest.TestCase):
         call('step', n=60)
         self.assertAlmostEqual(body('ball').twist.linear.y, 0.5, delta=1e-9)
 
+    # --- questions
+
+    def test_a_ray_meets_the_bodies_on_it_in_order(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        radius = body('ball').description.size.x / 2
+        answer = call('cast_ray', origin=Point(0, 0, 9), direction=Vector3(0, 0, -2))
+        self.assertEqual([hit.body for hit in answer.hits], ['ball'])
+        self.assertAlmostEqual(answer.hits[0].distance, 4 - radius, delta=1e-12)
+        self.assertAlmostEqual(answer.hits[0].position.z, 5 + radius, delta=1e-12)
+        self.assertAlmostEqual(answer.hits[0].normal.z, 1.0)
+        answer = call('cast_ray', origin=Point(0, 0, 9), direction=Vector3(0, 0, -2), all=True)
+        self.assertEqual([hit.body for hit in answer.hits], ['ball', 'crate', 'floor'])
+        answer = call('cast_ray', origin=Point(0, 0, 9), direction=Vector3(0, 0, -2), ignore=['ball'])
+        self.assertEqual([hit.body for hit in answer.hits], ['crate'])
+        answer = call('cast_ray', origin=Point(0, 0, 9), direction=Vector3(0, 0, -2), max_distance=1.0)
+        self.assertEqual(answer.hits, [])
+
+    def test_a_ray_can_start_from_a_body_and_along_its_axes(self):
+        call('move_body', name='ball', pose=Pose(Point(0, 0, 5), Quaternion(1, 0, 0, 0)))  # z looks down
+        down = dict(direction=Vector3(0, 0, 1), frame_id='ball')
+        hit = call('cast_ray', **down).hits[0]
+        self.assertEqual((hit.body, hit.distance, hit.normal.z), ('ball', 0.0, 1.0))
+        self.assertEqual(call('cast_ray', ignore=['ball'], **down).hits[0].body, 'crate')
+
+    def test_closest_points_of_two_bodies(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        radius = body('ball').description.size.x / 2
+        answer = call('closest_points', body_a='ball', body_b='floor')
+        self.assertAlmostEqual(answer.distance, 5 - radius, delta=1e-12)
+        self.assertAlmostEqual(answer.point_a.z, 5 - radius, delta=1e-12)
+        self.assertAlmostEqual(answer.point_b.z, 0.0, delta=1e-12)
+        self.assertEqual(answer.normal.z, -1.0)
+        call('move_body', name='ball', pose=at(0, 0, 0.9 * radius))
+        self.assertAlmostEqual(call('closest_points', body_a='ball', body_b='floor').distance, -0.1 * radius, delta=1e-12)
+
+    def test_the_bodies_in_a_place(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        radius = body('ball').description.size.x / 2
+        place = dict(shape='sphere', size=Vector3(2, 0, 0), pose=at(0, 0, 7))
+        self.assertEqual(call('overlaps', **place).bodies, [])
+        answer = call('overlaps', margin=1.0, **place)
+        self.assertEqual(answer.bodies, ['ball'])
+        self.assertAlmostEqual(answer.distances[0], 1 - radius, delta=1e-12)
+        self.assertEqual(call('overlaps', size=Vector3(9, 9, 9)).bodies, ['floor', 'crate'])
+        inside = call('overlaps', pose=at(0, 0, 0.1), frame_id='ball', size=Vector3(0.01, 0, 0), shape='sphere')
+        self.assertEqual(inside.bodies, ['ball'])
+
+    def test_questions_change_nothing(self):
+        before = self.status.fresh().hash
+        call('cast_ray', direction=Vector3(0, 0, 1), all=True)
+        call('closest_points', body_a='ball', body_b='floor')
+        call('overlaps')
+        self.assertEqual(self.status.fresh().hash, before)
+
     # --- surroundings
 
     def test_the_wind_is_switched_on_with_air_and_off_again(self):
@@ -228,6 +282,7 @@ class ServicesTest(unittest.TestCase):
         # Not subtests: rostest does not count their failures.
         v = Vector3
         faults = []
+        call('spawn_body', name='wall', shape='plane', is_static=True, pose=at(0, 0, -1))
         for words, service, request in [
             (['mass', '-1'], 'spawn_body', dict(mass=-1.0)),
             (['mass'], 'spawn_body', dict(mass=NAN)),
@@ -268,6 +323,23 @@ class ServicesTest(unittest.TestCase):
             (['speed', 'nan'], 'set_speed', dict(factor=NAN)),
             (['1,000,000'], 'step', dict(n=2000000)),
             (['nobody'], 'get_body', dict(name='nobody')),
+            (['direction', '[0, 0, 0]'], 'cast_ray', dict()),
+            (['direction', 'nan'], 'cast_ray', dict(direction=v(NAN, 0, 0))),
+            (['origin', 'inf'], 'cast_ray', dict(direction=v(1, 0, 0), origin=Point(INF, 0, 0))),
+            (['max_distance', '-1'], 'cast_ray', dict(direction=v(1, 0, 0), max_distance=-1.0)),
+            (['max_distance', 'nan'], 'cast_ray', dict(direction=v(1, 0, 0), max_distance=NAN)),
+            (['nobody'], 'cast_ray', dict(direction=v(1, 0, 0), frame_id='nobody')),
+            (['cratee', 'crate'], 'cast_ray', dict(direction=v(1, 0, 0), ignore=['cratee'])),
+            (['nobody'], 'closest_points', dict(body_a='nobody', body_b='crate')),
+            (['name'], 'closest_points', dict(body_a='crate')),
+            (['body_b', 'crate'], 'closest_points', dict(body_a='crate', body_b='crate')),
+            (['body_b', 'plane'], 'closest_points', dict(body_a='floor', body_b='wall')),
+            (['banana'], 'overlaps', dict(shape='banana')),
+            (['size'], 'overlaps', dict(size=v(-1, 1, 1))),
+            (['position'], 'overlaps', dict(pose=at(NAN, 0, 0))),
+            (['margin', '-0.1'], 'overlaps', dict(margin=-0.1)),
+            (['margin', 'nan'], 'overlaps', dict(margin=NAN)),
+            (['nobody'], 'overlaps', dict(frame_id='nobody')),
         ]:
             faults += self.fault_of(words, service, **request)
         self.assertEqual(faults, [])

@@ -1,0 +1,85 @@
+// Services that answer questions about the world, from the last snapshot.
+#include "services.h"
+
+#include "convert.h"
+#include "names.h"
+#include "words.h"
+
+#include <rigid_body_sim/CastRay.h>
+#include <rigid_body_sim/ClosestPoints.h>
+#include <rigid_body_sim/Overlaps.h>
+#include <rigid_body_sim/queries.h>
+
+namespace rbs {
+namespace {
+
+std::string nameOf(const Snapshot& snapshot, BodyId id) { return (*snapshot.bodies)[snapshot.find(id)].name; }
+
+BodyId idNamed(const Snapshot& snapshot, const std::string& name) {
+  return snapshot.states[indexNamed(snapshot, name)].id;
+}
+
+std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Request& request,
+                    rigid_body_sim::CastRay::Response& response) {
+  const Pose X_WF = frameNamed(snapshot, request.frame_id);
+  Ray ray;
+  ray.origin_W = X_WF.p_WB + X_WF.q_WB * fromMsg(request.origin);
+  ray.direction_W = X_WF.q_WB * fromMsg(request.direction);
+  if (request.max_distance != 0.0) ray.max_distance = request.max_distance;
+  for (const std::string& name : request.ignore) ray.ignore.push_back(idNamed(snapshot, name));
+
+  std::vector<RayHit> hits;
+  if (request.all) {
+    hits = castRayThrough(snapshot, ray);
+  } else if (const std::optional<RayHit> hit = castRay(snapshot, ray)) {
+    hits.push_back(*hit);
+  }
+  for (const RayHit& hit : hits) {
+    rigid_body_sim::RayHit msg;
+    msg.body = nameOf(snapshot, hit.body);
+    msg.position = toPoint(hit.p_W);
+    msg.normal = toMsg(hit.n_W);
+    msg.distance = hit.distance;
+    response.hits.push_back(msg);
+  }
+  if (hits.empty()) return "the ray meets nothing";
+  const std::string count = request.all ? bodyCount(hits.size()) + ", first " : "";
+  return words("the ray meets ", count, "'", response.hits[0].body, "' after ", hits[0].distance, " m at ",
+               inWords(hits[0].p_W));
+}
+
+std::string closestPoints(const Snapshot& snapshot, const rigid_body_sim::ClosestPoints::Request& request,
+                          rigid_body_sim::ClosestPoints::Response& response) {
+  const ClosestPoints found =
+      closestPoints(snapshot, idNamed(snapshot, request.body_a), idNamed(snapshot, request.body_b));
+  response.distance = found.distance;
+  response.point_a = toPoint(found.p_WA);
+  response.point_b = toPoint(found.p_WB);
+  response.normal = toMsg(found.n_W);
+  const std::string relation = found.distance < 0.0 ? words("overlap by ", -found.distance, " m")
+                                                    : words("are ", found.distance, " m apart");
+  return words("'", request.body_a, "' and '", request.body_b, "' ", relation, ", between ", inWords(found.p_WA),
+               " and ", inWords(found.p_WB));
+}
+
+std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::Request& request,
+                     rigid_body_sim::Overlaps::Response& response) {
+  const Shape shape = makeShape(request.shape.empty() ? "box" : request.shape, fromMsg(request.size), "place");
+  const Pose pose = compose(frameNamed(snapshot, request.frame_id), fromMsg(request.pose));
+  for (const Neighbour& neighbour : overlaps(snapshot, shape, pose, request.margin)) {
+    response.bodies.push_back(nameOf(snapshot, neighbour.body));
+    response.distances.push_back(neighbour.distance);
+  }
+  if (response.bodies.empty()) return "no body is there";
+  return words(bodyCount(response.bodies.size()), " there, first '", response.bodies[0], "'");
+}
+
+}  // namespace
+
+void Services::offerQueries() {
+  offerQuery<rigid_body_sim::CastRay>("cast_ray", castRay);
+  offerQuery<rigid_body_sim::ClosestPoints>("closest_points", closestPoints);
+  offerQuery<rigid_body_sim::Overlaps>("overlaps", overlaps);
+}
+
+}  // namespace rbs
