@@ -59,6 +59,7 @@ struct Warning {
 struct StepReport {
   double seconds = 0.0;                ///< wall time of the whole step
   std::uint32_t pairs = 0;             ///< candidate pairs of the broad phase
+  std::uint64_t overlap_tests = 0;     ///< pairs of bounds that the broad phase compared to find them
   std::uint32_t contacts = 0;          ///< contact points given to the solver
   std::uint32_t islands = 0;           ///< groups of bodies that contacts tie together
   std::uint32_t flying = 0;            ///< dynamic bodies advanced in closed form

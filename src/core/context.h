@@ -41,6 +41,14 @@ struct Rosters {
   std::vector<Index> planes;      ///< collidable planes
 };
 
+/// How the broad phase sorts. What it finds does not depend on it, only how fast.
+struct Sweep {
+  std::vector<Index> order;  ///< rosters.collidable, as sorted in the last step
+  int axis = 3;              ///< of Bounds: the one that it sorts along
+  std::uint64_t tests = 0;   ///< that it took along this axis when it was chosen
+  bool fresh = true;         ///< the axis has yet to be chosen
+};
+
 struct SceneStore {
   SceneDef settings;  ///< its `bodies` are empty: they live in the store below
   Bodies bodies;
@@ -48,10 +56,22 @@ struct SceneStore {
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
   std::vector<HandHold> holds;
-  Contacts contacts;              ///< of the last step
-  std::vector<Index> sort_order;  ///< of the broad phase, over rosters.collidable; only speeds it up
+  Contacts contacts;  ///< of the last step
+  Sweep sweep;        ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
+};
+
+/// Where a body may be, as its intervals along x, y, z and d = (1, 1, 1)/sqrt(3), m.
+struct Bounds {
+  using Array4 = Eigen::Array<double, 4, 1, Eigen::DontAlign>;
+  Array4 lo, hi;
+  /// Without branches, which no processor could foretell here.
+  bool overlaps(const Bounds& o) const {
+    bool apart = false;
+    for (int k = 0; k < 4; ++k) apart |= (lo[k] > o.hi[k]) | (o.lo[k] > hi[k]);
+    return !apart;
+  }
 };
 
 /// What the effects add up, constant over the step.
@@ -85,7 +105,7 @@ struct Island {
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
   std::vector<Load> load;              ///< by body
-  std::vector<Aabb> bounds;            ///< by body: where it may be during the step
+  std::vector<Bounds> bounds;          ///< by body: where it may be during the step
   Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
   Index inherited = 0;                 ///< how many of the touches come from the last step
   std::vector<char> supported;         ///< by body: some contact carried it in the last step

@@ -1,6 +1,7 @@
 #include "impact_loop.h"
 
 #include "broadphase/bounds.h"
+#include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
 #include "impacts.h"
 #include "islands.h"
@@ -18,7 +19,10 @@ namespace {
 class ImpactLoop {
  public:
   explicit ImpactLoop(Context& context)
-      : context_(context), step_(context.step), found_(step_.contacts.pairs.size()) {
+      : context_(context),
+        step_(context.step),
+        found_(step_.contacts.pairs.size()),
+        neighbourhood_(context.scene.sweep.order, step_.bounds) {
     const std::uint64_t pairs = step_.contacts.pairs.size();
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -171,9 +175,8 @@ class ImpactLoop {
   void lookAround(Index i) {
     const Bodies& bodies = context_.scene.bodies;
     const double from = step_.timeOf(i);
-    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
-    for (const Index j : context_.scene.rosters.collidable)
-      if (j != i && step_.bounds[i].overlaps(step_.bounds[j])) consider(i, j, from);
+    neighbourhood_.move(i, sweptBounds(bodies, step_.load[i], i, step_.t1 - from));
+    for (const Index j : neighbourhood_.of(i)) consider(i, j, from);
     for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
   }
 
@@ -210,6 +213,7 @@ class ImpactLoop {
   Context& context_;
   StepStore& step_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
+  Neighbourhood neighbourhood_;
   std::uint64_t cut_budget_, impact_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;

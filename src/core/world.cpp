@@ -46,7 +46,10 @@ struct World::Impl {
 
   void recount() {
     Rosters rosters = takeRosters(scene.bodies);
-    if (rosters.collidable != scene.rosters.collidable) scene.sort_order = rosters.collidable;
+    if (rosters.collidable != scene.rosters.collidable) {
+      scene.sweep = {};
+      scene.sweep.order = rosters.collidable;
+    }
     scene.rosters = std::move(rosters);
     const Census now = takeCensus(scene);
     if (now == census) return;

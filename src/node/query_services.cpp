@@ -19,12 +19,18 @@ BodyId idNamed(const Snapshot& snapshot, const std::string& name) {
   return snapshot.states[indexNamed(snapshot, name)].id;
 }
 
+/// Checked before a frame turns it, so that a refusal shows what was sent.
+Vec3 finiteVector(const Vec3& v, const char* path) {
+  if (!v.allFinite()) throw InvalidInput({{path, inWords(v), "finite numbers"}});
+  return v;
+}
+
 std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Request& request,
                     rigid_body_sim::CastRay::Response& response) {
   const Pose X_WF = frameNamed(snapshot, request.frame_id);
   Ray ray;
-  ray.origin_W = X_WF.p_WB + X_WF.q_WB * fromMsg(request.origin);
-  ray.direction_W = X_WF.q_WB * fromMsg(request.direction);
+  ray.origin_W = X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(request.origin), "origin");
+  ray.direction_W = X_WF.q_WB * finiteVector(fromMsg(request.direction), "direction");
   if (request.max_distance != 0.0) ray.max_distance = request.max_distance;
   for (const std::string& name : request.ignore) ray.ignore.push_back(idNamed(snapshot, name));
 

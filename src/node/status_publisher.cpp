@@ -31,6 +31,7 @@ rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
 void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.step_seconds = report.seconds;
   msg.pairs = report.pairs;
+  msg.overlap_tests = report.overlap_tests;
   msg.contacts = report.contacts;
   msg.islands = report.islands;
   msg.flying = report.flying;

@@ -1,134 +1,329 @@
-// Sweep and prune against brute force: all pairs whose boxes and whose intervals along (1,1,1) overlap,
-// whatever moves, comes and goes.
+// The broad phase against brute force: all pairs whose bounds overlap, whatever moves, grows, comes and goes.
 #include "broadphase/bounds.h"
+#include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
 #include "context.h"
+#include "core/narrowphase_oracles.h"
 #include "make_scene.h"
+#include "rigid_body_sim/scenes.h"
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include <numeric>
+#include <set>
 
 using namespace rbs;
 using namespace rbs::test;
+using rbs::oracle::Random;
 
 namespace {
 
-// Bodies on their own, as a stage sees them.
-class Crowd {
- public:
-  explicit Crowd(unsigned seed) : random_(seed) {}
+constexpr double kReach = 4.0;  // of the places of bodies, m
 
-  double number(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random_); }
-  Vec3 place(double reach) { return {number(-reach, reach), number(-reach, reach), number(-reach, reach)}; }
-
-  BodyDef anyBody(double reach) {
-    BodyDef def;
-    const int kind = static_cast<int>(number(0.0, 4.0));
-    const double size = std::pow(10.0, number(-2.0, 1.0));
-    if (kind == 0)
-      def.shape = Sphere{size};
-    else
-      def.shape = Box{Vec3(size, size * number(0.2, 1.0), size * number(0.2, 1.0))};
-    def.kind = kind == 3 ? BodyKind::Static : BodyKind::Dynamic;
-    def.pose = {place(reach), Quat(Eigen::Quaterniond::UnitRandom())};
-    if (def.kind == BodyKind::Dynamic) def.twist = {place(30.0), place(10.0)};
-    return def;
+// Of all kinds, mostly of 0.1 to 1 m. Some are tiny or huge; where forces move them these are balls, since a
+// tiny needle between huge bodies is a trial for the contact solver and not for the broad phase.
+Shape anyShape(Random& random, bool dynamic) {
+  const bool extreme = random.below(8) == 0;
+  const double size = extreme ? std::pow(10.0, random.uniform(-3, 2)) : random.uniform(0.1, 1.0);
+  const double part = size * random.uniform(0.2, 1.0);
+  switch (extreme && dynamic ? 0 : random.below(6)) {
+    case 0:
+    case 1:
+      return Sphere{0.5 * size};
+    case 2:
+      return Capsule{0.5 * part, size};
+    case 3:
+      return Cylinder{0.5 * size, part};
+    case 4:
+      return Cone{0.5 * part, size};
+    default:
+      return Box{{size, part, size * random.uniform(0.2, 1.0)}};
   }
+}
 
-  std::mt19937 random_;
-};
+BodyDef anyBody(Random& random) {
+  BodyDef def;
+  const int kind = random.below(8);
+  def.kind = kind == 0 ? BodyKind::Static : kind == 1 ? BodyKind::Kinematic : BodyKind::Dynamic;
+  def.shape = anyShape(random, def.kind == BodyKind::Dynamic);
+  def.pose = random.pose(kReach);
+  def.group = 1u << random.below(2);
+  if (random.below(4) == 0) def.mask = static_cast<std::uint32_t>(random.below(4));
+  if (def.kind == BodyKind::Dynamic) def.mass = 1.0;
+  if (def.kind != BodyKind::Static)
+    def.twist = {random.inCube(random.below(5) == 0 ? 100.0 : 3.0), random.inCube(10.0)};
+  else if (random.below(3) == 0)
+    def.shape = Plane{};
+  return def;
+}
 
-// How many pairs a step of this world must find.
-std::uint32_t bruteForceCount(const World& world) {
-  const SceneDef scene = world.capture();
-  Bodies bodies;
-  std::vector<Load> load;
-  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    bodies.append(BodyId{k + 1}, scene.bodies[k]);
-    load.push_back({});
-    if (scene.bodies[k].kind == BodyKind::Dynamic) load.back().a_W = scene.gravity;
-  }
-  std::uint32_t count = 0;
+using Pairs = std::set<std::pair<Index, Index>>;
+
+// What a step of these bodies must find. A plane's pairs are those with bounds that reach below it.
+Pairs bruteForce(const Bodies& bodies, const std::vector<Load>& load, double step) {
+  Pairs pairs;
+  std::vector<Bounds> bounds;
+  for (Index i = 0; i < bodies.size(); ++i) bounds.push_back(sweptBounds(bodies, load[i], i, step));
+  const auto reachesBelow = [&](Index i, Index plane) {
+    const Vec3 n = bodies.R_WB(plane).col(2);
+    double lowest = 0.0;
+    for (int k = 0; k < 3; ++k) lowest += n[k] * (n[k] > 0.0 ? bounds[i].lo[k] : bounds[i].hi[k]);
+    return lowest <= n.dot(bodies.pose[plane].p_WB);
+  };
   for (Index i = 0; i < bodies.size(); ++i) {
     for (Index j = i + 1; j < bodies.size(); ++j) {
-      if (!sweep_and_prune::mayCollide(bodies.traits[i], bodies.traits[j])) continue;
-      const Interval a = diagonalInterval(bodies, load[i], i, scene.step);
-      const Interval b = diagonalInterval(bodies, load[j], j, scene.step);
-      if (a.hi < b.lo || b.hi < a.lo) continue;
-      count +=
-          sweptBounds(bodies, load[i], i, scene.step).overlaps(sweptBounds(bodies, load[j], j, scene.step));
+      const Traits &a = bodies.traits[i], &b = bodies.traits[j];
+      const bool moves = a.kind == BodyKind::Dynamic || b.kind == BodyKind::Dynamic;
+      if (!moves || !(a.group & b.mask) || !(b.group & a.mask)) continue;
+      bool overlap = true;
+      if (std::holds_alternative<Plane>(a.shape))
+        overlap = reachesBelow(j, i);
+      else if (std::holds_alternative<Plane>(b.shape))
+        overlap = reachesBelow(i, j);
+      else
+        for (int k = 0; k < 4; ++k)
+          overlap &= bounds[i].lo[k] <= bounds[j].hi[k] && bounds[j].lo[k] <= bounds[i].hi[k];
+      if (overlap) pairs.insert({i, j});
     }
   }
-  return count;
+  return pairs;
 }
 
-TEST(SweepAndPrune, FindsThePairsOfBruteForceWhateverMovesComesAndGoes) {
-  for (unsigned seed = 1; seed <= 40; ++seed) {
-    Crowd crowd(seed);
-    SceneDef scene;
-    scene.gravity.setZero();
-    for (int k = 0; k < 60; ++k) scene.bodies.push_back(crowd.anyBody(6.0));
-    World world(scene);
-    for (int step = 0; step < 8; ++step) {
-      const std::uint32_t expected = bruteForceCount(world);
-      EXPECT_EQ(world.step().pairs, expected) << "seed " << seed << ", step " << step;
-      const Snapshot now = world.snapshot();
-      const BodyId any = now.states[static_cast<std::size_t>(crowd.number(0.0, now.states.size()))].id;
-      if (step % 3 == 0) world.removeBody(any);
-      if (step % 3 == 1) world.addBody(crowd.anyBody(6.0));
-      if (step % 3 == 2) {
-        BodyEdit jump;
-        jump.pose = Pose{crowd.place(6.0), Quat::Identity()};
-        world.editBody(any, jump);
-      }
-    }
+// --- worlds, by the edits that everyone can make
+
+// A world and its edits follow from the seed, body by body, so that bodies can be left out of it.
+struct Case {
+  std::uint64_t seed;
+  std::vector<int> bodies;
+  int rounds;
+
+  std::string text() const {
+    std::string list;
+    for (const int k : bodies) list += ' ' + std::to_string(k);
+    return "seed " + std::to_string(seed) + ", bodies" + list + ", rounds " + std::to_string(rounds);
   }
+};
+
+Random chance(const Case& c, int round, int body) {
+  return Random(c.seed * 1000003u + static_cast<std::uint64_t>(round) * 1009u +
+                static_cast<std::uint64_t>(body));
 }
 
-// All centres at the same place along (1,1,1): the axis sorts nothing, and nothing may be missed.
-TEST(SweepAndPrune, FindsThePairsWhenAllCentresLieInOnePlaneAcrossTheAxis) {
-  Crowd crowd(7);
+std::string nameOf(int body) {
+  return "body_" + std::to_string(body);
+}
+
+void edit(World& world, const Case& c, int round, int body) {
+  Random random = chance(c, round, body);
+  const BodyId id = world.find(nameOf(body));
+  const Snapshot now = world.snapshot();
+  const BodyDescription& description = (*now.bodies)[now.find(id)];
+  BodyEdit edit;
+  switch (random.below(10)) {
+    case 0:
+      edit.pose = random.pose(kReach);
+      break;
+    case 1:
+      if (std::holds_alternative<Plane>(description.shape)) return;
+      edit.shape = anyShape(random, description.kind == BodyKind::Dynamic);
+      edit.mass = description.mass;
+      break;
+    case 2:
+      world.removeBody(id);
+      return;
+    default:
+      return;
+  }
+  world.editBody(id, edit);
+}
+
+std::size_t expectedPairs(const SceneDef& scene) {
+  Bodies bodies;
+  std::vector<Load> load(scene.bodies.size());
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    bodies.append(BodyId{k + 1}, scene.bodies[k]);
+    if (scene.bodies[k].kind == BodyKind::Dynamic) load[k].a_W = scene.gravity;
+  }
+  return bruteForce(bodies, load, scene.step).size();
+}
+
+// What goes wrong; empty if nothing does.
+std::string faultOf(const Case& c) {
   SceneDef scene;
-  scene.gravity.setZero();
-  for (int k = 0; k < 80; ++k) {
-    const Vec3 p = crowd.place(3.0);
-    scene.bodies.push_back(ball("ball_" + std::to_string(k), 0.3, p - Vec3::Constant(p.sum() / 3.0)));
+  for (const int k : c.bodies) {
+    Random random = chance(c, 0, k);
+    scene.bodies.push_back(anyBody(random));
+    scene.bodies.back().name = nameOf(k);
   }
   World world(scene);
-  const std::uint32_t expected = bruteForceCount(world);
-  EXPECT_GT(expected, 0u);
-  EXPECT_EQ(world.step().pairs, expected);
+  for (int round = 1; round <= c.rounds; ++round) {
+    const SceneDef before = world.capture();
+    const std::size_t expected = expectedPairs(before);
+    const std::size_t found = world.step().pairs;
+    if (found != expected)
+      return "round " + std::to_string(round) + ": " + std::to_string(found) + " pairs, not " +
+             std::to_string(expected) + ", in\n" + writeScene(before);
+    for (const int k : c.bodies)
+      if (world.find(nameOf(k))) edit(world, c, round, k);
+  }
+  return "";
 }
 
+// The same fault with as few bodies as can be.
+Case shrunk(Case c) {
+  for (std::size_t k = 0; k < c.bodies.size();) {
+    Case smaller = c;
+    smaller.bodies.erase(smaller.bodies.begin() + static_cast<std::ptrdiff_t>(k));
+    if (faultOf(smaller).empty())
+      ++k;
+    else
+      c = smaller;
+  }
+  return c;
+}
+
+TEST(BroadPhase, FindsThePairsOfBruteForceInTenThousandWorlds) {
+  for (std::uint64_t seed = 1; seed <= 10000; ++seed) {
+    Case c{seed, std::vector<int>(3 + seed % 18), 3};
+    std::iota(c.bodies.begin(), c.bodies.end(), 0);
+    if (faultOf(c).empty()) continue;
+    const Case small = shrunk(c);
+    FAIL() << small.text() << ", " << faultOf(small);
+  }
+}
+
+// --- the stage alone
+
+// Bodies as the stage sees them, without anything else happening to them.
+struct Crowd {
+  SceneStore scene;
+  StepStore step;
+  Census census;
+
+  void add(const BodyDef& def) { scene.bodies.append(BodyId{scene.bodies.size() + 1}, def); }
+  void admit() {
+    scene.rosters = takeRosters(scene.bodies);
+    scene.sweep = {};
+    scene.sweep.order = scene.rosters.collidable;
+  }
+  std::uint64_t run() {
+    step.begin(scene.bodies.size(), 0.0, 0.01);
+    Context context{scene, step, census};
+    sweep_and_prune::run(context);
+    return step.report.overlap_tests;
+  }
+  Pairs pairs() const {
+    Pairs found;
+    for (const ContactPair& pair : step.contacts.pairs) EXPECT_TRUE(found.insert({pair.i, pair.j}).second);
+    return found;
+  }
+  Pairs expected() const { return bruteForce(scene.bodies, step.load, step.h()); }
+};
+
+TEST(BroadPhase, FindsEachPairOnceAndNoOther) {
+  const std::uint64_t seed = 81;
+  Random random(seed);
+  for (int k = 0; k < 100; ++k) {
+    Crowd crowd;
+    for (int i = 0; i < 120; ++i) crowd.add(anyBody(random));
+    crowd.admit();
+    for (int round = 0; round < 5; ++round) {
+      crowd.run();
+      ASSERT_EQ(crowd.pairs(), crowd.expected()) << "seed " << seed << ", crowd " << k << ", round " << round;
+      for (int jumps = 0; jumps < (round == 3 ? 120 : 12); ++jumps)
+        crowd.scene.bodies.pose[static_cast<std::size_t>(random.below(120))] = random.pose(kReach);
+    }
+  }
+}
+
+// Balls as dense as in a heap one ball deep, with their centres in the plane n.p = 0.
+void spreadOut(Crowd& crowd, const Vec3& n, Random& random) {
+  const double reach = 0.5 * std::sqrt(static_cast<double>(crowd.scene.bodies.size()));
+  for (Pose& pose : crowd.scene.bodies.pose) {
+    const Vec3 p = random.inCube(reach);
+    pose.p_WB = p - n * (n.dot(p) / n.squaredNorm());
+  }
+}
+
+// Where no axis is at fault, n^1.5 tests find the pairs of a layer; an axis across the layer takes n²/2.
+TEST(BroadPhase, NoPlaneOfCentresMakesItTestAllPairs) {
+  const std::size_t n = 1000;
+  Random random(82);
+  Crowd crowd;
+  for (std::size_t k = 0; k < n; ++k) crowd.add(ball("", 0.15, Vec3::Zero()));
+  crowd.admit();
+  for (const Vec3& normal :
+       {Vec3(1, 1, 1), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, -1, 0), Vec3(1, 1, 1)}) {
+    spreadOut(crowd, normal, random);
+    crowd.run();  // notices
+    const std::uint64_t tests = crowd.run();
+    EXPECT_LT(tests, 40 * n) << normal.transpose();
+    EXPECT_EQ(crowd.pairs(), crowd.expected()) << normal.transpose();
+    EXPECT_FALSE(crowd.pairs().empty());
+  }
+}
+
+TEST(BroadPhase, BodiesThatAreMovedAreFoundByTheirNewNeighbours) {
+  const std::uint64_t seed = 83;
+  Random random(seed);
+  for (int k = 0; k < 200; ++k) {
+    const Index n = 1 + static_cast<Index>(random.below(100));
+    const auto anyBounds = [&] {
+      const Bounds::Array4 lo = Bounds::Array4::NullaryExpr([&] { return random.uniform(-2, 2); });
+      return Bounds{lo, lo + Bounds::Array4::NullaryExpr([&] { return random.uniform(0, 1.5); })};
+    };
+    std::vector<Bounds> bounds(n);
+    for (Bounds& own : bounds) own = anyBounds();
+    std::vector<Index> order(n);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(),
+              [&](Index a, Index b) { return bounds[a].lo[3] < bounds[b].lo[3]; });
+    Neighbourhood neighbourhood(order, bounds);
+    for (int move = 0; move < 20; ++move) {
+      const auto i = static_cast<Index>(random.below(static_cast<int>(n)));
+      const Bounds moved = anyBounds();
+      neighbourhood.move(i, moved);
+      std::vector<Index> expected;
+      for (Index j = 0; j < n; ++j)
+        if (j != i && (bounds[j].lo <= moved.hi).all() && (moved.lo <= bounds[j].hi).all())
+          expected.push_back(j);
+      ASSERT_EQ(neighbourhood.of(i), expected) << "seed " << seed << ", crowd " << k << ", move " << move;
+    }
+  }
+}
+
+// --- bounds
+
 TEST(Bounds, HoldTheBodyOverTheWholeStep) {
-  for (unsigned seed = 1; seed <= 300; ++seed) {
-    Crowd crowd(seed);
-    BodyDef def = crowd.anyBody(5.0);
-    def.kind = BodyKind::Dynamic;
-    def.twist = {crowd.place(20.0), crowd.place(20.0)};
+  const std::uint64_t seed = 84;
+  Random random(seed);
+  for (int k = 0; k < 3000; ++k) {
+    BodyDef def;
+    def.shape = anyShape(random, false);
+    def.pose = random.pose(5.0);
+    def.twist = {random.inCube(20.0), random.inCube(20.0)};
     Bodies bodies;
     bodies.append(BodyId{1}, def);
     Load load;
-    load.a_W = crowd.place(100.0);
-    const double dt = crowd.number(0.001, 0.1);
-    const Aabb bounds = sweptBounds(bodies, load, 0, dt);
-    const Interval interval = diagonalInterval(bodies, load, 0, dt);
-    for (int k = 0; k <= 20; ++k) {
-      const double t = dt * k / 20;
+    load.a_W = random.inCube(100.0);
+    const double dt = random.uniform(0.001, 0.1);
+    const Bounds bounds = sweptBounds(bodies, load, 0, dt);
+    for (int part = 0; part <= 20; ++part) {
+      const double t = dt * part / 20;
       const Vec3 p = def.pose.p_WB + t * def.twist.v_WB + 0.5 * t * t * load.a_W;
       const Mat3 R = Eigen::AngleAxisd(t * def.twist.w_WB.norm(), def.twist.w_WB.normalized()) *
                      def.pose.q_WB.toRotationMatrix();
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-        Vec3 point = p;
-        if (const auto* box = std::get_if<Box>(&def.shape))
-          point += R * (0.5 * box->size.cwiseProduct(sign));
-        else
-          point += std::get<Sphere>(def.shape).radius * sign.normalized();
-        EXPECT_TRUE(bounds.contains({point, point})) << seed;
-        EXPECT_LE(interval.lo, point.sum() / std::sqrt(3.0)) << seed;
-        EXPECT_GE(interval.hi, point.sum() / std::sqrt(3.0)) << seed;
+      for (int direction = 0; direction < 8; ++direction) {
+        const Vec3 d = direction < 4 ? (direction < 3 ? Vec3(Vec3::Unit(direction)) : Vec3(Vec3::Ones()))
+                                     : random.direction();
+        for (const Vec3& towards : {d, Vec3(-d)}) {
+          const Vec3 point = p + R * supportPoint(def.shape, R.transpose() * towards);
+          for (int axis = 0; axis < 4; ++axis) {
+            const double along = axis < 3 ? point[axis] : point.sum() / std::sqrt(3.0);
+            ASSERT_LE(bounds.lo[axis], along) << "seed " << seed << ", body " << k << ", axis " << axis;
+            ASSERT_GE(bounds.hi[axis], along) << "seed " << seed << ", body " << k << ", axis " << axis;
+          }
+        }
       }
     }
   }

@@ -10,13 +10,52 @@ namespace rbs::sweep_and_prune {
 
 namespace {
 
+// An axis other than d is taken for less than half of the tests: d is at home in scenes built along x, y and
+// z.
+constexpr int kDiagonal = 3;
+// A sweep with fewer tests a body than this is not worth improving.
+constexpr std::uint64_t kFewTests = 16;
+
+// How many pairs of intervals overlap along an axis, which is what a sweep tests: all pairs but those where
+// one ends before the other begins.
+std::uint64_t testsAlong(int axis, const std::vector<Index>& order, const std::vector<Bounds>& bounds) {
+  std::vector<double> begins, ends;
+  for (const Index i : order) begins.push_back(bounds[i].lo[axis]), ends.push_back(bounds[i].hi[axis]);
+  std::sort(begins.begin(), begins.end());
+  std::sort(ends.begin(), ends.end());
+  const std::uint64_t n = order.size();
+  std::uint64_t tests = n * (n - 1) / 2, ended = 0;
+  for (const double begin : begins) {
+    while (ended < n && ends[ended] < begin) ++ended;
+    tests -= ended;
+  }
+  return tests;
+}
+
+// Chosen anew when other bodies take part, and when the bodies have moved so that the sweep takes twice the
+// tests.
+void chooseAxis(Sweep& sweep, const std::vector<Bounds>& bounds) {
+  sweep.axis = kDiagonal;
+  sweep.tests = testsAlong(kDiagonal, sweep.order, bounds);
+  sweep.fresh = false;
+  const std::uint64_t few = kFewTests * sweep.order.size();
+  if (sweep.tests <= few) return;
+  for (const int axis : {0, 1, 2}) {
+    const std::uint64_t tests = testsAlong(axis, sweep.order, bounds);
+    if (tests < (sweep.axis == kDiagonal ? sweep.tests / 2 : sweep.tests))
+      sweep.axis = axis, sweep.tests = tests;
+  }
+}
+
 // Sorts the order of the last step by the lower ends of today's intervals. Bodies move little from step to
 // step, so insertion sort needs about as many moves as bodies that overtook each other. Ties go by index, so
 // that the result does not depend on the past.
-void sortByLowerEnd(std::vector<Index>& order, const std::vector<Interval>& intervals) {
+void sortByLowerEnd(Sweep& sweep, const std::vector<Bounds>& bounds) {
+  const int axis = sweep.axis;
   const auto before = [&](Index a, Index b) {
-    return intervals[a].lo < intervals[b].lo || (intervals[a].lo == intervals[b].lo && a < b);
+    return bounds[a].lo[axis] < bounds[b].lo[axis] || (bounds[a].lo[axis] == bounds[b].lo[axis] && a < b);
   };
+  std::vector<Index>& order = sweep.order;
   std::size_t moves = 0;
   const std::size_t enough = 8 * order.size() + 64;
   for (std::size_t k = 1; k < order.size(); ++k) {
@@ -41,18 +80,23 @@ void addPair(Context& context, Index a, Index b) {
   context.step.contacts.pairs.push_back(pair);
 }
 
-void sweep(Context& context, const std::vector<Interval>& intervals) {
+// The bounds stand in the order of the sweep, so that it runs through memory from front to back.
+std::uint64_t sweepAlong(Context& context, int axis) {
   const Bodies& bodies = context.scene.bodies;
-  const std::vector<Index>& order = context.scene.sort_order;
-  const std::vector<Aabb>& bounds = context.step.bounds;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const Index a = order[k];
-    for (std::size_t m = k + 1; m < order.size() && intervals[order[m]].lo <= intervals[a].hi; ++m) {
-      const Index b = order[m];
-      if (bounds[a].overlaps(bounds[b]) && mayCollide(bodies.traits[a], bodies.traits[b]))
-        addPair(context, a, b);
-    }
+  const std::vector<Index>& order = context.scene.sweep.order;
+  std::vector<Bounds> sorted;
+  sorted.reserve(order.size());
+  for (const Index i : order) sorted.push_back(context.step.bounds[i]);
+  std::uint64_t tests = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const Bounds a = sorted[k];
+    std::size_t m = k + 1;
+    for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
+      if (a.overlaps(sorted[m]) && mayCollide(bodies.traits[order[k]], bodies.traits[order[m]]))
+        addPair(context, order[k], order[m]);
+    tests += m - k - 1;
   }
+  return tests;
 }
 
 // A plane has no bounds: its distance to a body's bounds is taken instead.
@@ -62,8 +106,8 @@ void sweepPlanes(Context& context) {
     const Vec3 n = bodies.pose[plane].q_WB * Vec3::UnitZ();
     const double offset = n.dot(bodies.pose[plane].p_WB);
     for (const Index b : context.scene.rosters.collidable) {
-      const Aabb& box = context.step.bounds[b];
-      const double lowest = 0.5 * (n.dot(box.lo + box.hi) - n.cwiseAbs().dot(box.hi - box.lo));
+      const Vec3 lo = context.step.bounds[b].lo.head<3>(), hi = context.step.bounds[b].hi.head<3>();
+      const double lowest = 0.5 * (n.dot(lo + hi) - n.cwiseAbs().dot(hi - lo));
       if (lowest <= offset && mayCollide(bodies.traits[plane], bodies.traits[b])) addPair(context, plane, b);
     }
   }
@@ -100,15 +144,12 @@ void run(Context& context) {
   StepStore& step = context.step;
   const std::vector<Index>& collidable = scene.rosters.collidable;
 
-  std::vector<Interval> intervals(scene.bodies.size());
-  for (const Index i : collidable) {
-    step.bounds[i] = sweptBounds(scene.bodies, step.load[i], i, step.h());
-    intervals[i] = diagonalInterval(scene.bodies, step.load[i], i, step.h());
-  }
-  if (scene.sort_order.size() != collidable.size()) scene.sort_order = collidable;
-  sortByLowerEnd(scene.sort_order, intervals);
-
-  sweep(context, intervals);
+  for (const Index i : collidable) step.bounds[i] = sweptBounds(scene.bodies, step.load[i], i, step.h());
+  Sweep& sweep = scene.sweep;
+  if (sweep.fresh) chooseAxis(sweep, step.bounds);
+  sortByLowerEnd(sweep, step.bounds);
+  step.report.overlap_tests = sweepAlong(context, sweep.axis);
+  sweep.fresh = step.report.overlap_tests > 2 * sweep.tests + kFewTests * collidable.size();
   sweepPlanes(context);
   std::vector<ContactPair>& pairs = step.contacts.pairs;
   std::sort(pairs.begin(), pairs.end(),
