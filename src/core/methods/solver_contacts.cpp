@@ -92,8 +92,9 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const SolverBody& j = bodies[block.j];
   const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
   const double margin = marginOf(block, left);
-  const Manifold manifold =
+  Manifold manifold =
       rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
+  if (context_.scene.settings.fidelity == Fidelity::Preview) reduceToFour(manifold);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);

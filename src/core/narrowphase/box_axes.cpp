@@ -11,8 +11,10 @@ namespace rbs {
 
 namespace {
 
-// The cross product of edges nearly parallel (sine below 1e-6) adds nothing to the faces beside them.
-constexpr double kParallel = 1e-12;
+// The components of the cross product of edges so nearly parallel (sine below 1e-4) have lost digits.
+constexpr double kParallel = 1e-8;
+// Edges are parallel when no digit is left.
+constexpr double kNoSine = 1e-15;
 constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
 
 double signOf(double x) {
@@ -22,6 +24,18 @@ double signOf(double x) {
 int largest(const Vec3& v) {
   const int first = v[1] > v[0] ? 1 : 0;
   return v[2] > v[first] ? 2 : first;
+}
+
+// The direction at right angles to two nearly parallel unit vectors. What cancellation has left in their
+// cross product is taken out again, twice.
+Vec3 acrossBoth(const Vec3& u, const Vec3& v) {
+  Vec3 n = u.cross(v).normalized();
+  for (int k = 0; k < 2; ++k) {
+    n -= n.dot(u) * u;
+    n -= n.dot(v) * v;
+    n.normalize();
+  }
+  return n;
 }
 
 }  // namespace
@@ -60,9 +74,18 @@ std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, cons
           (half_a[i1] * S(i2, j) + half_a[i2] * S(i1, j) + half_b[j1] * S(i, j2) + half_b[j2] * S(i, j1));
       if (unscaled < 0.0 && unscaled <= best) continue;
       const double squared = R(i1, j) * R(i1, j) + R(i2, j) * R(i2, j);
-      if (squared < kParallel) continue;
-      const double length = std::sqrt(squared);
-      const double separation = unscaled / length, noise = rounding / length;
+      double separation, noise;
+      if (squared > kParallel) {
+        const double length = std::sqrt(squared);
+        separation = unscaled / length, noise = rounding / length;
+      } else if (squared > kNoSine * kNoSine) {
+        const Vec3 l = acrossBoth(Vec3::Unit(i), R.col(j));
+        separation =
+            std::abs(l.dot(p)) - l.cwiseAbs().dot(half_a) - (R.transpose() * l).cwiseAbs().dot(half_b);
+        noise = rounding;
+      } else {
+        continue;
+      }
       if (separation - noise > margin) return std::nullopt;
       if (separation - noise > best) best = separation, edge_a = i, edge_b = j;
     }
@@ -70,7 +93,7 @@ std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, cons
 
   Vec3 n;
   if (edge_a >= 0)
-    n = Vec3::Unit(edge_a).cross(R.col(edge_b)).normalized();
+    n = acrossBoth(Vec3::Unit(edge_a), R.col(edge_b));
   else if (face_of_b)
     n = R.col(face_b);
   else

@@ -17,6 +17,12 @@ struct ConvexGap {
   Vec3 middle_A;  ///< midway between the two nearest (or deepest) points, in A's frame
 };
 
+/// In closed form where there is one, else by GJK, and by EPA where the cores overlap.
+ConvexGap convexGap(const Sphere& a, const Capsule& b, const RelativePose& X_AB);
+ConvexGap convexGap(const Sphere& a, const Cylinder& b, const RelativePose& X_AB);
+ConvexGap convexGap(const Sphere& a, const Cone& b, const RelativePose& X_AB);
+ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB);
+
 template <class ShapeA, class ShapeB>
 ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) {
   // Cores nearer than this fraction of their coordinates have no direction in GJK's v; EPA finds one.
@@ -32,7 +38,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) 
   } else {
     const EpaResult depth = epa(std::cref(difference), distance.simplex, distance.scale);
     gap.n_A = depth.n;
-    gap.distance = -depth.upper;
+    gap.distance = distance.overlap ? -depth.upper : distance.upper;
     on_a = depth.a, on_b = depth.b;
   }
   gap.distance -= coreRadius(a) + coreRadius(b);

@@ -23,6 +23,10 @@ namespace rbs {
 namespace {
 
 constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+// The interval of the depth is closed when it is this small.
+constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
+// Of the size: what the least distance may seem to shrink by as the polytope grows.
+constexpr double kBroken = 1e-12;
 
 // Corners anticlockwise seen from outside; edge k runs from corner k to corner k + 1 and borders
 // `neighbour[k]`, whose own edge `twin[k]` runs back.
@@ -51,10 +55,13 @@ class Polytope {
     for (int face = 0; face < 4; ++face) nearest_.push({faces_[face].distance, face});
   }
 
-  const Face& nearestFace() {
-    while (!faces_[nearest_.top().second].alive) nearest_.pop();
-    return faces_[nearest_.top().second];
+  // Null when every face has been given up.
+  const Face* nearestFace() {
+    while (!nearest_.empty() && !faces_[nearest_.top().second].alive) nearest_.pop();
+    return nearest_.empty() ? nullptr : &faces_[nearest_.top().second];
   }
+  // Leaves the nearest face where it is, and never looks at it again.
+  void giveUpNearest() { nearest_.pop(); }
 
   // Replaces what `point` sees, starting with `seen`, by the cone from it over the horizon. False, with
   // nothing changed, when the cone would have a face without area.
@@ -104,7 +111,7 @@ class Polytope {
                              : ij.cross(jk)};
     const double area = face.n.norm();
     const bool sound = area > rounding_ * std::sqrt(longest);
-    if (sound) face.n /= area;
+    if (area > 0.0) face.n /= area;
     // From the corner nearest to the origin, where rounding is least.
     const auto nearer = [&](int l, int m) { return points_[l].w.squaredNorm() < points_[m].w.squaredNorm(); };
     face.distance = face.n.dot(points_[std::min({i, j, k}, nearer)].w);
@@ -214,17 +221,28 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   Polytope polytope(tetrahedron, kRounding * scale);
   EpaResult result;
   result.upper = std::numeric_limits<double>::infinity();
+  result.lower = -std::numeric_limits<double>::infinity();
+  double given_up = std::numeric_limits<double>::infinity();
   for (; result.iterations < kEpaIterations; ++result.iterations) {
-    const Face& face = polytope.nearestFace();
+    const Face* nearest = polytope.nearestFace();
+    if (nearest == nullptr) break;
+    const Face face = *nearest;
+    // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose its
+    // shape.
+    if (result.lower > 0.0 && face.distance < result.lower - kBroken * scale) break;
     const SupportPoint p = support(face.n);
     const double upper = face.n.dot(p.w);
-    result.lower = face.distance;
+    result.lower = std::max(result.lower, std::min(face.distance, given_up));
     if (upper < result.upper) {
       result.upper = upper;
       result.n = face.n;
       setWitnesses(polytope, face, result);
     }
-    if (result.upper - result.lower <= kRounding * scale || !polytope.expand(face, p)) break;
+    if (result.upper - face.distance <= kClosed * scale) break;
+    if (!polytope.expand(*nearest, p)) {
+      given_up = std::min(given_up, face.distance);
+      polytope.giveUpNearest();
+    }
   }
   return result;
 }

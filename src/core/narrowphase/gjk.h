@@ -33,6 +33,8 @@ inline constexpr int kGjkIterations = 128;
 template <class Support>
 GjkResult gjk(const Support& support, const Simplex& start) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  constexpr int kStalls = 4;
+  int stalls = 0;
   GjkResult result;
   const auto measure = [&](const SupportPoint& p) {
     result.scale = std::max({result.scale, p.a.cwiseAbs().maxCoeff(), p.b.cwiseAbs().maxCoeff()});
@@ -58,12 +60,18 @@ GjkResult gjk(const Support& support, const Simplex& start) {
     simplex.add(p);
     const Vec3 v = reduceToNearest(simplex);
     const double length = v.norm();
-    if (simplex.size < 4 && !(length < result.upper)) break;  // no progress: the last simplex stands
+    // A step may leave v in place and still turn it, so that the next one gets on. One that rounding throws
+    // back is not taken.
+    if (simplex.size < 4 && !(length < result.upper) &&
+        (++stalls > kStalls || length > result.upper + rounding))
+      break;
     result.simplex = simplex;
     result.v = v;
     result.upper = length;
     result.overlap = simplex.size == 4;
   }
+  // Sets that nothing proves apart overlap.
+  if (!(result.lower > 0.0)) result.overlap = true;
   if (result.overlap) result.lower = 0.0;
   return result;
 }

@@ -28,4 +28,7 @@ struct Manifold {
   }
 };
 
+/// Keeps the deepest point and up to three others that span the largest area with it.
+void reduceToFour(Manifold& manifold);
+
 }  // namespace rbs

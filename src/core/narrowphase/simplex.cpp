@@ -5,7 +5,7 @@
 // lengths) measured from one vertex. Where all are positive the projection is inside; else the nearest point
 // lies on a face whose coordinate is negative. A simplex too flat for its volume to have a sign is replaced
 // by all of its faces. The nearest candidate wins, so every result is a point of the hull: a true upper bound
-// of the distance, whatever the rounding.
+// of the distance, up to the rounding of the corners.
 #include "narrowphase/simplex.h"
 
 #include <limits>
@@ -46,41 +46,56 @@ Nearest ofSegment(const Points& s, int i, int j) {
   if (!(towards_i > 0.0)) return ofPoint(s, j);
   // Measured from the nearer end, which keeps the most digits.
   const double t = towards_j / squared;
-  const Vec3 v = t < 0.5 ? Vec3(s[i].w + t * edge) : Vec3(s[j].w - towards_i / squared * edge);
+  Vec3 v = t < 0.5 ? Vec3(s[i].w + t * edge) : Vec3(s[j].w - towards_i / squared * edge);
+  v -= edge.dot(v) / squared * edge;  // what rounding has left along the edge
   return {v, v.squaredNorm(), 2, {i, j}, {1.0 - t, t}};
 }
 
-// The two shorter edges span it: in a needle the cross product of the two long ones would cancel.
-Nearest ofTriangle(const Points& s, int i, int j, int k) {
-  const double ij = (s[j].w - s[i].w).squaredNorm(), ik = (s[k].w - s[i].w).squaredNorm(),
+// The origin's projection in the frame of the longest edge: u along it, q across it in the plane of the
+// triangle, at x and y from the corner o. However thin the triangle is, and however badly q then is known,
+// the projection is as good as the corners are: inside the triangle y is no larger than its width, and an
+// error of q costs that error times y. (Weights from areas would be off along the edge by their own error.)
+Nearest ofTriangle(const Points& s, int o, int j, int k) {
+  const double oj = (s[j].w - s[o].w).squaredNorm(), ok = (s[k].w - s[o].w).squaredNorm(),
                jk = (s[k].w - s[j].w).squaredNorm();
-  if (ij > ik && ij > jk)
-    std::swap(i, k);
-  else if (ik > jk)
-    std::swap(i, j);
-  const Vec3 e1 = s[j].w - s[i].w, e2 = s[k].w - s[i].w, r = -s[i].w;
-  const Vec3 n = e1.cross(e2);
-  const double area2 = n.squaredNorm();
-  const bool flat = area2 <= kFlat * kFlat * e1.squaredNorm() * e2.squaredNorm();
-  const double cj = r.cross(e2).dot(n), ck = e1.cross(r).dot(n), ci = area2 - cj - ck;
-  if (!flat && ci > 0.0 && cj > 0.0 && ck > 0.0) {
-    Nearest inside{Vec3(), 0.0, 3, {i, j, k}, {ci / area2, cj / area2, ck / area2}};
-    const Vec3 sum = s[i].w + inside.weight[1] * e1 + inside.weight[2] * e2;
-    // Along the normal the direction keeps all its digits however near the origin is; a triangle so thin
-    // that the two forms disagree falls back on the one that stays in the hull.
-    const Vec3 along = (s[i].w.dot(n) / area2) * n;
-    const double rounding = kFlat * s[i].a.cwiseAbs().maxCoeff() + kFlat * s[i].b.cwiseAbs().maxCoeff();
-    inside.v = (along - sum).squaredNorm() <= rounding * rounding ? along : sum;
+  if (ok > oj && ok >= jk)
+    std::swap(j, k);
+  else if (jk > oj && jk > ok)
+    std::swap(o, k);
+  const Vec3 edge = s[j].w - s[o].w, side = s[k].w - s[o].w;
+  const double length = edge.norm();
+  const Vec3 u = edge / length;
+  const double along_side = u.dot(side);
+  Vec3 q = side - along_side * u;
+  const double width = q.norm();
+  if (!(width > kFlat * length)) {
+    Nearest best = ofSegment(s, o, j);
+    keepNearer(best, ofSegment(s, o, k));
+    keepNearer(best, ofSegment(s, j, k));
+    return best;
+  }
+  q /= width;
+  const double x = -u.dot(s[o].w);
+  const Vec3 across = s[o].w + x * u;
+  const double y = -q.dot(across);
+  const double ck = y / width, cj = (x - ck * along_side) / length, co = 1.0 - cj - ck;
+  if (co > 0.0 && cj > 0.0 && ck > 0.0) {
+    Nearest inside{across + y * q, 0.0, 3, {o, j, k}, {co, cj, ck}};
+    // What rounding has left along u, and along q where that is known better than it matters.
+    inside.v -= u.dot(inside.v) * u;
+    if (inside.v.squaredNorm() < width * width) inside.v -= q.dot(inside.v) * q;
     inside.squared = inside.v.squaredNorm();
     return inside;
   }
   Nearest best;
-  if (flat || !(ck > 0.0)) keepNearer(best, ofSegment(s, i, j));
-  if (flat || !(cj > 0.0)) keepNearer(best, ofSegment(s, i, k));
-  if (flat || !(ci > 0.0)) keepNearer(best, ofSegment(s, j, k));
+  if (!(ck > 0.0)) keepNearer(best, ofSegment(s, o, j));
+  if (!(cj > 0.0)) keepNearer(best, ofSegment(s, o, k));
+  if (!(co > 0.0)) keepNearer(best, ofSegment(s, j, k));
   return best;
 }
 
+// A face is a candidate unless the origin is on its inner side for certain; of a flat tetrahedron, whose
+// volume has no sign, every face is.
 Nearest ofTetrahedron(const Points& s) {
   const Vec3 e1 = s[1].w - s[0].w, e2 = s[2].w - s[0].w, e3 = s[3].w - s[0].w, r = -s[0].w;
   const Vec3 n23 = e2.cross(e3);
@@ -88,16 +103,18 @@ Nearest ofTetrahedron(const Points& s) {
   const double sign = volume < 0.0 ? -1.0 : 1.0;
   const double c1 = sign * r.dot(n23), c2 = sign * e1.dot(r.cross(e3)), c3 = sign * e1.dot(e2.cross(r));
   const double c0 = sign * volume - c1 - c2 - c3;
-  const bool flat = std::abs(volume) <= kFlat * e1.norm() * e2.norm() * e3.norm();
-  if (!flat && c0 > 0.0 && c1 > 0.0 && c2 > 0.0 && c3 > 0.0) {
+  const double l1 = e1.norm(), l2 = e2.norm(), l3 = e3.norm();
+  const double unsure = kFlat * (l1 * l2 * l3 + r.norm() * (l1 * l2 + l2 * l3 + l3 * l1));
+  const bool flat = std::abs(volume) <= unsure;
+  if (!flat && c0 > unsure && c1 > unsure && c2 > unsure && c3 > unsure) {
     const double v = sign * volume;
     return {Vec3::Zero(), 0.0, 4, {0, 1, 2, 3}, {c0 / v, c1 / v, c2 / v, c3 / v}};
   }
   Nearest best;
-  if (flat || !(c3 > 0.0)) keepNearer(best, ofTriangle(s, 0, 1, 2));
-  if (flat || !(c2 > 0.0)) keepNearer(best, ofTriangle(s, 0, 1, 3));
-  if (flat || !(c1 > 0.0)) keepNearer(best, ofTriangle(s, 0, 2, 3));
-  if (flat || !(c0 > 0.0)) keepNearer(best, ofTriangle(s, 1, 2, 3));
+  if (flat || !(c3 > unsure)) keepNearer(best, ofTriangle(s, 0, 1, 2));
+  if (flat || !(c2 > unsure)) keepNearer(best, ofTriangle(s, 0, 1, 3));
+  if (flat || !(c1 > unsure)) keepNearer(best, ofTriangle(s, 0, 2, 3));
+  if (flat || !(c0 > unsure)) keepNearer(best, ofTriangle(s, 1, 2, 3));
   return best;
 }
 
