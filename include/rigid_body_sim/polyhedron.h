@@ -3,6 +3,7 @@
 
 #include "rigid_body_sim/types.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace rbs {
@@ -20,6 +21,7 @@ struct Polyhedron {
   std::vector<Face> faces;
   std::vector<std::vector<int>> neighbours;  ///< of each vertex: those at the other end of its edges
 
+  std::uint64_t fingerprint = 0;         ///< a hash of the vertices
   Aabb bounds;                           ///< in B, m
   double bounding_radius = 0.0;          ///< of the smallest ball about the origin of B that holds it, m
   double inner_radius = 0.0;             ///< of the largest ball about the origin of B inside it, m

@@ -110,6 +110,7 @@ struct Limits {
   static constexpr double min_density = 1e-6, max_density = 1e9;  ///< kg/m³
   static constexpr double min_mass = 1e-18, max_mass = 1e18;      ///< kg
   static constexpr double max_position = 1e9;                     ///< m
+  static constexpr int max_hull_points = 1'000'000, max_hull_vertices = 4096;
   static constexpr double max_speed = 1e6;                        ///< m/s
   static constexpr double max_spin = 1e6;                         ///< rad/s
   static constexpr double max_friction = 1e9;

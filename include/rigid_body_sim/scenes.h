@@ -16,7 +16,8 @@ struct SceneFile {
 };
 
 /// Reads a scene from text. Throws InvalidInput with every problem: "file:line: path", value, allowed.
-/// `file` is only named in messages. `seed` replaces the seed of the text when given.
+/// `file` is named in messages, and meshes are looked for beside it. `seed` replaces the seed of the text
+/// when given.
 SceneFile parseScene(const std::string& text, const std::string& file,
                      std::optional<std::uint64_t> seed = std::nullopt);
 

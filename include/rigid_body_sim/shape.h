@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 namespace rbs {
 
@@ -45,7 +46,7 @@ struct Cone {
   double height = 0.5;   ///< m, > 0
 };
 
-/// A polyhedron, shared by all copies of the shape.
+/// The convex hull of a set of points; see makeHull(). All copies of the shape share one polyhedron.
 struct ConvexHull {
   std::shared_ptr<const Polyhedron> polyhedron;  ///< never null in a sound body
 };
@@ -77,8 +78,34 @@ double reach(const Shape& shape, const Vec3& d_B);
 /// InvalidInput for an unknown name or a bad size, with `path` in front.
 Shape makeShape(const std::string& name, const Vec3& full_extents, const std::string& path);
 
-/// The same shape, `factor` times as large. A plane stays what it is.
+/// A hull, and its body's frame B seen from the frame P of the points that it was made of.
+struct PlacedHull {
+  ConvexHull hull;
+  Pose X_PB;
+
+  /// The pose of B where P is at X_WP; the very same where B is P.
+  Pose poseOfB(const Pose& X_WP) const;
+};
+
+/// The convex hull of points given in any frame P, m. Its body's frame B is at its centre of mass, along its
+/// principal axes, chosen near those of P; where P is such a frame, to rounding, B is P itself. Points inside
+/// the hull and repeated ones do not matter, nor do those that lie in a face or edge up to 1e-6 of the
+/// extents; faces that are coplanar to that are one. The vertices of a hull make the very same hull again,
+/// bit for bit.
+///
+/// Throws InvalidInput with `path` for fewer than 4 or more than Limits::max_hull_points points, coordinates
+/// that are not finite or beyond Limits::max_position, points that are all the same, on a line or in a plane
+/// up to 1e-6 of their extent, and a hull of more than Limits::max_hull_vertices vertices.
+PlacedHull makeHull(const std::vector<Vec3>& points, const std::string& path);
+
+/// The same shape, `factor` times as large. A plane stays what it is. Throws InvalidInput for a hull that
+/// grows beyond what makeHull() takes.
 Shape scaled(const Shape& shape, double factor);
+
+/// The shape stretched along the axes of B to new full extents; one of 0 stays, but a ball needs x. What is
+/// round must stay round, as for makeShape(). Throws InvalidInput for a plane and for a bad size, with `path`
+/// in front.
+Shape resized(const Shape& shape, const Vec3& full_extents, const std::string& path);
 
 /// m³; 0 for a plane.
 double volume(const Shape& shape);

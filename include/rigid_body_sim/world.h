@@ -66,8 +66,9 @@ class World {
   void editBody(BodyId id, const BodyEdit& edit);
   /// The body of this name; no body when there is none.
   BodyId find(const std::string& name) const;
-  /// The lowest free place for this shape above (x, y) = (0, 0) and at least `clearance` above 0, m.
-  Vec3 freePlace(const Shape& shape, double clearance = 0.5) const;
+  /// The lowest free place for this shape, turned by q_WB, above (x, y) = (0, 0) and at least `clearance`
+  /// above 0, m.
+  Vec3 freePlace(const Shape& shape, const Quat& q_WB, double clearance = 0.5) const;
 
   // --- forces
   void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);  ///< N s, m

@@ -1,6 +1,7 @@
 #include "body_reader.h"
 
 #include "number_text.h"
+#include "rigid_body_sim/mesh_file.h"
 #include "scene_generators.h"
 #include "scene_limits.h"
 
@@ -12,29 +13,67 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// `size` is the diameter of a sphere, the edge of a cube, or the three edges of a box.
-void readShape(Fields& fields, FileProblems& problems, Shape& shape) {
-  const std::size_t choice = fields.choose("shape", {"box", "sphere", "plane"}).value_or(0);
-  if (choice == 1) {
+/// Reads three extents, or one number for all of them.
+void readSize(Fields& fields, FileProblems& problems, Vec3& size) {
+  const YamlNode* node = fields.find("size");
+  double edge = 0.0;
+  if (node && node->kind == YamlNode::Kind::Sequence) {
+    readValue(*node, fields.pathOf("size"), problems, size);
+  } else if (fields.read("size", edge)) {
+    size.setConstant(edge);
+  }
+}
+
+/// The extents of a capsule, cylinder or cone, which are round about z.
+Vec3 readRoundSize(Fields& fields, FileProblems& problems, const Shape& usual) {
+  Vec3 size = fullExtents(usual);
+  readSize(fields, problems, size);
+  if (size.x() != size.y()) fields.report("size", vectorText(size), "[d, d, length]: round about z");
+  return size;
+}
+
+/// `half_length` beside a `size` that is the diameter says it to the last bit.
+Capsule readCapsule(Fields& fields, FileProblems& problems) {
+  const Vec3 size = readRoundSize(fields, problems, Capsule{});
+  Capsule capsule{0.5 * size.x(), 0.5 * size.z() - 0.5 * size.x()};
+  const YamlNode* given = fields.find("size");
+  if (fields.read("half_length", capsule.half_length)) {
+    if (given && given->kind == YamlNode::Kind::Sequence) {
+      fields.report("half_length", numberText(capsule.half_length), "only beside a size that is one number");
+    }
+    if (capsule.half_length < 0.0)
+      fields.report("half_length", numberText(capsule.half_length), "0 m or more");
+  } else if (capsule.half_length < 0.0) {
+    fields.report("size", vectorText(size), "a whole length of at least the diameter: the ends are round");
+  }
+  return capsule;
+}
+
+/// All but a hull. `size` is the diameter of a sphere, the edge of a cube, or the three full extents.
+Shape readShape(Fields& fields, FileProblems& problems, const std::string& name) {
+  if (name == "sphere") {
     double diameter = fullExtents(Sphere{}).x();
     fields.read("size", diameter);
-    shape = Sphere{0.5 * diameter};
-  } else if (choice == 0) {
-    Box box;
-    const YamlNode* size = fields.find("size");
-    double edge = 0.0;
-    if (size && size->kind == YamlNode::Kind::Sequence) {
-      readValue(*size, fields.pathOf("size"), problems, box.size);
-    } else if (fields.read("size", edge)) {
-      box.size.setConstant(edge);
-    }
-    shape = box;
-  } else {
-    shape = Plane{};
-    if (const YamlNode* size = fields.find("size")) {
-      fields.report("size", describe(*size), "nothing: a plane has no size");
-    }
+    return Sphere{0.5 * diameter};
   }
+  if (name == "box") {
+    Box box;
+    readSize(fields, problems, box.size);
+    return box;
+  }
+  if (name == "capsule") return readCapsule(fields, problems);
+  if (name == "cylinder") {
+    const Vec3 size = readRoundSize(fields, problems, Cylinder{});
+    return Cylinder{0.5 * size.x(), 0.5 * size.z()};
+  }
+  if (name == "cone") {
+    const Vec3 size = readRoundSize(fields, problems, Cone{});
+    return Cone{0.5 * size.x(), size.z()};
+  }
+  if (const YamlNode* size = fields.find("size")) {
+    fields.report("size", describe(*size), "nothing: a plane has no size");
+  }
+  return Plane{};
 }
 
 /// The turn by an angle t about a unit axis a is the quaternion (a sin(t/2), cos(t/2)).
@@ -57,9 +96,9 @@ void readAttitude(Fields& fields, FileProblems& problems, Quat& q_WB) {
   });
 }
 
+/// All but the shape.
 void readBody(Fields& fields, FileProblems& problems, BodyDef& body) {
   fields.read("name", body.name);
-  readShape(fields, problems, body.shape);
   if (fields.find("kind")) {
     // An unknown kind is read as kinematic, which contradicts nothing that is said elsewhere.
     const std::array kinds{BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic};
@@ -117,6 +156,39 @@ void BodyReader::read(const YamlNode& list) {
   for (std::size_t i = 0; i < list.items.size(); ++i) readEntry(list.items[i], i);
 }
 
+void BodyReader::readHull(Fields& fields, BodyDef& body) {
+  if (const YamlNode* size = fields.find("size")) {
+    fields.report("size", describe(*size), "nothing: a hull is as large as its points; `scale` changes that");
+  }
+  double scale = 1.0;
+  if (fields.read("scale", scale) && !(scale > 0.0)) fields.report("scale", numberText(scale), "more than 0");
+  std::vector<Vec3> points;
+  std::string mesh;
+  const bool has_points = fields.read("points", points), has_mesh = fields.read("mesh", mesh);
+  if (bool(fields.find("points")) == bool(fields.find("mesh"))) {
+    fields.report("shape", "'hull'", "with either `points` or `mesh`");
+  }
+  if (has_points == has_mesh || !(scale > 0.0)) return;
+  try {
+    for (Vec3& p : points) p *= scale;
+    const PlacedHull hull =
+        has_mesh ? meshHull(mesh, scale, fields.pathOf("mesh")) : makeHull(points, fields.pathOf("points"));
+    body.shape = hull.hull;
+    body.pose = hull.poseOfB(body.pose);
+  } catch (const InvalidInput& refusal) {
+    for (const Problem& problem : refusal.problems()) fields.report(problem);
+  }
+}
+
+// Bodies of one mesh share one hull.
+PlacedHull BodyReader::meshHull(const std::string& mesh, double scale, const std::string& path) {
+  const auto known = meshes_.find({mesh, scale});
+  if (known != meshes_.end()) return known->second;
+  const PlacedHull hull = hullOfMesh(mesh, folder_, scale, path);
+  meshes_.emplace(std::pair{mesh, scale}, hull);
+  return hull;
+}
+
 // An entry of faulty form makes no bodies, since they would not be those that were meant. What it says
 // in good form is checked all the same, so that all its faults are told at once.
 void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
@@ -127,7 +199,15 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
   BodyDef body;
   std::optional<Repeat> repeat;
   std::optional<Pyramid> pyramid;
+  static const std::vector<std::string> shapes{"box",      "sphere", "plane", "capsule",
+                                               "cylinder", "cone",   "hull"};
+  const std::string& shape = shapes[fields.choose("shape", shapes).value_or(0)];
   readBody(fields, problems_, body);
+  if (shape == "hull") {
+    readHull(fields, body);
+  } else {
+    body.shape = readShape(fields, problems_, shape);
+  }
   readGroup(fields, "repeat", problems_, [&](Fields& f) { readRepeat(f, repeat.emplace()); });
   readGroup(fields, "pyramid", problems_, [&](Fields& f) { readPyramid(f, body.shape, pyramid.emplace()); });
   if (repeat && pyramid) fields.report("pyramid", "", "at most one of repeat and pyramid");
@@ -139,13 +219,17 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
                   "at most " + std::to_string(kMostBodies) + " in a scene");
   }
   if (problems_.count() == faults) {
-    add(repeat ? expand(body, *repeat, random) : pyramid ? expand(body, *pyramid) : std::vector{body}, index);
+    try {
+      add(repeat    ? expand(body, *repeat, random)
+          : pyramid ? expand(body, *pyramid)
+                    : std::vector{body},
+          index);
+    } catch (const InvalidInput& refusal) {  // of a hull that `repeat` scales
+      fields.report("repeat", refusal.problems().front().value, refusal.problems().front().allowed);
+    }
     return;
   }
-  for (const Problem& problem : validate(body, path)) {
-    problems_.add(lineOf(node, problem.path.substr(path.size())), problem.path, problem.value,
-                  problem.allowed);
-  }
+  for (const Problem& problem : validate(body, path)) fields.report(problem);
 }
 
 void BodyReader::add(std::vector<BodyDef> bodies, std::size_t entry) {

@@ -6,7 +6,9 @@
 #include "yaml_fields.h"
 
 #include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rbs {
@@ -14,7 +16,9 @@ namespace rbs {
 /// Reads the entries of the list one by one, and makes the bodies that each of them asks for.
 class BodyReader {
  public:
-  BodyReader(FileProblems& problems, std::uint64_t seed) : problems_(problems), random_(seed) {}
+  /// Meshes are looked for in `folder`.
+  BodyReader(FileProblems& problems, std::uint64_t seed, std::string folder)
+      : problems_(problems), random_(seed), folder_(std::move(folder)) {}
 
   void read(const YamlNode& list);
   std::vector<BodyDef> takeBodies() { return std::move(bodies_); }
@@ -22,11 +26,15 @@ class BodyReader {
   const std::vector<std::size_t>& entries() const { return entries_; }
 
  private:
+  void readHull(Fields& fields, BodyDef& body);
+  PlacedHull meshHull(const std::string& mesh, double scale, const std::string& path);
   void readEntry(const YamlNode& node, std::size_t index);
   void add(std::vector<BodyDef> bodies, std::size_t entry);
 
   FileProblems& problems_;
   SplitMix64 random_;
+  std::string folder_;
+  std::map<std::pair<std::string, double>, PlacedHull> meshes_;  ///< those that were read, by name and scale
   std::vector<BodyDef> bodies_;
   std::vector<std::size_t> entries_;
 };

@@ -58,6 +58,9 @@ bool isBodyName(const std::string& name) {
 }
 
 bool hasSoundSize(const Shape& shape) {
+  if (const auto* hull = std::get_if<ConvexHull>(&shape); hull && !hull->polyhedron) return false;
+  if (const auto* capsule = std::get_if<Capsule>(&shape); capsule && !(capsule->half_length >= 0.0))
+    return false;
   const Vec3 size = fullExtents(shape);
   return size.allFinite() && size.minCoeff() >= Limits::min_size && size.maxCoeff() <= Limits::max_size;
 }
@@ -73,12 +76,13 @@ void checkShape(const BodyDef& body, const std::string& path, Faults& faults) {
     }
     return;
   }
-  if (!hasSoundSize(body.shape)) {
-    const Vec3 size = fullExtents(body.shape);
-    const bool round = std::holds_alternative<Sphere>(body.shape);
-    faults.add(path + ".size", round ? numberText(size.x()) : vectorText(size),
-               (round ? "a diameter of " : "edges of ") + range(Limits::min_size, Limits::max_size, "m"));
-  }
+  if (hasSoundSize(body.shape)) return;
+  const auto* hull = std::get_if<ConvexHull>(&body.shape);
+  if (hull && !hull->polyhedron) return faults.add(path + ".points", "", "a hull of makeHull()");
+  const Vec3 size = fullExtents(body.shape);
+  const bool is_ball = std::holds_alternative<Sphere>(body.shape);
+  faults.add(path + (hull ? ".points" : ".size"), is_ball ? numberText(size.x()) : vectorText(size),
+             (is_ball ? "a diameter of " : "extents of ") + range(Limits::min_size, Limits::max_size, "m"));
 }
 
 void checkMotion(const BodyDef& body, const std::string& path, Faults& faults) {

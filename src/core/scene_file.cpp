@@ -123,7 +123,8 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   readSurroundings(top, problems, result.scene);
   if (seed) result.scene.seed = *seed;
 
-  BodyReader reader(problems, result.scene.seed);
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  BodyReader reader(problems, result.scene.seed, folder.empty() ? "." : folder);
   if (const YamlNode* bodies = top.find("bodies")) reader.read(*bodies);
   result.scene.bodies = reader.takeBodies();
   const bool complete = problems.count() == 0;

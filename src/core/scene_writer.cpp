@@ -79,13 +79,30 @@ class Line {
   std::string text_;
 };
 
+std::string text(const std::vector<Vec3>& points) {
+  std::string result;
+  for (const Vec3& p : points) result += (result.empty() ? "" : ", ") + text(p);
+  return "[" + result + "]";
+}
+
+void addSize(Line& line, const Shape& shape) {
+  if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    line.add("size", text(2.0 * capsule->radius)).add("half_length", text(capsule->half_length));
+  } else if (const auto* hull = std::get_if<ConvexHull>(&shape)) {
+    line.add("points", text(hull->polyhedron->vertices));
+  } else if (std::holds_alternative<Sphere>(shape)) {
+    line.add("size", text(fullExtents(shape).x()));
+  } else if (!std::holds_alternative<Plane>(shape)) {
+    line.add("size", text(fullExtents(shape)));
+  }
+}
+
 std::string bodyText(const BodyDef& body) {
   static const BodyDef usual;
   Line line;
   if (!body.name.empty()) line.add("name", quoted(body.name));
   line.add("shape", shapeName(body.shape));
-  if (std::holds_alternative<Sphere>(body.shape)) line.add("size", text(fullExtents(body.shape).x()));
-  if (std::holds_alternative<Box>(body.shape)) line.add("size", text(fullExtents(body.shape)));
+  addSize(line, body.shape);
   if (body.kind != usual.kind) line.add("kind", kindName(body.kind));
   line.addUnless(usual.pose.p_WB, "position", body.pose.p_WB)
       .addUnless(usual.pose.q_WB, "orientation", body.pose.q_WB)

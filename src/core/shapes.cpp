@@ -71,6 +71,14 @@ bool same(const ConvexHull& a, const ConvexHull& b) {
   return std::equal(p.begin(), p.end(), q.begin(), q.end(), samePoint);
 }
 
+// Stretching along principal axes leaves them principal axes, and the centre of mass where it is: the new
+// frame B is the old one.
+ConvexHull stretched(const ConvexHull& hull, const Vec3& factors, const std::string& path) {
+  std::vector<Vec3> points = hull.polyhedron->vertices;
+  for (Vec3& p : points) p = p.cwiseProduct(factors);
+  return makeHull(points, path).hull;
+}
+
 /// Bounds about the z axis, from z = low to high.
 Aabb around(double radius, double low, double high) {
   return {Vec3(-radius, -radius, low), Vec3(radius, radius, high)};
@@ -93,9 +101,12 @@ RoundSize roundSize(const Vec3& d, const RoundSize& fallback, const std::string&
 }  // namespace
 
 std::string shapeName(const Shape& shape) {
-  static const char* const names[] = {"sphere", "box", "plane", "capsule", "cylinder", "cone", "hull"};
-  static_assert(std::size(names) == std::variant_size_v<Shape>);
-  return names[shape.index()];
+  return std::visit(
+      Overloaded{[](const Sphere&) { return "sphere"; }, [](const Box&) { return "box"; },
+                 [](const Capsule&) { return "capsule"; }, [](const Cylinder&) { return "cylinder"; },
+                 [](const Cone&) { return "cone"; }, [](const ConvexHull&) { return "hull"; },
+                 [](const Plane&) { return "plane"; }},
+      shape);
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
@@ -201,8 +212,33 @@ Shape scaled(const Shape& shape, double factor) {
                                [&](const Cone& c) -> Shape {
                                  return Cone{c.radius * factor, c.height * factor};
                                },
-                               [&](const ConvexHull& hull) -> Shape { return hull; }},
+                               [&](const ConvexHull& hull) -> Shape {
+                                 return stretched(hull, Vec3::Constant(factor), "shape");
+                               }},
                     shape);
+}
+
+Shape resized(const Shape& shape, const Vec3& full_extents, const std::string& path) {
+  const Vec3 old = fullExtents(shape);
+  Vec3 size = full_extents;
+  const auto demand = [&](bool sound, const std::string& allowed) {
+    require(sound, path + ".size", vectorText(full_extents), allowed);
+  };
+  demand(!std::holds_alternative<Plane>(shape), "nothing: a plane has no size");
+  demand(size.allFinite() && size.minCoeff() >= 0.0 && size.maxCoeff() > 0.0,
+         "finite extents, m; one of 0 stays as it is, but not all of them");
+  if (std::holds_alternative<Sphere>(shape)) {
+    demand(size.x() > 0.0, "the diameter in x, and in y and z the same or 0");
+    return makeShape("sphere", size, path);
+  }
+  const auto* hull = std::get_if<ConvexHull>(&shape);
+  const bool is_round = !hull && !std::holds_alternative<Box>(shape);
+  if (size.x() == 0.0) size.x() = old.x();
+  if (size.y() == 0.0) size.y() = is_round ? size.x() : old.y();
+  if (size.z() == 0.0) size.z() = old.z();
+  if (!hull) return makeShape(shapeName(shape), size, path);
+  demand(isSize(size.x()) && isSize(size.y()) && isSize(size.z()), "extents of " + allowedSize());
+  return stretched(*hull, size.cwiseQuotient(old), path + ".size");
 }
 
 double volume(const Shape& shape) {

@@ -37,6 +37,8 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
   hash.add(bodies.twist[i].w_WB);
   hash.add(t.shape.index());
   hash.add(fullExtents(t.shape));
+  if (const auto* capsule = std::get_if<Capsule>(&t.shape)) hash.add(capsule->half_length);
+  if (const auto* hull = std::get_if<ConvexHull>(&t.shape)) hash.add(hull->polyhedron->fingerprint);
   hash.add(static_cast<int>(t.kind));
   hash.add(t.held);
   hash.add(t.frozen);

@@ -267,12 +267,13 @@ BodyId World::find(const std::string& name) const {
 
 // Rises from `clearance` above the origin past every body in the way. Each obstacle lifts the shape by at
 // least a hundredth of its size, so the search ends.
-Vec3 World::freePlace(const Shape& shape, double clearance) const {
+Vec3 World::freePlace(const Shape& shape, const Quat& q_WB, double clearance) const {
   const Bodies& bodies = impl_->scene.bodies;
   const double radius = boundingRadius(shape);
   if (!std::isfinite(radius)) return Vec3::Zero();
   Pose pose;
-  pose.p_WB.z() = clearance + reach(shape, -Vec3::UnitZ());
+  pose.q_WB = q_WB;
+  pose.p_WB.z() = clearance + reach(shape, q_WB.conjugate() * -Vec3::UnitZ());
   const double room = 0.02 * radius;
   for (int tries = 0; tries < 100000; ++tries) {
     double rise = 0.0;

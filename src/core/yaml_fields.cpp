@@ -120,6 +120,11 @@ bool readValue(const YamlNode& node, const std::string& path, FileProblems& prob
   return readList(node, path, problems, 1, 16, "a list of 1 to 16 names", out);
 }
 
+bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems,
+               std::vector<Vec3>& out) {
+  return readList(node, path, problems, 0, Limits::max_hull_points, "a list of points [x, y, z]", out);
+}
+
 Fields::Fields(const YamlNode& node, std::string path, FileProblems& problems)
     : node_(node), path_(std::move(path)), problems_(problems) {
   if (node_.kind != Kind::Map) refuse(node_, path_, problems_, "a mapping {key: value, ...}");
@@ -146,6 +151,11 @@ std::optional<std::size_t> Fields::choose(const std::string& key, const std::vec
 void Fields::report(const std::string& key, const std::string& value, const std::string& allowed) {
   const YamlNode* node = node_.find(key);
   problems_.add(node ? node->line : node_.line, pathOf(key), value, allowed);
+}
+
+void Fields::report(const Problem& problem) {
+  problems_.add(lineOf(node_, problem.path.substr(path_.size())), problem.path, problem.value,
+                problem.allowed);
 }
 
 void Fields::refuseOthers() {

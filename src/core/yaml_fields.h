@@ -28,6 +28,7 @@ bool readValue(const YamlNode& node, const std::string& path, FileProblems& prob
                std::array<double, 2>& out);
 bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems,
                std::vector<std::string>& out);
+bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems, std::vector<Vec3>& out);
 
 class Fields {
  public:
@@ -60,6 +61,8 @@ class Fields {
 
   /// Reports at the line of the key, or of the mapping when it has no such key.
   void report(const std::string& key, const std::string& value, const std::string& allowed);
+  /// Reports a problem whose path begins with that of the mapping, at the line that it is about.
+  void report(const Problem& problem);
   /// Reports every key that was never asked for. To be called once all are read.
   void refuseOthers();
 

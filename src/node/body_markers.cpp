@@ -60,6 +60,11 @@ Marker clickShape(const Shape& shape, const View& view) {
   if (const auto* box = std::get_if<Box>(&shape)) {
     return coloredShape(Marker::CUBE, kOutside * box->size, kNearlyInvisible);
   }
+  if (!std::holds_alternative<Plane>(shape)) {
+    Marker mesh = coloredShape(Marker::TRIANGLE_LIST, Vec3::Constant(kOutside), kNearlyInvisible);
+    mesh.points = coarseMesh(shape);
+    return mesh;
+  }
   const double side = scaleOf(shape, view);
   return coloredShape(Marker::CUBE, Vec3(side, side, 0.02 * side), {1.0f, 1.0f, 1.0f, 0.3f});
 }
@@ -110,7 +115,7 @@ InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const Vie
 InteractiveMarker faceHandle(const BodyDescription& body, const Pose& pose, int face) {
   const Vec3 n_B = faceNormal(face);
   const double side = 0.3 * boundingRadius(body.shape);
-  const double distance = 0.5 * fullExtents(body.shape)[face / 2] + side;
+  const double distance = reach(body.shape, n_B) + side;
   Color color{0.2f, 0.2f, 0.2f, 1.0f};
   color[face / 2] = 0.9f;
 

@@ -31,7 +31,7 @@ visualization_msgs::InteractiveMarker clickTarget(const BodyDescription& body, c
 /// Three arrows and three rings around the body, along its axes.
 visualization_msgs::InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view);
 
-/// A cube in front of one face of a sphere or box, to be dragged along the normal.
+/// A cube in front of the body on one side, to be dragged along the normal.
 visualization_msgs::InteractiveMarker faceHandle(const BodyDescription& body, const Pose& pose, int face);
 
 }  // namespace rbs

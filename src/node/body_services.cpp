@@ -34,7 +34,7 @@ std::string spawnMessage(const SpawnBody::Request& request, const Snapshot& snap
                               describe(body));
   std::string assumed;
   if (isZero(request.pose)) assumed += ", the first free place above the origin";
-  if (isZero(request.size)) assumed += ", the size";
+  if (isZero(request.size) && request.shape != "hull") assumed += ", the size";
   if (request.mass == 0.0 && request.density == 0.0) assumed += words(", density ", body.density, " kg/m³");
   return assumed.empty() ? message : message + "; assumed: " + assumed.substr(2);
 }
@@ -69,23 +69,12 @@ std::string clear(World& world, const Trigger::Request&, Trigger::Response&) {
 Shape resizedShape(const Shape& shape, const ResizeBody::Request& request) {
   const bool by_size = !isZero(request.size), by_factor = request.factor != 0.0;
   if (by_size == by_factor) throw InvalidInput({{"size and factor", "", "give one of them, and not zero"}});
-  if (std::holds_alternative<Plane>(shape)) throw InvalidInput({{"shape", "plane", "a sphere or a box"}});
-  if (by_factor) {
-    if (!(request.factor > 0.0) || !std::isfinite(request.factor)) {
-      throw InvalidInput({{"factor", words(request.factor), "a finite number above 0"}});
-    }
-    return scaled(shape, request.factor);
+  if (by_size) return resized(shape, fromMsg(request.size), "body");
+  if (std::holds_alternative<Plane>(shape)) throw InvalidInput({{"shape", "plane", "any other: a plane has no size"}});
+  if (!(request.factor > 0.0) || !std::isfinite(request.factor)) {
+    throw InvalidInput({{"factor", words(request.factor), "a finite number above 0"}});
   }
-  Vec3 size = fromMsg(request.size);
-  if (std::holds_alternative<Box>(shape)) {
-    const Vec3 old = fullExtents(shape);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (size[axis] == 0.0) size[axis] = old[axis];
-    }
-  } else if (size.x() == 0.0) {
-    throw InvalidInput({{"size.x", "0", "the diameter, m: y and z do not say it"}});
-  }
-  return makeShape(shapeName(shape), size, "size");
+  return scaled(shape, request.factor);
 }
 
 std::string resize(World& world, const ResizeBody::Request& request, ResizeBody::Response&) {

@@ -2,6 +2,8 @@
 
 #include "convert.h"
 #include "names.h"
+#include "rigid_body_sim/mesh_file.h"
+#include "words.h"
 
 #include <functional>
 
@@ -35,10 +37,41 @@ std::optional<Color> colorFrom(const std_msgs::ColorRGBA& msg) {
   return color;
 }
 
+/// The hull that a request asks for. Throws InvalidInput.
+PlacedHull hullFrom(const Spec& spec, const std::string& path) {
+  if (!isZero(spec.size)) {
+    throw InvalidInput({{path + ".size", inWords(fromMsg(spec.size)),
+                         "nothing: a hull is as large as its points; scale changes that"}});
+  }
+  if (spec.points.empty() == spec.mesh.empty()) {
+    throw InvalidInput({{path + ".shape", "'hull'", "with either points or mesh"}});
+  }
+  const double scale = spec.scale == 0.0 ? 1.0 : spec.scale;
+  if (!(scale > 0.0)) throw InvalidInput({{path + ".scale", words(scale), "more than 0, or 0 for 1"}});
+  if (!spec.mesh.empty()) return hullOfMesh(spec.mesh, "", scale, path + ".mesh");
+  std::vector<Vec3> points;
+  for (const geometry_msgs::Point& p : spec.points) points.push_back(scale * fromMsg(p));
+  return makeHull(points, path + ".points");
+}
+
+/// Gives the body its shape, and leads its pose from the frame that the request means to B.
+void setShape(const Spec& spec, const std::string& path, BodyDef& body) {
+  if (spec.shape == "hull") {
+    const PlacedHull hull = hullFrom(spec, path);
+    body.shape = hull.hull;
+    body.pose = hull.poseOfB(body.pose);
+    return;
+  }
+  if (!spec.points.empty() || !spec.mesh.empty() || spec.scale != 0.0) {
+    throw InvalidInput({{path, "points, mesh or scale", "these only with shape hull"}});
+  }
+  body.shape = makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
+}
+
 /// Pose and twist, from the axes of frame_id to those of W.
 void placeBody(const Spec& spec, const World& world, BodyDef& body) {
   const Pose X_WF = frameNamed(world, spec.frame_id);
-  body.pose = compose(X_WF, fromMsg(spec.pose));
+  if (!isZero(spec.pose)) body.pose = compose(X_WF, fromMsg(spec.pose));
   const Twist twist_F = fromMsg(spec.twist);
   body.twist = {X_WF.q_WB * twist_F.v_WB, X_WF.q_WB * twist_F.w_WB};
 }
@@ -59,10 +92,8 @@ void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, B
 BodyDef bodyFrom(const Spec& spec, const World& world, const std::string& path, std::vector<Problem>& problems) {
   BodyDef body;
   body.name = spec.name;
-  collect(problems, [&] {
-    body.shape = makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
-  });
   collect(problems, [&] { placeBody(spec, world, body); });
+  collect(problems, [&] { setShape(spec, path, body); });
   body.kind = spec.is_static ? BodyKind::Static : BodyKind::Dynamic;
   body.mass = unlessZero(spec.mass);
   body.density = unlessZero(spec.density);
@@ -78,8 +109,9 @@ void findPlaces(const std::vector<Spec>& specs, const World& world, std::vector<
   double clearance = 0.5;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!isZero(specs[i].pose) || std::holds_alternative<Plane>(bodies[i].shape)) continue;
-    bodies[i].pose = {world.freePlace(bodies[i].shape, clearance), Quat::Identity()};
-    clearance = bodies[i].pose.p_WB.z() + 1.1 * boundingRadius(bodies[i].shape);
+    Pose& pose = bodies[i].pose;
+    pose.p_WB = world.freePlace(bodies[i].shape, pose.q_WB, clearance);
+    clearance = pose.p_WB.z() + 1.1 * boundingRadius(bodies[i].shape);
   }
 }
 
@@ -98,6 +130,9 @@ Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
   spec.name = request.name;
   spec.shape = request.shape;
   spec.size = request.size;
+  spec.points = request.points;
+  spec.mesh = request.mesh;
+  spec.scale = request.scale;
   spec.pose = request.pose;
   spec.frame_id = request.frame_id;
   spec.twist = request.twist;

@@ -89,6 +89,9 @@ rigid_body_sim::BodyDescription toMsg(const BodyDescription& body) {
   msg.name = body.name;
   msg.shape = shapeName(body.shape);
   msg.size = toMsg(fullExtents(body.shape));
+  if (const auto* hull = std::get_if<ConvexHull>(&body.shape)) {
+    for (const Vec3& p : hull->polyhedron->vertices) msg.vertices.push_back(toPoint(p));
+  }
   msg.kind = kindName(body.kind);
   msg.mass = finite(body.mass);
   msg.density = finite(body.density);

@@ -5,26 +5,32 @@
 namespace rbs {
 namespace {
 
-// The shape with this full extent along axis `axis`: of a sphere, the diameter.
+// The shape with this full extent along an axis. What is round keeps its proportions or grows all around, and
+// a capsule is at least as long as it is wide.
 Shape withExtent(const Shape& shape, int axis, double extent) {
   if (std::holds_alternative<Sphere>(shape)) return Sphere{0.5 * extent};
-  Box box = std::get<Box>(shape);
-  box.size[axis] = extent;
-  return box;
+  Vec3 size = fullExtents(shape);
+  size[axis] = extent;
+  const bool is_capsule = std::holds_alternative<Capsule>(shape);
+  const bool is_round =
+      is_capsule || std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Cone>(shape);
+  if (is_round && axis != 2) size.x() = size.y() = extent;
+  if (is_capsule) size.z() = std::max(size.z(), size.x());
+  return resized(shape, size, "body");
 }
 
 // A handle moved by d along the normal n of its face makes the extent e = e0 + d, e0 being that at the
-// press. The centre moves by half of what the body grows, along n, so that the opposite face stays.
-BodyEdit resized(const Resize& grip, const Vec3& handle_W, const Shape& shape, const Pose& pose) {
+// press. The body is moved along n by what its opposite side has come out, so that this side stays.
+BodyEdit resizeBy(const Resize& grip, const Vec3& handle_W, const Shape& shape, const Pose& pose) {
   constexpr double kLeast = 0.05;  // of the extent at the press: a handle cannot turn a body inside out
   int axis;
   grip.n_B.cwiseAbs().maxCoeff(&axis);
   const double d = (handle_W - grip.handle_W).dot(grip.n_W);
   const double extent = std::max(grip.extent + d, kLeast * grip.extent);
-  const double growth = extent - fullExtents(shape)[axis];
   BodyEdit edit;
   edit.shape = withExtent(shape, axis, extent);
-  edit.pose = Pose{pose.p_WB + pose.q_WB * (0.5 * growth * grip.n_B), pose.q_WB};
+  const double growth = reach(*edit.shape, -grip.n_B) - reach(shape, -grip.n_B);
+  edit.pose = Pose{pose.p_WB + pose.q_WB * (growth * grip.n_B), pose.q_WB};
   return edit;
 }
 
@@ -55,7 +61,7 @@ void Drag::apply(World& world, const Snapshot& now) {
   applied_to_paused_ = now.paused;
   const BodyDescription& body = (*now.bodies)[i];
   if (const Resize* grip = std::get_if<Resize>(&grip_)) {
-    world.editBody(body_, resized(*grip, handle_.p_WB, body.shape, now.states[i].pose));
+    world.editBody(body_, resizeBy(*grip, handle_.p_WB, body.shape, now.states[i].pose));
   } else if (!now.paused && body.kind == BodyKind::Dynamic) {
     lead(world);
   } else {

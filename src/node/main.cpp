@@ -4,6 +4,8 @@
 #include "services.h"
 #include "session.h"
 
+#include "rigid_body_sim/mesh_file.h"
+
 #include <ros/package.h>
 #include <ros/ros.h>
 
@@ -63,6 +65,7 @@ void run() {
 
 int main(int argc, char** argv) {
   initOnWallTime(argc, argv);
+  rbs::findPackagesBy(ros::package::getPath);
   try {
     run();
   } catch (const std::exception& error) {

@@ -41,19 +41,30 @@ Marker blankMarker(BodyId id, const MarkerLook& look, const Pose& pose, Tone ton
   return marker;
 }
 
+/// RViz's own marker of a shape, or -1 where it has none.
+int rvizType(const Shape& shape) {
+  if (std::holds_alternative<Sphere>(shape)) return Marker::SPHERE;
+  if (std::holds_alternative<Box>(shape)) return Marker::CUBE;
+  return std::holds_alternative<Cylinder>(shape) ? Marker::CYLINDER : -1;
+}
+
 TriangleMesh meshOf(const MarkerLook& look, Tone tone) {
   if (const auto* sphere = std::get_if<Sphere>(&look.shape)) return sphereMesh(sphere->radius, tone);
   if (const auto* box = std::get_if<Box>(&look.shape)) {
     return tone == Tone::Light ? boxMesh(box->size) : TriangleMesh{};
   }
-  return squareMesh(look.plane_side, tone);
+  if (const auto* hull = std::get_if<ConvexHull>(&look.shape)) {
+    return tone == Tone::Light ? polyhedronMesh(*hull->polyhedron) : TriangleMesh{};
+  }
+  if (std::holds_alternative<Plane>(look.shape)) return squareMesh(look.plane_side, tone);
+  return roundMesh(look.shape, tone);
 }
 
 }  // namespace
 
 bool operator==(const MarkerLook& a, const MarkerLook& b) {
-  return a.frame == b.frame && a.is_mesh == b.is_mesh && a.shape.index() == b.shape.index() &&
-         fullExtents(a.shape) == fullExtents(b.shape) && a.plane_side == b.plane_side && a.color == b.color;
+  return a.frame == b.frame && a.is_mesh == b.is_mesh &&
+         sameShape(a.shape, b.shape) && a.plane_side == b.plane_side && a.color == b.color;
 }
 
 MarkerLook lookOf(const BodyDescription& body, const std::string& frame, bool is_mesh, const View& view) {
@@ -66,9 +77,9 @@ double drawnSize(const MarkerLook& look) {
 }
 
 std::vector<Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pose) {
-  if (!look.is_mesh) {
+  if (const int type = rvizType(look.shape); !look.is_mesh && type >= 0) {
     Marker marker = blankMarker(id, look, pose, Tone::Light);
-    marker.type = std::holds_alternative<Sphere>(look.shape) ? Marker::SPHERE : Marker::CUBE;
+    marker.type = type;
     marker.scale = toMsg(fullExtents(look.shape));
     return {marker};
   }

@@ -12,7 +12,7 @@ namespace rbs {
 
 struct MarkerLook {
   std::string frame;    ///< the world, or the frame of the body, to which the marker is then locked
-  bool is_mesh = true;  ///< else one of RViz's own spheres and cubes
+  bool is_mesh = true;  ///< else, where RViz has one, its own sphere, cube or cylinder
   Shape shape;
   double plane_side = 0.0;  ///< of the square that stands for a plane, m; 0 for another shape
   Color color{};

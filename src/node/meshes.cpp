@@ -24,7 +24,88 @@ Tone toneOf(int parity) {
   return parity % 2 == 0 ? Tone::Light : Tone::Dark;
 }
 
+// A meridian of a capsule, cylinder or cone: distance from the z axis and height, from top to bottom. A ball's
+// end has `rows` edges from its pole to its equator.
+using Meridian = std::vector<std::pair<double, double>>;
+
+Meridian meridianOf(const Shape& shape, int rows) {
+  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    const double r = cylinder->radius, l = cylinder->half_length;
+    return {{0.0, l}, {r, l}, {r, -l}, {0.0, -l}};
+  }
+  if (const auto* cone = std::get_if<Cone>(&shape)) {
+    const double r = cone->radius, h = cone->height;
+    return {{0.0, 0.75 * h}, {r, -0.25 * h}, {0.0, -0.25 * h}};
+  }
+  const Capsule& capsule = std::get<Capsule>(shape);
+  Meridian meridian;
+  for (int row = 0; row <= 2 * rows + 1; ++row) {
+    const bool upper = row <= rows;
+    const double u = M_PI / 2.0 * (upper ? rows - row : rows + 1 - row) / rows;
+    meridian.emplace_back(row == 0 || row == 2 * rows + 1 ? 0.0 : capsule.radius * std::cos(u),
+                          capsule.radius * std::sin(u) + (upper ? 1.0 : -1.0) * capsule.half_length);
+  }
+  return meridian;
+}
+
+// The surface that a meridian sweeps about the z axis, in the sectors that are asked for.
+template <class Wanted>
+TriangleMesh revolve(const Meridian& meridian, int columns, Wanted wanted) {
+  const auto sample = [&](std::size_t row, int column) -> Vec3 {
+    const double v = 2.0 * M_PI * column / columns;
+    const auto [r, z] = meridian[row];
+    return {r * std::cos(v), r * std::sin(v), z};
+  };
+  TriangleMesh mesh;
+  for (int column = 0; column < columns; ++column) {
+    if (!wanted(column)) continue;
+    for (std::size_t row = 0; row + 1 < meridian.size(); ++row) {
+      const Vec3 a = sample(row + 1, column), b = sample(row + 1, column + 1);
+      const Vec3 c = sample(row, column + 1), d = sample(row, column);
+      if (meridian[row + 1].first > 0.0) addTriangle(mesh, a, b, c);
+      if (meridian[row].first > 0.0) addTriangle(mesh, a, c, d);
+    }
+  }
+  return mesh;
+}
+
 }  // namespace
+
+TriangleMesh roundMesh(const Shape& shape, Tone tone) {
+  constexpr int kSectors = 40;  // divisible by four, one quarter a tone
+  return revolve(meridianOf(shape, kRows / 2), kSectors,
+                 [&](int column) { return toneOf(column / (kSectors / 4)) == tone; });
+}
+
+TriangleMesh polyhedronMesh(const Polyhedron& polyhedron) {
+  TriangleMesh mesh;
+  for (const Polyhedron::Face& face : polyhedron.faces) {
+    for (std::size_t k = 2; k < face.corners.size(); ++k) {
+      addTriangle(mesh, polyhedron.vertices[face.corners[0]], polyhedron.vertices[face.corners[k - 1]],
+                  polyhedron.vertices[face.corners[k]]);
+    }
+  }
+  return mesh;
+}
+
+// A regular polygon of n sides holds a circle when its corners are 1/cos(pi/n) times as far from the middle. A
+// capsule's meridian is half of such a polygon.
+TriangleMesh coarseMesh(const Shape& shape) {
+  constexpr int kSectors = 8, kMostVertices = 32;
+  const double outward = 1.0 / std::cos(M_PI / kSectors);
+  if (const auto* hull = std::get_if<ConvexHull>(&shape)) {
+    if (hull->polyhedron->vertices.size() <= kMostVertices) return polyhedronMesh(*hull->polyhedron);
+    const Aabb& bounds = hull->polyhedron->bounds;
+    TriangleMesh box = boxMesh(bounds.hi - bounds.lo);
+    for (geometry_msgs::Point& p : box) p = toPoint(fromMsg(p) + 0.5 * (bounds.lo + bounds.hi));
+    return box;
+  }
+  Shape outer = shape;
+  if (auto* capsule = std::get_if<Capsule>(&outer)) capsule->radius *= outward;
+  Meridian meridian = meridianOf(outer, kSectors / 4);
+  for (auto& [r, z] : meridian) r *= outward;
+  return revolve(meridian, kSectors, [](int) { return true; });
+}
 
 // A point of the sphere of radius r has latitude u in [-pi/2, pi/2] and longitude v in [0, 2 pi]:
 //   x = r cos u cos v,   y = r cos u sin v,   z = r sin u.

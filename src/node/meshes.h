@@ -9,7 +9,7 @@
 
 #include <vector>
 
-#include "rigid_body_sim/types.h"
+#include "rigid_body_sim/shape.h"
 
 namespace rbs {
 
@@ -23,6 +23,15 @@ TriangleMesh sphereMesh(double radius, Tone tone);
 
 /// A box about the origin, `size` its full extents, m: twelve triangles.
 TriangleMesh boxMesh(const Vec3& size);
+
+/// Two of the four quarters of a capsule, cylinder or cone about the z axis.
+TriangleMesh roundMesh(const Shape& shape, Tone tone);
+
+TriangleMesh polyhedronMesh(const Polyhedron& polyhedron);
+
+/// A mesh of few triangles, at most 64, that holds a capsule, cylinder, cone or hull and not much more; the bounds
+/// of a hull of many vertices.
+TriangleMesh coarseMesh(const Shape& shape);
 
 /// An icosahedron about the origin whose faces touch a sphere from outside. `radius` of the sphere, m.
 TriangleMesh icosahedronMesh(double radius);

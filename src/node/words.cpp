@@ -9,7 +9,11 @@ std::string bodyCount(std::size_t n) { return words(n, n == 1 ? " body" : " bodi
 std::string describe(const BodyDescription& body) {
   std::string text = words(kindName(body.kind), ' ', shapeName(body.shape));
   if (!std::holds_alternative<Plane>(body.shape)) {
-    text += words(", size ", inWords(fullExtents(body.shape)), " m, mass ", body.mass, " kg");
+    text += words(", size ", inWords(fullExtents(body.shape)), " m");
+    if (const auto* hull = std::get_if<ConvexHull>(&body.shape)) {
+      text += words(", ", hull->polyhedron->vertices.size(), " vertices");
+    }
+    text += words(", mass ", body.mass, " kg");
   }
   text += words(", friction ", body.material.friction, ", restitution ", body.material.restitution);
   return body.frozen ? text + ", frozen" : text;

@@ -48,8 +48,7 @@ bool sameBits(const Value& a, const Value& b) {
 
 void expectSameBody(const BodyDef& a, const BodyDef& b) {
   EXPECT_EQ(a.name, b.name);
-  EXPECT_EQ(shapeName(a.shape), shapeName(b.shape));
-  EXPECT_TRUE(sameBits(fullExtents(a.shape), fullExtents(b.shape)));
+  EXPECT_TRUE(sameShape(a.shape, b.shape)) << shapeName(a.shape) << " and " << shapeName(b.shape);
   EXPECT_TRUE(sameBits(a.pose, b.pose));
   EXPECT_TRUE(sameBits(a.twist, b.twist));
   EXPECT_EQ(a.kind, b.kind);
@@ -95,11 +94,30 @@ class Numbers {
   std::uniform_real_distribution<double> unit_{0.0, 1.0};
 };
 
+Shape anyShape(Numbers& numbers, int index) {
+  const double x = numbers.positive(), y = numbers.positive();
+  const Vec3 size = Vec3(x, y, numbers.positive()) + Vec3::Constant(1e-3);
+  switch (index % 6) {
+    case 0:
+      return Sphere{size.x()};
+    case 1:
+      return Box{size};
+    case 2:
+      return Capsule{size.x(), size.z()};
+    case 3:
+      return Cylinder{size.x(), size.z()};
+    case 4:
+      return Cone{size.x(), size.z()};
+  }
+  std::vector<Vec3> points;
+  for (int i = 0; i < 12; ++i) points.push_back(numbers.vector());
+  return makeHull(points, "hull").hull;
+}
+
 BodyDef anyBody(Numbers& numbers, int index) {
   BodyDef body;
   if (index % 4 != 0) body.name = "body_" + std::to_string(index);
-  body.shape = index % 2 == 0 ? Shape(Sphere{numbers.positive()})
-                              : Shape(Box{Vec3(numbers.positive(), numbers.positive(), numbers.positive())});
+  body.shape = anyShape(numbers, index);
   body.kind = index % 5 == 0 ? BodyKind::Kinematic : BodyKind::Dynamic;
   body.pose.p_WB = numbers.vector();
   body.pose.q_WB = Quat(numbers.unit(), numbers.unit(), -numbers.unit(), numbers.unit());
@@ -170,6 +188,53 @@ TEST(SceneFile, writtenStateIsReadBackBitForBit) {
   EXPECT_FALSE(parseScene(writeScene(anyScene()), "f.yaml").state);
 }
 
+// The hull's own frame is not that of its points; the state is that of the former.
+TEST(SceneFile, worldWithHullsGoesOnFromItsSavedState) {
+  World world(parse(R"(
+bodies:
+  - {shape: plane, kind: static}
+  - {shape: hull, points: [[1, 1, 0], [2, 1, 0], [1, 3, 0.2], [1.3, 1, 1], [2, 2, 1.5]], position: [0, 0, 1],
+     rotation: {axis: [1, 2, 3], degrees: 50}, spin: [1, 2, 3]}
+  - {shape: capsule, size: [0.1, 0.1, 0.8], position: [3, 0, 1], spin: [3, 2, 1]}
+)"));
+  for (int k = 0; k < 20; ++k) world.step();
+  const SceneFile saved = parseScene(writeScene(world.capture(), world.captureState()), "f.yaml");
+  World again(saved.scene, saved.state);
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+  for (int k = 0; k < 100; ++k) world.step(), again.step();
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+}
+
+TEST(SceneFile, poseOfAHullIsThatOfItsPoints) {
+  const SceneDef scene = parse(R"(
+bodies:
+  - {shape: hull, points: [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]], scale: 0.5, position: [10, 20, 30],
+     rotation: {axis: [0, 0, 1], degrees: 90}}
+)");
+  const BodyDef& body = scene.bodies.at(0);
+  EXPECT_TRUE(body.pose.p_WB.isApprox(Vec3(9.5, 20.5, 30.5), 1e-15));
+  std::vector<Vec3> corners{{10, 20, 30}, {10, 22, 30}, {8, 20, 30}, {10, 20, 32}};
+  for (const Vec3& v : std::get<ConvexHull>(body.shape).polyhedron->vertices) {
+    const Vec3 v_W = body.pose.p_WB + body.pose.q_WB * v;
+    const auto near = [&](const Vec3& corner) { return (corner - v_W).norm() < 1e-13; };
+    EXPECT_TRUE(std::any_of(corners.begin(), corners.end(), near)) << v_W.transpose();
+  }
+}
+
+TEST(SceneFile, hashOfAStateTellsHullsApart) {
+  const auto hash = [](double x) {
+    SceneDef scene;
+    BodyDef body;
+    // Two mirror images with the same extents, volume and moments.
+    body.shape =
+        makeHull({{x, 0.2, 0.1}, {-x, -0.2, 0.1}, {0.3, 0.5, -1}, {-0.3, -0.5, -1}, {0, 0, 1}}, "h").hull;
+    scene.bodies.push_back(body);
+    return World(scene).stateHash();
+  };
+  EXPECT_EQ(hash(1.0), hash(1.0));
+  EXPECT_NE(hash(1.0), hash(-1.0));
+}
+
 TEST(SceneFile, faultySceneIsNotWritten) {
   SceneDef scene;
   scene.gravity.x() = std::nan("");
@@ -190,9 +255,21 @@ bodies:
   - {size: [1, 2, 3], color: [1, 0.5, 0], mask: 0xff}
   - {shape: plane, kind: static}
   - {}
+  - {shape: capsule, size: [0.5, 0.5, 2]}
+  - {shape: capsule, size: 0.5, half_length: 0.75}
+  - {shape: capsule, size: 3}
+  - {shape: cylinder, size: [1, 1, 3]}
+  - {shape: cone, size: 2}
+  - {shape: cone}
 air: {}
 )");
-  ASSERT_EQ(scene.bodies.size(), 5u);
+  ASSERT_EQ(scene.bodies.size(), 11u);
+  EXPECT_TRUE(sameShape(scene.bodies[5].shape, Capsule{0.25, 0.75}));
+  EXPECT_TRUE(sameShape(scene.bodies[6].shape, Capsule{0.25, 0.75}));
+  EXPECT_TRUE(sameShape(scene.bodies[7].shape, Capsule{1.5, 0.0}));
+  EXPECT_TRUE(sameShape(scene.bodies[8].shape, Cylinder{0.5, 1.5}));
+  EXPECT_TRUE(sameShape(scene.bodies[9].shape, Cone{1.0, 2.0}));
+  EXPECT_TRUE(sameShape(scene.bodies[10].shape, Cone{}));
   EXPECT_EQ(fullExtents(scene.bodies[0].shape), Vec3::Constant(3.0));
   EXPECT_EQ(fullExtents(scene.bodies[1].shape), Vec3::Constant(2.0));
   EXPECT_TRUE((scene.bodies[1].pose.q_WB * Vec3::UnitX()).isApprox(Vec3::UnitY(), 1e-15));
@@ -330,6 +407,21 @@ TEST(SceneFile, wrongTypesAreRefused) {
                            "bodies: [{size: [1, 1]}]",
                            "bodies: [{shape: sphere, size: [1, 1, 1]}]",
                            "bodies: [{shape: plane, kind: static, size: 1}]",
+                           "bodies: [{shape: ball}]",
+                           "bodies: [{shape: cylinder, size: [1, 2, 1]}]",
+                           "bodies: [{shape: cylinder, size: 0}]",
+                           "bodies: [{shape: cone, size: [1, 1]}]",
+                           "bodies: [{shape: cone, size: [1, 1, -1]}]",
+                           "bodies: [{shape: cone, half_length: 1}]",
+                           "bodies: [{shape: capsule, size: [1, 1, 0.5]}]",
+                           "bodies: [{shape: capsule, size: [1, 1, 2], half_length: 0.5}]",
+                           "bodies: [{shape: capsule, size: 1, half_length: -0.5}]",
+                           "bodies: [{points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}]",
+                           "bodies: [{shape: hull}]",
+                           "bodies: [{shape: hull, points: 3}]",
+                           "bodies: [{shape: hull, points: [1, 2, 3]}]",
+                           "bodies: [{shape: hull, mesh: [a]}]",
+                           "bodies: [{shape: hull, mesh: nowhere.stl}]",
                            "bodies: [{name: [a]}]",
                            "bodies: [{orientation: [0, 0, 1]}]",
                            "bodies: [{mask: 4294967296}]",
@@ -340,6 +432,30 @@ TEST(SceneFile, wrongTypesAreRefused) {
                            "bodies: [{rotation: {degrees: 1}}]"}) {
     EXPECT_NE(firstFault(text), "") << text;
   }
+}
+
+// Where the four points of a corner make a hull, each of these does not.
+TEST(SceneFile, faultyHullsAreRefusedAtTheirLine) {
+  const std::string corner = "[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]";
+  const auto fault = [](const std::string& text) {
+    return firstFault("bodies:\n  - shape: hull\n    " + text);
+  };
+  EXPECT_EQ(fault("points: " + corner), "");
+  EXPECT_EQ(fault("points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]"), "f.yaml:3: bodies[0].points");
+  EXPECT_EQ(fault("points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]"), "f.yaml:3: bodies[0].points");
+  EXPECT_EQ(fault("points:\n      - [0, 0, 0]\n      - [1, 0, 0]\n      - [0, 1, 0]\n      - [0, 0, 2e9]"),
+            "f.yaml:7: bodies[0].points[3]");
+  EXPECT_EQ(fault("points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, .nan]]"),
+            "f.yaml:3: bodies[0].points[3][2]");
+  EXPECT_EQ(fault("points: " + corner + "\n    mesh: a.stl"), "f.yaml:2: bodies[0].shape");
+  EXPECT_EQ(fault("points: " + corner + "\n    size: 1"), "f.yaml:4: bodies[0].size");
+  EXPECT_EQ(fault("points: " + corner + "\n    scale: 0"), "f.yaml:4: bodies[0].scale");
+  EXPECT_EQ(fault("points: " + corner + "\n    scale: 1e7"), "f.yaml:3: bodies[0].points");
+  EXPECT_EQ(fault("points: " + corner + "\n    scale: 1e-7"), "f.yaml:3: bodies[0].points");
+  EXPECT_EQ(fault("points: " + corner + "\n    scale: 1e300"), "f.yaml:3: bodies[0].points[1]");
+  EXPECT_EQ(fault("points: " + corner +
+                  "\n    repeat: {count: [2, 1, 1], spacing: [3, 0, 0], scale: [1e99, 1e99]}"),
+            "f.yaml:4: bodies[0].repeat");
 }
 
 TEST(SceneFile, faultyGeneratorsAreRefused) {

@@ -75,8 +75,8 @@ TEST_P(Catalogue, isWrittenAndReadBack) {
 TEST(Scenes, catalogueHoldsTheDocumentedScenes) {
   EXPECT_EQ(names(),
             (std::vector<std::string>{"ball_hits_wall", "boxes_on_slope", "bullet_and_paper", "dominoes",
-                                      "mixed_rain", "newtons_cradle", "playground", "pyramid", "sphere_rain",
-                                      "spinning_box", "tower", "windy_day"}));
+                                      "mixed_rain", "newtons_cradle", "playground", "pyramid", "shapes",
+                                      "sphere_rain", "spinning_box", "tower", "windy_day"}));
 }
 
 TEST(Scenes, sizesAreAsDescribed) {

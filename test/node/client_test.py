@@ -61,6 +61,14 @@ class ClientTest(unittest.TestCase):
         self.assertIn('no body', self.done('overlaps', '--at', 0, 0, 50))
         self.assertEqual(rbs('ray', '--from', 0, 0, 0, '--along', 0, 0, 0).returncode, 1)
 
+    def test_hulls_are_made_of_points_and_meshes(self):
+        self.done('spawn', '--name', 'corner', '--points', 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, -1, '--scale', 2)
+        self.assertAlmostEqual(body('corner').description.mass, 1000 * 8 / 6)
+        mesh = os.path.join(os.path.dirname(SMALL), '..', '..', 'scenes', 'meshes', 'dodecahedron.obj')
+        self.done('spawn', '--name', 'gem', '--mesh', os.path.relpath(mesh))
+        self.assertEqual(len(body('gem').description.vertices), 20)
+        self.assertNotEqual(rbs('spawn', '--points', 0, 0, 0, 1).returncode, 0)
+
     def test_time_is_steered(self):
         self.assertAlmostEqual(json.loads(self.done('--json', 'step', 60))['time'], 1.0)
         self.done('reset')

@@ -40,6 +40,14 @@ def pose_at(x, y, z):
     return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
 
 
+def dot(a, b):
+    return sum(u * v for u, v in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
 def distance(a, b):
     return sum((u - v) ** 2 for u, v in zip(a, b)) ** 0.5
 
@@ -152,6 +160,30 @@ class InteractiveBodiesTest(unittest.TestCase):
         for a, b, c in zip(*[iter(ball.points)] * 3):
             middle = [(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3, (a.z + b.z + c.z) / 3]
             self.assertAlmostEqual(distance(middle, [0, 0, 0]), 1.02 * 0.5)
+
+    def test_other_shapes_have_light_targets_around_them(self):
+        corner = [Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)]
+        many = [Point(x, y, z) for x in range(-3, 4) for y in range(-3, 4) for z in range(-3, 4)
+                if 2 <= x * x + y * y + z * z <= 14]
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="capsule", shape="capsule", size=Vector3(1, 1, 3), pose=pose_at(0, 4, 5)),
+            BodySpec(name="can", shape="cylinder", size=Vector3(1, 1, 3), pose=pose_at(4, 4, 5)),
+            BodySpec(name="cone", shape="cone", size=Vector3(1, 1, 3), pose=pose_at(8, 4, 5)),
+            BodySpec(name="hull", shape="hull", points=corner, pose=pose_at(12, 4, 5)),
+            BodySpec(name="ball_of_points", shape="hull", points=many, pose=pose_at(16, 4, 5))])
+        names = ["capsule", "can", "cone", "hull", "ball_of_points"]
+        self.client.wait_for(*names)
+        for name in names:
+            [[target]] = [control.markers for control in self.client.markers[name].controls]
+            self.assertLessEqual(len(target.points), 3 * 64, name)
+            triangles = [[(p.x, p.y, p.z) for p in corners] for corners in zip(*[iter(target.points)] * 3)]
+            volume = sum(dot(a, cross(b, c)) for a, b, c in triangles) / 6 * target.scale.x ** 3
+            description = body(name).description
+            self.assertGreater(volume, description.mass / 1000, name)
+            self.assertLess(volume, (2.5 if name == "ball_of_points" else 1.4) * description.mass / 1000, name)
+            # What is deepest inside of the body is behind all faces: they look outward.
+            for a, b, c in triangles:
+                self.assertGreater(dot(a, cross(b, c)), 0.0, name)
 
     def test_a_click_selects_and_changes_nothing(self):
         before = body("crate")
@@ -404,6 +436,56 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.drag_handle("selection.+z", 0, 0, 1.0)
         wait(lambda: abs(body("ball").description.size.x - 2.0) < 1e-6, "the ball is larger")
         self.assertAlmostEqual(position("ball")[2], 5.5)  # its lowest point stays
+
+    def test_a_handle_of_a_cone_widens_it_or_lifts_its_apex(self):
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="cone", shape="cone", size=Vector3(1, 1, 2), pose=pose_at(0, 4, 5))])
+        self.client.wait_for("cone")
+        self.client.choose("cone", "Resize")
+        self.client.wait_for(*FACES)
+        self.assertGreater(self.client.markers["selection.+z"].pose.position.z, 6.5)  # beyond the apex
+        self.assertGreater(self.client.markers["selection.-z"].pose.position.z, 4.0)  # near the base
+        self.drag_handle("selection.+z", 0, 0, 2.0)
+        wait(lambda: abs(body("cone").description.size.z - 4.0) < 1e-6, "the cone is higher")
+        self.assertAlmostEqual(position("cone")[2], 4.5 + 1.0)  # its base stays
+        self.drag_handle("selection.+x", 1.0, 0, 0)
+        wait(lambda: abs(body("cone").description.size.x - 2.0) < 1e-6, "the cone is wider")
+        self.assertAlmostEqual(body("cone").description.size.y, 2.0)
+        self.assertAlmostEqual(position("cone")[0], 0.5)
+
+    def test_a_handle_of_a_hull_stretches_it(self):
+        corner = [Point(0, 0, 0), Point(3, 0, 0), Point(0, 2, 0), Point(0, 0, 1)]
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="hull", shape="hull", points=corner, pose=pose_at(0, 6, 5))])
+        self.client.wait_for("hull")
+        before = body("hull")
+        q = before.pose.orientation
+        x_axis = (1 - 2 * (q.y ** 2 + q.z ** 2), 2 * (q.x * q.y + q.z * q.w), 2 * (q.x * q.z - q.y * q.w))
+        least = min(v.x for v in before.description.vertices)
+        side = dot(x_axis, position("hull")) + least
+        self.client.choose("hull", "Resize")
+        self.client.wait_for(*FACES)
+        self.drag_handle("selection.+x", *[0.5 * c for c in x_axis])
+        wait(lambda: abs(body("hull").description.size.x - before.description.size.x - 0.5) < 1e-6, "it is longer")
+        after = body("hull")
+        self.assertAlmostEqual(dot(x_axis, position("hull")) + min(v.x for v in after.description.vertices), side)
+        self.assertAlmostEqual(after.description.size.y, before.description.size.y)
+        self.assertAlmostEqual(after.description.mass / before.description.mass,
+                               after.description.size.x / before.description.size.x)
+
+    def test_a_capsule_stays_as_long_as_it_is_wide(self):
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="capsule", shape="capsule", size=Vector3(1, 1, 2), pose=pose_at(0, 4, 5))])
+        self.client.wait_for("capsule")
+        self.client.choose("capsule", "Resize")
+        self.client.wait_for(*FACES)
+        self.drag_handle("selection.+y", 0, 2.0, 0)
+        wait(lambda: abs(body("capsule").description.size.y - 3.0) < 1e-6, "the capsule is wider")
+        self.assertAlmostEqual(body("capsule").description.size.z, 3.0)
+        self.drag_handle("selection.+z", 0, 0, 1.0)
+        wait(lambda: abs(body("capsule").description.size.z - 4.0) < 1e-6, "the capsule is longer")
+        self.drag_handle("selection.+z", 0, 0, -3.0)
+        wait(lambda: abs(body("capsule").description.size.z - 3.0) < 1e-6, "the capsule is as long as wide")
 
     # --- the menu
 

@@ -167,6 +167,24 @@ class MarkersTest(unittest.TestCase):
                           a.z * (b.x * c.y - b.y * c.x)) / 6.0
         return total
 
+    def test_other_shapes_hold_their_volume(self):
+        corner = [Point(0, 0, 0), Point(3, 0, 0), Point(0, 2, 0), Point(0, 0, 1)]
+        call("/sim/spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="capsule", shape="capsule", size=Vector3(1, 1, 3), pose=pose_at(0, 5, 5)),
+            BodySpec(name="can", shape="cylinder", size=Vector3(1, 1, 3), pose=pose_at(3, 5, 5)),
+            BodySpec(name="cone", shape="cone", size=Vector3(1, 1, 3), pose=pose_at(6, 5, 5)),
+            BodySpec(name="hull", shape="hull", points=corner, pose=pose_at(9, 5, 5))])
+        picture = self.open()
+        for name, volume, least in (("capsule", math.pi * (0.5 + 1.0 / 6.0), 0.98), ("can", math.pi * 0.75, 0.99),
+                                    ("cone", math.pi * 0.25, 0.99), ("hull", 1.0, 1.0 - 1e-12)):
+            markers = picture.in_frame(name)
+            self.assertEqual(len(markers), 1 if name == "hull" else 2, name)
+            enclosed = self.enclosed(markers)
+            self.assertGreater(enclosed, least * volume, name)
+            self.assertLess(enclosed, (1.0 + 1e-12) * volume, name)
+        call("/sim/resize_body", ResizeBody, name="hull", factor=2.0)
+        wait(lambda: abs(self.enclosed(picture.in_frame("hull")) - 8.0) < 1e-9, "the hull has grown")
+
     def test_planes_are_flat_tiles_in_two_tones(self):
         picture = self.open()
         floor = [marker for marker in picture.in_frame("world") if len(marker.points) > 36]

@@ -17,6 +17,13 @@ from simulator import SMALL, StatusListener, ask, body, call, wait  # noqa: E402
 NAN, INF = float('nan'), float('inf')
 
 
+CORNER = [Point(0, 0, 0), Point(1, 0, 0), Point(0, 1, 0), Point(0, 0, 1)]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
 def at(x, y, z):
     return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
 
@@ -69,6 +76,71 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(top.description.material.friction, (0.0, ))
         self.assertEqual((top.pose.position.y, top.pose.position.z), (1.0, 2.0))
         self.assertEqual(top.twist.angular.z, 5.0)
+
+    def test_every_shape_is_spawned_with_its_mass(self):
+        for shape, size, volume in [
+            ('capsule', Vector3(0.2, 0.2, 1.0), math.pi * 0.01 * 0.8 + 4 / 3 * math.pi * 0.001),
+            ('cylinder', Vector3(0.2, 0, 1.0), math.pi * 0.01),
+            ('cone', Vector3(0.6, 0.6, 1.0), math.pi * 0.03),
+        ]:
+            call('spawn_body', name=shape, shape=shape, size=size)
+            made = body(shape).description
+            self.assertEqual(made.shape, shape)
+            self.assertAlmostEqual(made.mass, 1000 * volume)
+            self.assertAlmostEqual(made.size.y, size.x)
+            self.assertAlmostEqual(made.size.z, 1.0)
+            self.assertEqual(len(made.vertices), 0)
+
+    def test_a_hull_is_spawned_where_its_points_are(self):
+        call('spawn_body', name='corner', shape='hull', points=CORNER, scale=2.0, pose=at(10, 0, 0))
+        corner = body('corner')
+        self.assertAlmostEqual(corner.description.mass, 1000 * 8 / 6)
+        p = corner.pose.position  # its centre of mass, a quarter of the way from the right corner to the others
+        self.assertAlmostEqual(max(abs(p.x - 10.5), abs(p.y - 0.5), abs(p.z - 0.5)), 0)
+        self.assertEqual(len(corner.description.vertices), 4)
+        q = corner.pose.orientation
+        turn = (q.x, q.y, q.z)
+        for v in corner.description.vertices:
+            # v + 2 q x (q x v + w v), for a quaternion (q, w)
+            t = [2 * c for c in cross(turn, (v.x, v.y, v.z))]
+            w = [a + q.w * b + c for a, b, c in zip((v.x, v.y, v.z), t, cross(turn, t))]
+            there = [w[0] + p.x - 10, w[1] + p.y, w[2] + p.z]
+            self.assertLess(min(math.dist(there, (2 * c.x, 2 * c.y, 2 * c.z)) for c in CORNER), 1e-12)
+
+    def test_a_hull_without_a_pose_finds_a_place(self):
+        call('spawn_body', name='one', shape='hull', points=[Point(p.x, p.y, p.z + 50) for p in CORNER])
+        call('spawn_body', name='two', shape='hull', points=CORNER)
+        self.assertGreater(body('one').pose.position.z, 0.75)
+        self.assertLess(body('one').pose.position.z, 3.0)
+        self.assertGreater(body('two').pose.position.z, body('one').pose.position.z)
+
+    def test_a_hull_is_spawned_of_a_mesh_file(self):
+        mesh = 'package://rigid_body_sim/scenes/meshes/dodecahedron.obj'
+        call('spawn_body', name='near', shape='hull', mesh=mesh)
+        made = body('near').description
+        self.assertEqual(len(made.vertices), 20)
+        edge = 0.3 * 4 / (math.sqrt(3) * (1 + math.sqrt(5)))
+        self.assertAlmostEqual(made.mass / 1000 / ((15 + 7 * math.sqrt(5)) / 4 * edge ** 3), 1.0, delta=1e-6)
+        call('spawn_body', name='large', shape='hull', mesh=mesh, scale=10.0)
+        self.assertAlmostEqual(body('large').description.mass / made.mass, 1000.0, delta=1e-9)
+        triangle = self.file('corner.obj', 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n')
+        call('spawn_body', name='corner', shape='hull', mesh=triangle)
+        self.assertAlmostEqual(body('corner').description.mass, 1000 / 6, delta=1e-9)
+
+    def test_shapes_are_resized_along_their_axes(self):
+        call('spawn_body', name='can', shape='cylinder', size=Vector3(0.2, 0.2, 1.0))
+        call('resize_body', name='can', size=Vector3(0.4, 0, 0))
+        size = body('can').description.size
+        self.assertEqual((size.x, size.y, size.z), (0.4, 0.4, 1.0))
+        call('spawn_body', name='corner', shape='hull', points=CORNER)
+        before = body('corner').description
+        call('resize_body', name='corner', size=Vector3(0, 3 * before.size.y, 0))
+        after = body('corner').description
+        self.assertAlmostEqual(after.mass, 3 * before.mass)
+        self.assertAlmostEqual(after.size.x, before.size.x)
+        self.assertAlmostEqual(after.size.y, 3 * before.size.y)
+        call('resize_body', name='corner', factor=2.0)
+        self.assertAlmostEqual(body('corner').description.mass, 24 * before.mass)
 
     def test_a_pose_can_be_given_in_the_frame_of_a_body(self):
         call('move_body', name='crate', pose=Pose(Point(1, 2, 3), Quaternion(0, 0, math.sqrt(0.5), math.sqrt(0.5))))
@@ -253,7 +325,7 @@ class ServicesTest(unittest.TestCase):
     def test_every_scene_of_the_catalogue_loads_and_steps(self):
         scenes = call('list_scenes')
         wanted = {'ball_hits_wall', 'boxes_on_slope', 'playground', 'tower', 'dominoes', 'pyramid', 'newtons_cradle',
-                  'bullet_and_paper', 'spinning_box', 'sphere_rain', 'mixed_rain', 'windy_day'}
+                  'bullet_and_paper', 'shapes', 'spinning_box', 'sphere_rain', 'mixed_rain', 'windy_day'}
         self.assertLessEqual(wanted, set(scenes.names))
         for name, what in zip(scenes.names, scenes.properties):
             self.assertTrue(what, name)
@@ -262,6 +334,7 @@ class ServicesTest(unittest.TestCase):
 
     def test_a_saved_scene_and_a_saved_state_come_back(self):
         call('spawn_body', name='extra')
+        call('spawn_body', name='corner', shape='hull', points=CORNER)
         call('step', n=20)
         scene, state = self.file('scene.yaml'), self.file('state.yaml')
         call('save_scene', file=scene)
@@ -280,6 +353,8 @@ class ServicesTest(unittest.TestCase):
 
     def test_bad_numbers_are_refused_and_change_nothing(self):
         # Not subtests: rostest does not count their failures.
+        call('spawn_body', name='can', shape='cylinder')
+        call('spawn_body', name='corner', shape='hull', points=CORNER)
         v = Vector3
         faults = []
         call('spawn_body', name='wall', shape='plane', is_static=True, pose=at(0, 0, -1))
@@ -296,6 +371,30 @@ class ServicesTest(unittest.TestCase):
             (['position'], 'spawn_body', dict(pose=at(NAN, 0, 0))),
             (['orientation'], 'spawn_body', dict(pose=Pose(Point(1, 0, 0), Quaternion(NAN, 0, 0, 1)))),
             (['shape', 'banana'], 'spawn_body', dict(shape='banana')),
+            (['size'], 'spawn_body', dict(shape='cylinder', size=v(1, 2, 1))),
+            (['size', 'round'], 'spawn_body', dict(shape='capsule', size=v(1, 1, 0.5))),
+            (['size'], 'spawn_body', dict(shape='cone', size=v(1, 1, NAN))),
+            (['points', 'mesh'], 'spawn_body', dict(shape='hull')),
+            (['points', 'mesh'], 'spawn_body', dict(shape='hull', points=CORNER, mesh='/a.stl')),
+            (['hull'], 'spawn_body', dict(shape='box', points=CORNER)),
+            (['size'], 'spawn_body', dict(shape='hull', points=CORNER, size=v(1, 1, 1))),
+            (['scale', '-1'], 'spawn_body', dict(shape='hull', points=CORNER, scale=-1.0)),
+            (['scale'], 'spawn_body', dict(shape='hull', points=CORNER, scale=NAN)),
+            (['points'], 'spawn_body', dict(shape='hull', points=CORNER, scale=1e300)),
+            (['3 points'], 'spawn_body', dict(shape='hull', points=CORNER[:3])),
+            (['points[1]', 'nan'], 'spawn_body', dict(shape='hull', points=[Point(), Point(NAN, 0, 0)] + CORNER)),
+            (['same place'], 'spawn_body', dict(shape='hull', points=5 * [Point(1, 2, 3)])),
+            (['line'], 'spawn_body', dict(shape='hull', points=[Point(k, k, k) for k in range(5)])),
+            (['plane'], 'spawn_body', dict(shape='hull', points=[Point(k, k * k, 1) for k in range(5)])),
+            (['/nowhere.stl'], 'spawn_body', dict(shape='hull', mesh='/nowhere.stl')),
+            (['relative.stl', 'absolute'], 'spawn_body', dict(shape='hull', mesh='relative.stl')),
+            (['package'], 'spawn_body', dict(shape='hull', mesh='package://no_such_package/a.stl')),
+            (['broken.stl'], 'spawn_body', dict(shape='hull', mesh=self.file('broken.stl', 'solid broken\nfacet'))),
+            (['size'], 'resize_body', dict(name='can', size=v(1, 2, 1))),
+            (['size'], 'resize_body', dict(name='corner', size=v(1, -2, 1))),
+            (['size'], 'resize_body', dict(name='corner', size=v(1e-7, 0, 0))),
+            (['points'], 'resize_body', dict(name='corner', factor=1e-9)),
+            (['plane'], 'resize_body', dict(name='floor', size=v(1, 1, 1))),
             (['crate'], 'spawn_body', dict(name='crate')),
             (['name'], 'spawn_body', dict(name='two words')),
             (['nobody'], 'spawn_body', dict(frame_id='nobody', pose=at(1, 0, 0))),

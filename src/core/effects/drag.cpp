@@ -1,6 +1,9 @@
-// Drag: the force of the air on spheres and boxes.
+// Drag: the force of the air.
 //
 // A sphere of radius R moving at u = v - v_air feels F = -(rho C A/2) |u| u with A = pi R².
+//
+// A capsule, cylinder, cone or hull is taken like a sphere, with a quarter of its surface for A: that is the
+// mean of the projected areas of a convex body over all directions (A. Cauchy, 1832). It feels no couple.
 //
 // A box is felt by its faces. A surface element dA with outward normal n that moves at u through the air and
 // faces it (n.u > 0) sweeps up the air in its way: dF = -(rho C/2) (n.u) u dA. Summed over a box that does
@@ -147,11 +150,12 @@ void run(Context& context) {
     const Traits& t = scene.bodies.traits[i];
     const Vec3 u = scene.bodies.twist[i].v_WB - air;
     const double half_rho_C = 0.5 * scene.settings.air->density * t.dragCoefficient();
-    if (const auto* ball = std::get_if<Sphere>(&t.shape)) {
-      const double k = half_rho_C * kPi * ball->radius * ball->radius / t.mass;
-      step.load[i].a_W = sphereAcceleration(u, k, step.load[i].a_W, h);
-    } else if (const auto* box = std::get_if<Box>(&t.shape)) {
+    if (const auto* box = std::get_if<Box>(&t.shape)) {
       dragBox(*box, scene.bodies, i, u, half_rho_C, h, step.load[i]);
+    } else {
+      const auto* ball = std::get_if<Sphere>(&t.shape);
+      const double area = ball ? kPi * ball->radius * ball->radius : 0.25 * surfaceArea(t.shape);
+      step.load[i].a_W = sphereAcceleration(u, half_rho_C * area / t.mass, step.load[i].a_W, h);
     }
   }
 }
