@@ -161,6 +161,30 @@ TEST(TimeOfImpact, TouchingPairs) {
   EXPECT_EQ(impact(ball, moving({0, 0, 0}, {-1, 0, 0}), ball, still({1, 0, 0}), 1.0), -1.0);
 }
 
+// Rounding makes neither an approach of a ball that slides over a box, nor an escape of one that sinks in.
+TEST(TimeOfImpact, SphereThatSlidesAndSphereWithinABox) {
+  Random random(69);
+  const Sphere ball{0.5};
+  const Box box{{4, 4, 2}};
+  for (int k = 0; k < 300; ++k) {
+    const Quat q = random.attitude();
+    const auto placed = [&](const Vec3& p, const Vec3& v, const Vec3& a) {
+      Motion motion = still(q * p);
+      motion.twist.v_WB = q * v, motion.a_W = q * a;
+      return motion;
+    };
+    const Motion ground = still({0, 0, 0}, q);
+    const Vec3 along = random.uniform(0.1, 3.0) * Vec3(random.direction().head<2>().norm(), 0.3, 0.0);
+    EXPECT_EQ(impact(ball, placed({-0.3, 0.2, 1.5}, along, Vec3::Zero()), box, ground, 5.0), -1.0) << k;
+    EXPECT_EQ(impact(ball, placed({-0.3, 0.2, 1.5}, along, {0, 0, -1}), box, ground, 5.0), 0.0) << k;
+    // Its centre within the box: deeper at once, or out with 6 m/s from 0.9 m below where it is free.
+    EXPECT_EQ(impact(ball, placed({0.1, 0.2, 0.6}, {0, 0, -1}, Vec3::Zero()), box, ground, 5.0), 0.0) << k;
+    EXPECT_NEAR(impact(ball, placed({0.1, 0.2, 0.6}, {0, 0, 6}, {0, 0, -kG}), box, ground, 5.0),
+                (6.0 + std::sqrt(36.0 - 2.0 * kG * 0.9)) / kG, 1e-12)
+        << k;
+  }
+}
+
 // Thrown up from where it touches, a body is back after 2 v / g; thrown from within, when it has fallen to
 // the surface again, or turns round at v / g when it never gets free.
 TEST(TimeOfImpact, ThrownUpComesBack) {
@@ -598,6 +622,29 @@ TEST(TimeOfImpact, TenThousandBounces) {
     motion.twist.v_WB = -motion.twist.v_WB;
   }
   EXPECT_NEAR(static_cast<double>(path - (10000 * 1.8L + 0.9L)), 0.0, 1e-11);
+}
+
+// A wheel looks the same as it turns about its axis, and a body that spins in its place keeps to a ball.
+TEST(TimeOfImpact, SpinThatMovesNoSurfaceCostsNothing) {
+  const Motion floor = still({0, 0, 0});
+  for (const double w : {0.0, 1e4, 1e8}) {
+    for (const Shape& wheel : {Shape(Capsule{0.1, 0.4}), Shape(Cylinder{0.5, 0.1}), Shape(Cone{0.4, 0.6})}) {
+      Motion motion = moving({0, 0, 2}, {1, 0, -5}, kGravity);
+      motion.pose.q_WB = Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX()));
+      motion.twist.w_WB = motion.pose.q_WB * Vec3(0.0, 0.0, w);
+      int looks = 0;
+      EXPECT_TRUE(timeOfImpact(wheel, motion, Box{{9, 9, 1}}, floor, 0.0, 1.0, &looks))
+          << shapeName(wheel) << w;
+      EXPECT_LE(looks, 8) << shapeName(wheel) << w;
+    }
+    const Motion tumbling = moving({0, 0, 2}, {1, 0, -5}, kGravity, {w, w, w});
+    for (const Shape& body :
+         {Shape(Box{{1, 0.2, 0.3}}), Shape(Capsule{0.1, 0.4}), Shape(Cylinder{0.3, 0.4})}) {
+      int looks = 0;
+      EXPECT_FALSE(timeOfImpact(body, tumbling, Box{{9, 9, 1}}, floor, 0.0, 0.12, &looks)) << shapeName(body);
+      EXPECT_LE(looks, 3) << shapeName(body) << w;
+    }
+  }
 }
 
 // A ball in a closed room of boxes, on a path that fills it (hard case A58). Its place is known by unfolding

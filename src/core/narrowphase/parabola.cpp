@@ -77,7 +77,8 @@ Times turnsOf(const Parabola& u, double begin, double end) {
 // Follows |u| - radius over one stretch of a path after the other.
 class Approach {
  public:
-  Approach(double radius, bool touches, double margin) : radius_(radius), margin_(margin), touches_(touches) {}
+  Approach(double radius, bool touches, double margin)
+      : radius_(radius), margin_(margin), touches_(touches) {}
 
   std::optional<double> over(const Parabola& u, double begin, double end) {
     const auto gap = [&](double s) {

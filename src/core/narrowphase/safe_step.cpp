@@ -193,11 +193,6 @@ Mover later(const Mover& x, double s) {
 
 }  // namespace
 
-double separationAlong(const Mover& a, const Mover& b, const Vec3& n_W) {
-  return n_W.dot(b.p_W - a.p_W) - reachAlong(a, n_W, Vec3::Zero()).value - roundingOf(a) -
-         reachAlong(b, -n_W, Vec3::Zero()).value - roundingOf(b);
-}
-
 double timeApart(const Mover& a0, const Mover& b0, const Vec3& n_W, const Vec3& turn_W, bool touches,
                  const Levels& levels, double horizon) {
   // A direction is left where little of the separation is left: another one will be better by then.

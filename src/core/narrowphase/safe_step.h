@@ -13,9 +13,6 @@ struct Mover {
   Vec3 p_W, v_W, a_W, w_W;
 };
 
-/// How far B is from A along `n_W` (unit, from A to B; normal to the plane if one is a plane), m.
-double separationAlong(const Mover& a, const Mover& b, const Vec3& n_W);
-
 /// Separations along a direction, m, that tell how a pair stands.
 struct Levels {
   double closed;  ///< at most this: has closed

@@ -77,9 +77,8 @@ bool approaches(const Scene& scene) {
 }
 
 // The direction along which a pair is watched. How the normal has turned since the last look foretells how it
-// turns on: where edges meet, the separation along a normal that stays as it is is soon lost. The foretold
-// normal is also the better one where the gap is so small that the normal found is mostly rounding. The
-// normal of a plane turns with the plane.
+// turns on: where edges meet, the separation along a normal that stays as it is is soon lost. The normal of a
+// plane turns with the plane.
 class Watch {
  public:
   explicit Watch(const Scene& scene) : n_(scene.gap.n_W) {
@@ -89,13 +88,8 @@ class Watch {
 
   /// Looks again after `passed` seconds.
   void look(const Scene& scene, double passed) {
-    const Vec3 &found = scene.gap.n_W, foretold = rotationBy(passed * turn_) * n_;
-    if (!plane_ && separationAlong(scene.a, scene.b, foretold) > separationAlong(scene.a, scene.b, found)) {
-      n_ = foretold;
-    } else {
-      if (!plane_) turn_ = n_.cross(found) / passed;
-      n_ = found;
-    }
+    if (!plane_) turn_ = n_.cross(scene.gap.n_W) / passed;
+    n_ = scene.gap.n_W;
   }
 
   double timeApart(const Scene& scene, bool touches, const Levels& levels, double horizon) const {
@@ -211,9 +205,7 @@ std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const
   }
   if (motion_b.twist.w_WB.isZero(0.0)) {
     if (std::holds_alternative<Plane>(b)) return within(sphereOverPlane(scene), from, to);
-    const auto* box = std::get_if<Box>(&b);
-    const bool outside = scene.gap.distance > -sphere->radius;
-    if (box != nullptr && outside)
+    if (const auto* box = std::get_if<Box>(&b))
       return within(sphereAndBox(sphere->radius, 0.5 * box->size, scene, to - from), from, to);
   }
   return advance(a, motion_a, b, motion_b, from, to, looks);
