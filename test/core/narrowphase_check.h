@@ -23,10 +23,10 @@ inline std::string faultOf(const Pair& pair, double depth_tolerance, Worst& wors
   const std::string values = number(found.distance) + ", truth " + number(truth) + ", along its normal " +
                              number(static_cast<double>(judged.along)) + ", size " + number(size);
 
-  if (std::abs(truth) > 1e-13 * size && (found.distance > 0.0) != (truth > 0.0)) return "class: " + values;
-  const double error = found.distance > truth
-                           ? found.distance - truth
-                           : std::max(0.0, truth - found.distance - static_cast<double>(judged.slack));
+  const double least = truth - static_cast<double>(judged.slack);
+  if (found.distance > 0.0 ? truth < -1e-13 * size : least > 1e-13 * size) return "class: " + values;
+  const double error =
+      found.distance > truth ? found.distance - truth : std::max(0.0, least - found.distance);
   if (truth > 0.0) {
     ++worst.apart;
     const double beyond = error / (size + 100.0 * truth);

@@ -161,7 +161,11 @@ inline Vec betweenSegments(const Vec& p, const Vec& u, const Vec& q, const Vec& 
   keep(q - onto(q, p, u));
   keep(q + v - onto(q + v, p, u));
   // Where the lines cross within both segments, the gap lies along the normal of both.
-  const Vec w = u.cross(v);
+  Vec w = u.cross(v);
+  for (int k = 0; k < 2 && w.squaredNorm() > 0; ++k) {  // of lines nearly parallel it keeps few digits
+    w -= w.dot(u) / u.squaredNorm() * u;
+    w -= w.dot(v) / v.squaredNorm() * v;
+  }
   const Real ww = w.squaredNorm();
   if (ww > 0) {
     const Vec r = q - p;
