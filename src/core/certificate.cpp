@@ -7,13 +7,14 @@ namespace rbs::certificate {
 
 namespace {
 
-// Beyond these a body is lost: squares would overflow in what reads its state.
-constexpr double kFarthest = 1e12, kFastest = 1e12;
-
+// Within the limits of what an edit may ask for: beyond them a body is lost, and a saved state could not be
+// read.
 bool sound(const Pose& pose, const Twist& twist) {
-  return pose.p_WB.cwiseAbs().maxCoeff() < kFarthest && twist.v_WB.cwiseAbs().maxCoeff() < kFastest &&
-         twist.w_WB.cwiseAbs().maxCoeff() < kFastest && pose.q_WB.coeffs().allFinite() &&
-         pose.p_WB.allFinite() && twist.v_WB.allFinite() && twist.w_WB.allFinite();
+  const auto within = [](const Vec3& v, double limit) {
+    return v.allFinite() && v.cwiseAbs().maxCoeff() <= limit;
+  };
+  return within(pose.p_WB, Limits::max_position) && pose.q_WB.coeffs().allFinite() &&
+         within(twist.v_WB, Limits::max_speed) && within(twist.w_WB, Limits::max_spin);
 }
 
 void freeze(Context& context, Index i) {
