@@ -74,8 +74,8 @@ TEST_P(Catalogue, isWrittenAndReadBack) {
 
 TEST(Scenes, catalogueHoldsTheDocumentedScenes) {
   EXPECT_EQ(names(),
-            (std::vector<std::string>{"ball_hits_wall", "boxes_on_slope", "bullet_and_paper", "dominoes",
-                                      "mixed_rain", "newtons_cradle", "playground", "pyramid", "shapes",
+            (std::vector<std::string>{"ball_hits_wall", "balls_666", "bouncing_49", "boxes_on_slope",
+                                      "bullet_and_paper", "dominoes", "elastic_666", "mixed_rain", "newtons_cradle", "playground", "pyramid", "shapes",
                                       "sphere_rain", "spinning_box", "tower", "windy_day"}));
 }
 
@@ -111,7 +111,7 @@ TEST(Scenes, slopeFrictionSpansTheAngleOfRepose) {
 TEST(Scenes, unknownNameListsTheCatalogue) {
   const std::string message = messageFor("towr");
   EXPECT_EQ(
-      message.find("unknown scene 'towr'; did you mean 'tower'? scenes: ball_hits_wall, boxes_on_slope"), 0u)
+      message.find("unknown scene 'towr'; did you mean 'tower'? scenes: ball_hits_wall, balls_666, bouncing_49"), 0u)
       << message;
   EXPECT_EQ(messageFor("qqqqqq").find("unknown scene 'qqqqqq'; scenes: ball_hits_wall"), 0u);
   EXPECT_NE(messageFor(""), "");
