@@ -1,7 +1,7 @@
 // The exact velocity-level Coulomb problem of one island of bodies.
 //
-// Impulses r at the contact points change the velocities of the bodies, v = v_free + M^-1 J^T r, so that at each
-// point the relative velocity u = J v + drive and the impulse keep
+// Impulses r at the contact points change the velocities of the bodies, v = v_free + M^-1 J^T r, so that at
+// each point the relative velocity u = J v + drive and the impulse keep
 //   0 <= r_n,  0 <= u_n,  r_n u_n = 0                              (Signorini)
 //   |r_T| <= mu r_n                                                (Coulomb's cone, circular)
 //   u_T = -a r_T,  a >= 0,  a (mu r_n - |r_T|) = 0                 (friction dissipates all it can).
@@ -18,8 +18,8 @@ namespace rbs {
 struct CoulombBody {
   double mass;     ///< kg, > 0
   Mat3 inertia_W;  ///< about its centre of mass, written in W, kg m^2, positive definite
-  /// Of the centre, m/s, and angular, rad/s, both in W. In: the velocity it would have without contact impulses
-  /// (after the forces of the step). Out: with them.
+  /// Of the centre, m/s, and angular, rad/s, both in W. In: the velocity it would have without contact
+  /// impulses (after the forces of the step). Out: with them.
   Vec3 v, w;
 };
 
@@ -29,11 +29,11 @@ struct CoulombPoint {
   Vec3 r_i, r_j;  ///< from the centres to the point, m, in W; not read for a side that is kNone
   Mat3 frame;     ///< orthonormal columns t1, t2, n in W; n points from i to j
   double mu;      ///< >= 0
-  /// In the frame, added to the velocity of j against i, m/s: the velocity of a side that is led, the speed at
-  /// which an open gap may close (+gap/h along n), restitution.
+  /// In the frame, added to the velocity of j against i, m/s: the velocity of a side that is led, the speed
+  /// at which an open gap may close (+gap/h along n), restitution.
   Vec3 drive{0.0, 0.0, 0.0};
-  /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever u_T
-  /// is. Zero: Coulomb's law decides.
+  /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
+  /// u_T is. Zero: Coulomb's law decides.
   Eigen::Vector2d slide{0.0, 0.0};
   /// In the frame, on j (and the opposite on i), N s. In: a guess, zero for none. Out: the solution.
   Vec3 impulse{0.0, 0.0, 0.0};
@@ -51,16 +51,16 @@ enum class CoulombSolver { Guess, GaussSeidel, Newton, InteriorPoint, Admm };
 
 struct CoulombResult {
   CoulombSolver solver;  ///< whose impulses these are
-  int iterations;        ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the guess passed
-  /// How far the answer is from the three laws above, the worst over the points, in impulse and in velocity, as
-  /// a fraction of their units. Measured on the impulses alone: velocities are recomputed from them.
+  int iterations;  ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the guess passed
+  /// How far the answer is from the three laws above, the worst over the points, in impulse and in velocity,
+  /// as a fraction of their units. Measured on the impulses alone: velocities are recomputed from them.
   double signorini, coulomb, dissipation;
   bool converged;  ///< all three are within the tolerance
 };
 
-/// Finds impulses and velocities. The solver is chosen by the numbers of bodies and points and by the residuals
-/// reached, never by time. Velocities are those of the impulses returned, also where nothing converged: then it
-/// is the iterate with the smallest residuals.
+/// Finds impulses and velocities. The solver is chosen by the numbers of bodies and points and by the
+/// residuals reached, never by time. Velocities are those of the impulses returned, also where nothing
+/// converged: then it is the iterate with the smallest residuals.
 /// @param tolerance of the residuals, a fraction of the units, > 0
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance);
 

@@ -1,0 +1,135 @@
+#include "methods/body_blocks.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+#include <utility>
+
+namespace rbs::coulomb {
+
+BodyBlocks::BodyBlocks(const System& system) : system_(system) {
+  order();
+  diagonal_.resize(order_.size());
+  lower_.resize(rows_.size());
+  upper_.resize(rows_.size());
+  for (const Point& point : system_.points()) {
+    std::uint32_t slot = 0;
+    if (point.i != kNone && point.j != kNone) {
+      const Index first = std::min(place_[point.i], place_[point.j]);
+      const Index second = std::max(place_[point.i], place_[point.j]);
+      const auto begin = rows_.begin() + begin_[first], end = rows_.begin() + begin_[first + 1];
+      slot = static_cast<std::uint32_t>(std::lower_bound(begin, end, second) - rows_.begin());
+    }
+    slot_.push_back(slot);
+  }
+}
+
+void BodyBlocks::order() {
+  const Index bodies = static_cast<Index>(system_.free().cols());
+  std::vector<std::vector<Index>> neighbours(bodies);
+  for (const Point& point : system_.points()) {
+    if (point.i == kNone || point.j == kNone) continue;
+    neighbours[point.i].push_back(point.j);
+    neighbours[point.j].push_back(point.i);
+  }
+  std::set<std::pair<std::size_t, Index>> by_degree;
+  for (Index body = 0; body < bodies; ++body) {
+    std::vector<Index>& n = neighbours[body];
+    std::sort(n.begin(), n.end());
+    n.erase(std::unique(n.begin(), n.end()), n.end());
+    by_degree.insert({n.size(), body});
+  }
+  place_.assign(bodies, kNone);
+  std::vector<Index> merged;
+  while (!by_degree.empty()) {
+    const Index body = by_degree.begin()->second;
+    by_degree.erase(by_degree.begin());
+    place_[body] = static_cast<Index>(order_.size());
+    order_.push_back(body);
+    const std::vector<Index>& clique = neighbours[body];
+    for (const Index other : clique) {
+      std::vector<Index>& n = neighbours[other];
+      by_degree.erase({n.size(), other});
+      merged.clear();
+      std::set_union(n.begin(), n.end(), clique.begin(), clique.end(), std::back_inserter(merged));
+      const auto is_gone = [&](Index k) { return k == body || k == other; };
+      merged.erase(std::remove_if(merged.begin(), merged.end(), is_gone), merged.end());
+      n = merged;
+      by_degree.insert({n.size(), other});
+    }
+  }
+  // The neighbours left to each body are those that come after it.
+  begin_.push_back(0);
+  for (const Index body : order_) {
+    for (const Index other : neighbours[body]) rows_.push_back(place_[other]);
+    std::sort(rows_.begin() + begin_.back(), rows_.end());
+    begin_.push_back(static_cast<std::uint32_t>(rows_.size()));
+  }
+}
+
+void BodyBlocks::assemble(const std::vector<Mat3>& D) {
+  for (Mat6& block : diagonal_) block.setIdentity();
+  for (Mat6& block : lower_) block.setZero();
+  for (Mat6& block : upper_) block.setZero();
+  for (std::size_t k = 0; k < D.size(); ++k) {
+    const Point& point = system_.points()[k];
+    Mat36 DJ_i, DJ_j;
+    if (point.i != kNone) {
+      DJ_i.noalias() = D[k] * point.J_i;
+      diagonal_[place_[point.i]].noalias() += point.J_i.transpose() * DJ_i;
+    }
+    if (point.j != kNone) {
+      DJ_j.noalias() = D[k] * point.J_j;
+      diagonal_[place_[point.j]].noalias() += point.J_j.transpose() * DJ_j;
+    }
+    if (point.i == kNone || point.j == kNone) continue;
+    const bool i_first = place_[point.i] < place_[point.j];
+    Mat6& A_ji = i_first ? lower_[slot_[k]] : upper_[slot_[k]];
+    Mat6& A_ij = i_first ? upper_[slot_[k]] : lower_[slot_[k]];
+    A_ji.noalias() += point.J_j.transpose() * DJ_i;
+    A_ij.noalias() += point.J_i.transpose() * DJ_j;
+  }
+}
+
+bool BodyBlocks::factor(const std::vector<Mat3>& D) {
+  assemble(D);
+  for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+    const Mat6 inverse = Eigen::PartialPivLU<Mat6>(diagonal_[k]).inverse();
+    if (!inverse.allFinite()) return false;
+    diagonal_[k] = inverse;
+    const std::uint32_t begin = begin_[k], end = begin_[k + 1];
+    for (std::uint32_t a = begin; a < end; ++a) lower_[a] = lower_[a] * inverse;
+    for (std::uint32_t a = begin; a < end; ++a) {
+      const Index row = rows_[a];
+      diagonal_[row].noalias() -= lower_[a] * upper_[a];
+      std::uint32_t target = begin_[row];
+      for (std::uint32_t b = a + 1; b < end; ++b) {
+        while (rows_[target] != rows_[b]) ++target;
+        lower_[target].noalias() -= lower_[b] * upper_[a];
+        upper_[target].noalias() -= lower_[a] * upper_[b];
+      }
+    }
+  }
+  return true;
+}
+
+Velocities BodyBlocks::solve(const Velocities& y) const {
+  Velocities x(6, y.cols());
+  for (std::size_t k = 0; k < order_.size(); ++k) x.col(k) = y.col(order_[k]);
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a)
+      x.col(rows_[a]).noalias() -= lower_[a] * x.col(k);
+  }
+  for (std::size_t k = order_.size(); k-- > 0;) {
+    Vec6 sum = x.col(k);
+    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) sum.noalias() -= upper_[a] * x.col(rows_[a]);
+    x.col(k).noalias() = diagonal_[k] * sum;
+  }
+  Velocities result(6, y.cols());
+  for (std::size_t k = 0; k < order_.size(); ++k) result.col(order_[k]) = x.col(k);
+  return result;
+}
+
+}  // namespace rbs::coulomb

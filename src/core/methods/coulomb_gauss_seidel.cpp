@@ -1,0 +1,62 @@
+#include "methods/cone.h"
+#include "methods/coulomb_solvers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rbs::coulomb {
+
+namespace {
+
+constexpr std::size_t kMostPoints = 4;
+
+// The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
+Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
+  if (!point.slides) return solveContact(W, q, point.mu);
+  // Friction is known but for its size: u_n = W_n (1, -mu slide) r_n + q_n.
+  const Vec3 along(-point.mu * point.slide[0], -point.mu * point.slide[1], 1.0);
+  const double response = W.row(2).dot(along);
+  if (q[2] >= 0.0 || response <= 0.0) return Vec3::Zero();
+  return -q[2] / response * along;
+}
+
+}  // namespace
+
+bool separable(const System& system) {
+  if (system.points().size() > kMostPoints) return false;
+  const Index bodies = static_cast<Index>(system.free().cols());
+  std::vector<Index> group(bodies + 1);  // the last: all that impulses do not move
+  std::iota(group.begin(), group.end(), 0);
+  for (const Point& point : system.points()) {
+    const Index a = group[std::min(point.i, bodies)], b = group[std::min(point.j, bodies)];
+    if (a == b) return false;
+    std::replace(group.begin(), group.end(), a, b);
+  }
+  return true;
+}
+
+Answer gaussSeidel(const System& system, double tolerance, int cap) {
+  const std::vector<Point>& points = system.points();
+  std::vector<Mat3> W;
+  for (const Point& point : points) {
+    W.push_back(point.J_i * point.J_i.transpose() + point.J_j * point.J_j.transpose());
+  }
+  Answer answer;
+  answer.r = Impulses::Zero(3, points.size());
+  Velocities y = system.free();
+  while (answer.iterations < cap) {
+    ++answer.iterations;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec3 old = answer.r.col(k);
+      const Vec3 q = system.velocity(points[k], y) - W[k] * old;
+      answer.r.col(k) = solvePoint(points[k], W[k], q);
+      System::push(points[k], answer.r.col(k) - old, y);
+    }
+    answer.residuals = system.residuals(answer.r);
+    if (answer.within(tolerance)) break;
+  }
+  return answer;
+}
+
+}  // namespace rbs::coulomb

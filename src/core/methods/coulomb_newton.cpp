@@ -1,0 +1,143 @@
+// Augmented Lagrangian with a semismooth Newton method in body space.
+//
+// Coulomb's law is, for any rho > 0 (Alart and Curnier 1991),
+//   r_n = (r_n - rho u_n)_+,   r_T = P(r_T - rho u_T),
+// P being the nearest point of the disc of radius mu r_n. Each round holds r on the right and looks for the
+// velocities that the next impulses r + d, on the left, make. With u_r the velocity that r alone makes, x
+// what the next impulses add to y,
+//   F(x) = x - J^T d(x) = 0,   u = u_r + J x,
+// by Newton's method,
+//   (1 + J^T D J) dx = -F,   D = -d'(u), one of the derivatives where there are several,
+// each step halved until |F| falls; that is the norm of kinetic energy. Then r becomes r + d: a step of the
+// proximal point method, which needs no regularisation where points are redundant, and adds to r only what
+// the velocities call for.
+//
+// rho is `stiffness` times the mass the point feels, 1/response. Rounds converge by a factor of about 1/(1 +
+// stiffness w/response), w the smallest eigenvalue of J J^T that matters (1/n^2 in a stack of n): it grows
+// where they are slow. Newton's steps want it small as long as points still change their state.
+//
+// u_r is summed in long double. It is all that rho multiplies which is not itself as small as the error, so
+// that rho may be as large as it likes without its rounding in the answer.
+#include "methods/coulomb_solvers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::coulomb {
+
+namespace {
+
+constexpr double kMostStiffness = 1e10;
+constexpr double kLeastStiffness = 1e-2;
+constexpr int kMostSteps = 10;    // of Newton in a round
+constexpr int kMostHalvings = 8;  // of a step
+
+class Round {
+ public:
+  Round(const System& system, const Impulses& r)
+      : system_(system), r_(r), u_r_(system.relativeVelocities(r)) {}
+
+  struct State {
+    Velocities x, F;
+    Impulses d;
+    std::vector<Mat3> D;
+    double norm;  // of F
+  };
+
+  State at(const Velocities& x, double stiffness) const {
+    State state{x, x, Impulses(3, r_.cols()), std::vector<Mat3>(system_.points().size()), 0.0};
+    for (std::size_t k = 0; k < system_.points().size(); ++k) {
+      const Point& point = system_.points()[k];
+      Vec3 u = u_r_.col(k);
+      if (point.i != kNone) u.noalias() += point.J_i * x.col(point.i);
+      if (point.j != kNone) u.noalias() += point.J_j * x.col(point.j);
+      Vec3 d;
+      project(point, r_.col(k), u, stiffness / point.response, d, state.D[k]);
+      state.d.col(k) = d;
+      System::push(point, -d, state.F);
+    }
+    state.norm = state.F.norm();
+    return state;
+  }
+
+ private:
+  // d and D of one point.
+  static void project(const Point& point, const Vec3& r, const Vec3& u, double rho, Vec3& d, Mat3& D) {
+    D.setZero();
+    const double n = r[2] - rho * u[2], limit = point.mu * n;
+    if (n <= 0.0) {
+      d = -r;
+      return;
+    }
+    d[2] = -rho * u[2];
+    D(2, 2) = rho;
+    if (point.slides) {
+      d.head<2>() = -limit * point.slide - r.head<2>();
+      D.topRightCorner<2, 1>() = -rho * point.mu * point.slide;
+      return;
+    }
+    const Vec2 x = r.head<2>() - rho * u.head<2>();
+    const double length = x.norm();
+    if (length <= limit) {
+      d.head<2>() = -rho * u.head<2>();
+      D(0, 0) = D(1, 1) = rho;
+    } else {
+      const Vec2 t = x / length;
+      d.head<2>() = limit * t - r.head<2>();
+      D.topRightCorner<2, 1>() = rho * point.mu * t;
+      D.topLeftCorner<2, 2>() = rho * limit / length * (Eigen::Matrix2d::Identity() - t * t.transpose());
+    }
+  }
+
+  const System& system_;
+  const Impulses& r_;
+  Impulses u_r_;
+};
+
+}  // namespace
+
+Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, double stiffness,
+              double tolerance, int cap) {
+  Answer best{start, system.residuals(start), 0};
+  Impulses r = start;
+  double last = best.residuals.beyond_rounding;
+  while (best.iterations < cap && stiffness >= kLeastStiffness) {
+    const Round round(system, r);
+    Round::State state = round.at(Velocities::Zero(6, system.free().cols()), stiffness);
+    bool found = false;
+    for (int step = 0; step < kMostSteps && best.iterations < cap && !found; ++step) {
+      ++best.iterations;
+      if (!matrix.factor(state.D)) break;
+      const Velocities dx = matrix.solve(state.F);
+      double part = 1.0;
+      Round::State trial = round.at(state.x - dx, stiffness);
+      for (int k = 0; k < kMostHalvings && !(trial.norm < (1.0 - 1e-4 * part) * state.norm); ++k) {
+        part *= 0.5;
+        trial = round.at(state.x - part * dx, stiffness);
+      }
+      if (!std::isfinite(trial.norm)) break;
+      std::swap(state, trial);
+      found = state.norm <= 0.1 * (state.x - state.F).norm();
+    }
+    const Impulses next = r + state.d;
+    if (!next.allFinite()) break;
+    const Residuals residuals = system.residuals(next);
+    const double now = residuals.beyond_rounding;
+    if (now < best.residuals.beyond_rounding) {
+      best.r = next;
+      best.residuals = residuals;
+      if (now <= tolerance) break;
+    }
+    if (!found) {
+      stiffness *= 0.1;
+      if (now >= last) continue;
+    } else if (now > 0.1 * last) {
+      stiffness = std::min(10.0 * stiffness, kMostStiffness);
+    }
+    r = next;
+    last = now;
+  }
+  return best;
+}
+
+}  // namespace rbs::coulomb

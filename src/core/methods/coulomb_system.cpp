@@ -1,0 +1,169 @@
+#include "methods/coulomb_system.h"
+
+#include "algebra.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rbs::coulomb {
+
+namespace {
+
+Mat36 jacobian(const CoulombBody& body, const Vec3& arm, const Mat3& frame, double total_mass) {
+  // u = frame^T (v + w x arm), v = y_v/sqrt(m), w = L^-T y_w.
+  Mat36 J;
+  J.leftCols<3>() = frame.transpose() / std::sqrt(body.mass / total_mass);
+  const Mat3 L = body.inertia_W.llt().matrixL();
+  const Mat3 turn = crossMatrix(arm) * frame;  // (frame^T (-[arm]))^T
+  J.rightCols<3>() = L.triangularView<Eigen::Lower>().solve(turn).transpose() * std::sqrt(total_mass);
+  return J;
+}
+
+}  // namespace
+
+System::System(const CoulombProblem& problem) {
+  double total_mass = 0.0;
+  for (const CoulombBody& body : problem.bodies) total_mass += body.mass;
+  speed_ = problem.speed_unit;
+  impulse_ = total_mass * speed_;
+
+  free_.resize(6, problem.bodies.size());
+  for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
+    const CoulombBody& body = problem.bodies[k];
+    const Mat3 L = body.inertia_W.llt().matrixL();
+    free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
+        L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
+  }
+  points_.reserve(problem.points.size());
+  for (const CoulombPoint& given : problem.points) {
+    Point point;
+    point.i = given.i, point.j = given.j;
+    point.J_i.setZero();
+    point.J_j.setZero();
+    if (given.i != kNone) point.J_i = -jacobian(problem.bodies[given.i], given.r_i, given.frame, total_mass);
+    if (given.j != kNone) point.J_j = jacobian(problem.bodies[given.j], given.r_j, given.frame, total_mass);
+    point.mu = given.mu;
+    point.drive = given.drive / speed_;
+    point.slides = given.mu > 0.0 && given.slide != Vec2::Zero();
+    point.slide = given.slide;
+    point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
+    points_.push_back(point);
+  }
+}
+
+Impulses System::relativeVelocities(const Impulses& r) const {
+  Eigen::Matrix<long double, 6, Eigen::Dynamic> y = free_.cast<long double>();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    for (int row = 0; row < 3; ++row) {
+      const long double push = r(row, k);
+      for (int c = 0; c < 6; ++c) {
+        if (point.i != kNone) y(c, point.i) += point.J_i(row, c) * push;
+        if (point.j != kNone) y(c, point.j) += point.J_j(row, c) * push;
+      }
+    }
+  }
+  Impulses u(3, points_.size());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    for (int row = 0; row < 3; ++row) {
+      long double sum = point.drive[row];
+      for (int c = 0; c < 6; ++c) {
+        if (point.i != kNone) sum += point.J_i(row, c) * y(c, point.i);
+        if (point.j != kNone) sum += point.J_j(row, c) * y(c, point.j);
+      }
+      u(row, k) = static_cast<double>(sum);
+    }
+  }
+  return u;
+}
+
+// The residuals of a point, each a speed, from the natural maps of the three laws at the point's own scale,
+// an impulse x being worth the speed response x:
+//   signorini    |min(u_n, response r_n)|
+//   coulomb      response (|r_T| - mu r_n)_+
+//   dissipation  |response r_T - P(response r_T - u_T)|, P onto the disc of radius response mu r_n.
+// Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
+// the same in speed, and both are within what is returned. The third is zero where and only where friction
+// lies on the cone against sliding, or sliding is zero, given the second.
+//
+// A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
+// between heavy ones feels the last digit of their impulses.
+Residuals System::residuals(const Impulses& r) const {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  const Impulses velocity = relativeVelocities(r);
+  Eigen::VectorXd rounding = free_.colwise().norm().transpose();
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    if (point.i != kNone) rounding[point.i] += (point.J_i.transpose() * r.col(k)).norm();
+    if (point.j != kNone) rounding[point.j] += (point.J_j.transpose() * r.col(k)).norm();
+  }
+  Residuals worst;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const Vec3 u = velocity.col(k);
+    const Vec3 push = point.response * r.col(k);
+    const double limit = point.mu * std::max(push[2], 0.0);
+    const double signorini = std::abs(std::min(u[2], push[2]));
+    double coulomb, dissipation = 0.0;
+    if (point.slides) {
+      coulomb = (push.head<2>() + limit * point.slide).norm();
+    } else {
+      coulomb = std::max(0.0, push.head<2>().norm() - limit);
+      Vec2 target = push.head<2>() - u.head<2>();
+      const double length = target.norm();
+      if (length > limit) target *= limit / length;
+      dissipation = (push.head<2>() - target).norm();
+    }
+    worst.signorini = std::max(worst.signorini, signorini);
+    worst.coulomb = std::max(worst.coulomb, coulomb);
+    worst.dissipation = std::max(worst.dissipation, dissipation);
+    double floor = push.norm() + point.drive.norm();
+    if (point.i != kNone) floor += point.J_i.norm() * rounding[point.i];
+    if (point.j != kNone) floor += point.J_j.norm() * rounding[point.j];
+    worst.beyond_rounding = std::max(worst.beyond_rounding,
+                                     std::max(signorini, std::max(coulomb, dissipation)) - kEpsilon * floor);
+  }
+  return worst;
+}
+
+Impulses System::guess(const CoulombProblem& problem) const {
+  Impulses r(3, points_.size());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Vec3 given = problem.points[k].impulse / impulse_;
+    r.col(k) = nearestOnCone(points_[k], given);
+  }
+  return r;
+}
+
+void System::store(const Impulses& r, CoulombProblem& problem) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    CoulombPoint& point = problem.points[k];
+    point.impulse = impulse_ * r.col(k);
+    const Vec3 impulse_W = point.frame * point.impulse;
+    const auto apply = [&](CoulombBody& body, const Vec3& arm, const Vec3& push) {
+      body.v += push / body.mass;
+      body.w += body.inertia_W.llt().solve(arm.cross(push));
+    };
+    if (point.i != kNone) apply(problem.bodies[point.i], point.r_i, -impulse_W);
+    if (point.j != kNone) apply(problem.bodies[point.j], point.r_j, impulse_W);
+  }
+}
+
+Vec3 nearestOnCone(const Point& point, const Vec3& x) {
+  if (point.slides) {
+    const double n = std::max(x[2], 0.0);
+    return {-point.mu * n * point.slide[0], -point.mu * n * point.slide[1], n};
+  }
+  const double length = x.head<2>().norm();
+  if (length <= point.mu * x[2]) return x;
+  const double n = (point.mu * length + x[2]) / (1.0 + point.mu * point.mu);
+  if (n <= 0.0) return Vec3::Zero();
+  if (point.mu == 0.0) return {0.0, 0.0, n};
+  return {point.mu * n / length * x[0], point.mu * n / length * x[1], n};
+}
+
+}  // namespace rbs::coulomb
