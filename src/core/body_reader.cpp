@@ -131,6 +131,9 @@ void readRepeat(Fields& fields, Repeat& repeat) {
   if (fields.read("scale", repeat.scale) && !(0.0 < repeat.scale[0] && repeat.scale[0] <= repeat.scale[1])) {
     fields.report("scale", "", "[low, high] with 0 < low <= high");
   }
+  if (fields.read("speed", repeat.speed) && repeat.speed < 0.0) {
+    fields.report("speed", numberText(repeat.speed), "0 m/s or more");
+  }
   fields.read("shapes", repeat.shapes);
   for (const std::string& shape : repeat.shapes) {
     if (shape != "sphere" && shape != "box") fields.report("shapes", "'" + shape + "'", "sphere and box");
@@ -143,6 +146,25 @@ void readPyramid(Fields& fields, const Shape& shape, Pyramid& pyramid) {
   if (pyramid.rows == 0) fields.report("rows", "0", "at least 1");
   if (fields.read("gap", pyramid.gap) && pyramid.gap < 0.0) {
     fields.report("gap", numberText(pyramid.gap), "0 m or more");
+  }
+}
+
+void readRing(Fields& fields, Ring& ring) {
+  fields.require("count", "how many on the circle", ring.count);
+  fields.require("radius", "the radius of the circle", ring.radius);
+  fields.read("degrees", ring.degrees);
+  if (ring.count == 0) fields.report("count", "0", "at least 1");
+  if (!(ring.radius > 0.0)) fields.report("radius", numberText(ring.radius), "more than 0 m");
+}
+
+void readCardHouse(Fields& fields, const Shape& shape, CardHouse& house) {
+  if (!std::holds_alternative<Box>(shape)) {
+    fields.report("", shapeName(shape), "a house of cards is built of boxes");
+  }
+  fields.require("floors", "the number of floors", house.floors);
+  if (house.floors == 0) fields.report("floors", "0", "at least 1");
+  if (fields.read("degrees", house.degrees) && !(0.0 < house.degrees && house.degrees < 45.0)) {
+    fields.report("degrees", numberText(house.degrees), "more than 0 and less than 45");
   }
 }
 
@@ -199,6 +221,8 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
   BodyDef body;
   std::optional<Repeat> repeat;
   std::optional<Pyramid> pyramid;
+  std::optional<Ring> ring;
+  std::optional<CardHouse> house;
   static const std::vector<std::string> shapes{"box",      "sphere", "plane", "capsule",
                                                "cylinder", "cone",   "hull"};
   const std::string& shape = shapes[fields.choose("shape", shapes).value_or(0)];
@@ -210,10 +234,19 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
   }
   readGroup(fields, "repeat", problems_, [&](Fields& f) { readRepeat(f, repeat.emplace()); });
   readGroup(fields, "pyramid", problems_, [&](Fields& f) { readPyramid(f, body.shape, pyramid.emplace()); });
-  if (repeat && pyramid) fields.report("pyramid", "", "at most one of repeat and pyramid");
+  readGroup(fields, "ring", problems_, [&](Fields& f) { readRing(f, ring.emplace()); });
+  readGroup(fields, "card_house", problems_,
+            [&](Fields& f) { readCardHouse(f, body.shape, house.emplace()); });
+  if (repeat.has_value() + pyramid.has_value() + ring.has_value() + house.has_value() > 1) {
+    fields.report("", "", "at most one of repeat, pyramid, ring and card_house");
+  }
   fields.refuseOthers();
 
-  const double count = repeat ? bodyCount(*repeat) : pyramid ? bodyCount(*pyramid) : 1.0;
+  const double count = repeat    ? bodyCount(*repeat)
+                       : pyramid ? bodyCount(*pyramid)
+                       : ring    ? bodyCount(*ring)
+                       : house   ? bodyCount(*house)
+                                 : 1.0;
   if (static_cast<double>(bodies_.size()) + count > static_cast<double>(kMostBodies)) {
     fields.report("", numberText(count) + " bodies",
                   "at most " + std::to_string(kMostBodies) + " in a scene");
@@ -222,6 +255,8 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
     try {
       add(repeat    ? expand(body, *repeat, random)
           : pyramid ? expand(body, *pyramid)
+          : ring    ? expand(body, *ring)
+          : house   ? expand(body, *house)
                     : std::vector{body},
           index);
     } catch (const InvalidInput& refusal) {  // of a hull that `repeat` scales

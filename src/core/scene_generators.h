@@ -1,4 +1,4 @@
-// Many bodies from one entry of a scene file: grids of copies, and walls laid like bricks.
+// Many bodies from one entry of a scene file: grids, rings, walls laid like bricks, and houses of cards.
 #pragma once
 
 #include "random.h"
@@ -19,6 +19,7 @@ struct Repeat {
   bool turn = false;                            ///< whether each copy gets a random attitude
   std::array<double, 2> scale{1.0, 1.0};  ///< each copy's size is multiplied by a number from this range
   std::vector<std::string> shapes;        ///< each copy is one of these at random; empty: that of the body
+  double speed = 0.0;  ///< each copy is given this speed in a random direction besides, m/s, >= 0
 };
 
 /// Boxes laid in rows, each one box shorter than the row below: a wall in the plane of x and z. The
@@ -28,13 +29,35 @@ struct Pyramid {
   double gap = 0.0;        ///< between neighbours of a row, m
 };
 
+/// Copies on a circle about the vertical through the body's position, each turned as far as it is moved.
+struct Ring {
+  std::uint32_t count = 1;  ///< >= 1
+  double radius = 1.0;      ///< m, > 0
+  double degrees = 0.0;     ///< where the first is, from +x counter-clockwise
+};
+
+/// A house of cards in the plane of x and z: floors of pairs that lean on each other, a card across from top
+/// to top, and on these the next floor, one pair shorter. The body is a card: thin along x, standing along z.
+/// Its position is the middle of the house on the ground.
+struct CardHouse {
+  std::uint32_t floors = 1;  ///< >= 1, pairs in the lowest floor as well
+  double degrees = 25.0;     ///< from the vertical, above 0 and below 45
+};
+
 double bodyCount(const Repeat& repeat);
 double bodyCount(const Pyramid& pyramid);
+double bodyCount(const Ring& ring);
+double bodyCount(const CardHouse& house);
 
 /// In order x fastest, then y, then z; named after the body: "ball_1", "ball_2" ... A body without a
 /// name gives bodies without names.
 std::vector<BodyDef> expand(const BodyDef& body, const Repeat& repeat, SplitMix64 random);
 /// From left to right, the bottom row first. The body's shape is a box.
 std::vector<BodyDef> expand(const BodyDef& body, const Pyramid& pyramid);
+/// Counter-clockwise.
+std::vector<BodyDef> expand(const BodyDef& body, const Ring& ring);
+/// The lowest floor first, each from left to right and its cards across after its pairs. The body's shape is
+/// a box.
+std::vector<BodyDef> expand(const BodyDef& body, const CardHouse& house);
 
 }  // namespace rbs

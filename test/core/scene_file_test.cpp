@@ -303,6 +303,42 @@ TEST(SceneFile, pyramidRestsRowOnRow) {
   EXPECT_EQ(bodies[5].pose.p_WB, Vec3(0.0, 0.0, 2.0));
 }
 
+TEST(SceneFile, ringTurnsEachCopyWithItsPlace) {
+  const std::vector<BodyDef> bodies =
+      parse("bodies: [{name: a, position: [1, 2, 3], velocity: [0, 1, 0], ring: {count: 4, radius: 2}}]")
+          .bodies;
+  ASSERT_EQ(bodies.size(), 4u);
+  EXPECT_EQ(bodies[0].pose.p_WB, Vec3(3.0, 2.0, 3.0));
+  EXPECT_LE((bodies[1].pose.p_WB - Vec3(1.0, 4.0, 3.0)).norm(), 1e-15);
+  EXPECT_LE((bodies[1].twist.v_WB - Vec3(-1.0, 0.0, 0.0)).norm(), 1e-15);
+  EXPECT_LE((bodies[1].pose.q_WB * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-15);
+  const Vec3 turned = parse("bodies: [{ring: {count: 1, radius: 2, degrees: 90}}]").bodies[0].pose.p_WB;
+  EXPECT_LE((turned - Vec3(0.0, 2.0, 0.0)).norm(), 1e-15);
+}
+
+TEST(SceneFile, houseOfCardsHasPairsThatTouchAndCardsAcross) {
+  const std::vector<BodyDef> bodies =
+      parse("bodies: [{name: a, size: [0.002, 0.2, 0.4], position: [0, 0, 1], card_house: {floors: 3}}]")
+          .bodies;
+  ASSERT_EQ(bodies.size(), 6u + 2u + 4u + 1u + 2u);
+  // The lower corner of a leaning card is on the ground, its upper one at the middle of its pair.
+  const Pose& left = bodies[2].pose;
+  EXPECT_NEAR((left.p_WB + left.q_WB * Vec3(0.001, 0.0, -0.2)).z(), 1.0, 1e-15);
+  EXPECT_NEAR((left.p_WB + left.q_WB * Vec3(0.001, 0.0, 0.2)).x(), 0.0, 1e-15);
+  EXPECT_NEAR((left.p_WB + left.q_WB * Vec3(-0.001, 0.0, 0.2)).z() + 0.001, bodies[6].pose.p_WB.z(), 1e-15);
+}
+
+TEST(SceneFile, copiesFlyAtTheirSpeedInAllDirections) {
+  const std::vector<BodyDef> bodies =
+      parse("bodies: [{repeat: {count: [5, 5, 5], spacing: [2, 2, 2], speed: 3}}]").bodies;
+  Vec3 mean = Vec3::Zero();
+  for (const BodyDef& body : bodies) {
+    EXPECT_NEAR(body.twist.v_WB.norm(), 3.0, 1e-14);
+    mean += body.twist.v_WB / bodies.size();
+  }
+  EXPECT_LT(mean.norm(), 0.5);
+}
+
 const char* const kScattered = R"(
 seed: 5
 bodies:
@@ -459,18 +495,32 @@ TEST(SceneFile, faultyHullsAreRefusedAtTheirLine) {
 }
 
 TEST(SceneFile, faultyGeneratorsAreRefused) {
-  for (const char* text :
-       {"repeat: {count: [0, 1, 1], spacing: [1, 1, 1]}", "repeat: {count: [2, 1, 1]}",
-        "repeat: {spacing: [1, 1, 1]}", "repeat: {count: [2, 1.5, 1], spacing: [1, 1, 1]}",
-        "repeat: {count: [-2, 1, 1], spacing: [1, 1, 1]}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], jitter: -1}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], scale: [2, 1]}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], scale: [0, 1]}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], shapes: [plane]}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], shapes: []}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], turn: left}", "pyramid: {rows: 0}", "pyramid: {}",
-        "pyramid: 3", "pyramid: {rows: 2, gap: -1}", "shape: sphere, pyramid: {rows: 2}",
-        "repeat: {count: [1, 1, 1], spacing: [1, 1, 1]}, pyramid: {rows: 2}"}) {
+  for (const char* text : {"repeat: {count: [0, 1, 1], spacing: [1, 1, 1]}",
+                           "repeat: {count: [2, 1, 1]}",
+                           "repeat: {spacing: [1, 1, 1]}",
+                           "repeat: {count: [2, 1.5, 1], spacing: [1, 1, 1]}",
+                           "repeat: {count: [-2, 1, 1], spacing: [1, 1, 1]}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], jitter: -1}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], scale: [2, 1]}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], scale: [0, 1]}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], shapes: [plane]}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], shapes: []}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], turn: left}",
+                           "pyramid: {rows: 0}",
+                           "pyramid: {}",
+                           "pyramid: 3",
+                           "pyramid: {rows: 2, gap: -1}",
+                           "shape: sphere, pyramid: {rows: 2}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1], speed: -1}",
+                           "repeat: {count: [1, 1, 1], spacing: [1, 1, 1]}, pyramid: {rows: 2}",
+                           "ring: {count: 0, radius: 1}",
+                           "ring: {count: 3, radius: 0}",
+                           "ring: {count: 3}",
+                           "card_house: {floors: 0}",
+                           "card_house: {floors: 2, degrees: 45}",
+                           "card_house: {}",
+                           "shape: sphere, card_house: {floors: 2}",
+                           "ring: {count: 3, radius: 1}, pyramid: {rows: 2}"}) {
     EXPECT_NE(firstFault("bodies: [{" + std::string(text) + "}]"), "") << text;
   }
 }

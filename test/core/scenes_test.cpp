@@ -74,9 +74,12 @@ TEST_P(Catalogue, isWrittenAndReadBack) {
 
 TEST(Scenes, catalogueHoldsTheDocumentedScenes) {
   EXPECT_EQ(names(),
-            (std::vector<std::string>{"ball_hits_wall", "balls_666", "bouncing_49", "boxes_on_slope",
-                                      "bullet_and_paper", "dominoes", "elastic_666", "mixed_rain", "newtons_cradle", "playground", "pyramid", "shapes",
-                                      "sphere_rain", "spinning_box", "tower", "windy_day"}));
+            (std::vector<std::string>{
+                "ball_hits_wall", "balls_666",    "bouncing_49",   "boxes_on_slope", "bullet_and_paper",
+                "card_house",     "domino_ring",  "dominoes",      "elastic_666",    "gas",
+                "heavy_on_light", "jenga",        "kapla",         "mixed_rain",     "newtons_cradle",
+                "playground",     "pyramid",      "rolling_balls", "shapes",         "sphere_column",
+                "sphere_rain",    "spinning_box", "tower",         "windy_day"}));
 }
 
 TEST(Scenes, sizesAreAsDescribed) {
@@ -110,8 +113,9 @@ TEST(Scenes, slopeFrictionSpansTheAngleOfRepose) {
 
 TEST(Scenes, unknownNameListsTheCatalogue) {
   const std::string message = messageFor("towr");
-  EXPECT_EQ(
-      message.find("unknown scene 'towr'; did you mean 'tower'? scenes: ball_hits_wall, balls_666, bouncing_49"), 0u)
+  EXPECT_EQ(message.find(
+                "unknown scene 'towr'; did you mean 'tower'? scenes: ball_hits_wall, balls_666, bouncing_49"),
+            0u)
       << message;
   EXPECT_EQ(messageFor("qqqqqq").find("unknown scene 'qqqqqq'; scenes: ball_hits_wall"), 0u);
   EXPECT_NE(messageFor(""), "");

@@ -240,6 +240,159 @@ void billiardOfPi(Sheet& sheet) {
   }
 }
 
+/// The largest overlap of any two balls of equal radius, or of a ball and the floor, m; and the sum of the
+/// squares.
+struct Overlaps {
+  double deepest = 0.0, squares = 0.0;
+};
+
+Overlaps overlapsOfBalls(const World& world, double radius) {
+  std::vector<Vec3> centres;
+  const Snapshot snapshot = world.snapshot();
+  for (std::size_t k = 0; k < snapshot.states.size(); ++k)
+    if ((*snapshot.bodies)[k].kind == BodyKind::Dynamic) centres.push_back(snapshot.states[k].pose.p_WB);
+  Overlaps result;
+  const auto add = [&result](double depth) {
+    if (depth <= 0.0) return;
+    result.deepest = std::max(result.deepest, depth);
+    result.squares += depth * depth;
+  };
+  for (std::size_t i = 0; i < centres.size(); ++i) {
+    add(radius - centres[i].z());
+    for (std::size_t j = i + 1; j < centres.size(); ++j)
+      if ((centres[i] - centres[j]).squaredNorm() < 4.0 * radius * radius)
+        add(2.0 * radius - (centres[i] - centres[j]).norm());
+  }
+  return result;
+}
+
+void elastic666(Sheet& sheet) {
+  SceneDef scene = fromCatalogue("elastic_666");
+  scene.step = 0.01;
+  scene.fidelity = sheet.setting();
+  World world(scene);
+  const long double start = energyOf(world);
+  long double sum = 0.0L;
+  double deepest = 0.0;
+  const long steps = std::lround(sheet.length(4.0, 10.0) / scene.step);
+  for (long k = 0; k < steps; ++k) {
+    world.step();
+    const long double error = energyOf(world) - start;
+    sum += error * error;
+    deepest = std::max(deepest, overlapsOfBalls(world, 0.1).deepest);
+  }
+  sheet.error("mean squared error of the energy", "J²", static_cast<double>(sum / steps), closedForm(1e-16));
+  sheet.error("deepest overlap", "m", deepest, closedForm(1e-12));
+}
+
+void balls666(Sheet& sheet) {
+  SceneDef scene = fromCatalogue("balls_666");
+  scene.step = 0.01;
+  Watch watch(scene, sheet.setting());
+  double sum = 0.0, deepest = 0.0;
+  const long steps = std::lround(sheet.length(3.0, 10.0) / scene.step);
+  for (long k = 0; k < steps; ++k) {
+    watch.step();
+    const Overlaps overlaps = overlapsOfBalls(watch.world(), 0.1);
+    sum += overlaps.squares / steps;
+    deepest = std::max(deepest, overlaps.deepest);
+  }
+  sheet.error("sum of the squared overlaps, mean over time", "m²", sum, exact(1e-9));
+  sheet.error("deepest overlap", "m", deepest, shown());
+  watch.writePromises(sheet);
+}
+
+void flatAndOnEdge(Sheet& sheet) {
+  SceneDef flat = onFloor(kFrame, 0.6);
+  flat.bodies.push_back(box("box", Vec3(1.0, 0.6, 0.4), Vec3(0.3, -0.2, 1.2)));
+  flat.bodies.back().material.restitution = 0.5;
+  Watch falls(flat, sheet.setting());
+  const double arrival = std::sqrt(2.0 / kGravity);
+  while (falls.world().time() < arrival + 0.1) falls.step();
+  const Twist twist = falls["box"].twist;
+  const double since = falls.world().time() - arrival;
+  sheet.error("speed of rebound, flat", "m/s", twist.v_WB.z() - (0.5 * kGravity * arrival - kGravity * since),
+              closedForm(1e-10));
+  sheet.error("spin after, flat", "rad/s", twist.w_WB.norm(), closedForm(1e-12));
+
+  // A rod at angle th, without friction: J = (1+e) v/(1/m + (l cos th)²/I), l its lever's length. The lowest
+  // edge is at (1, -0.05) in the rod's x and z.
+  for (const double th : {0.2, 0.5, 1.0}) {
+    const double e = 0.5, x = std::cos(th) - 0.05 * std::sin(th), z = std::sin(th) + 0.05 * std::cos(th);
+    SceneDef scene = onFloor(kFrame, 0.0);
+    BodyDef rod = box("rod", Vec3(2.0, 0.1, 0.1), Vec3(0.0, 0.0, 2.0));
+    rod.pose.q_WB = Quat(Eigen::AngleAxisd(th, Vec3::UnitY()));
+    rod.mass = 1.0;
+    rod.material.restitution = e;
+    scene.bodies.push_back(rod);
+    Watch watch(scene, sheet.setting());
+    const bool met =
+        watch.runUntil(2.0, [](const World& world) { return stateOf(world, "rod").twist.w_WB.norm() > 0.0; });
+    const double fall = std::sqrt(2.0 * kGravity * (2.0 - z)), I = (4.0 + 0.01) / 12.0;
+    const double J = (1.0 + e) * fall / (1.0 + x * x / I);
+    const double spin = met ? std::abs(watch["rod"].twist.w_WB.y()) : 0.0;
+    char which[48];
+    std::snprintf(which, sizeof which, "spin of a rod at %g rad, relative", th);
+    sheet.error(which, "", spin / (J * x / I) - 1.0, closedForm(1e-10));
+  }
+}
+
+void bouncyStack(Sheet& sheet) {
+  SceneDef scene = onFloor(kFrame, 0.6);
+  for (int k = 0; k < 10; ++k) {
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 1.0 + k)));
+    scene.bodies.back().material.restitution = 0.8;
+  }
+  Watch watch(scene, sheet.setting());
+  double risen = -1.0;
+  const long steps = std::lround(sheet.length(8.0, 20.0) / kFrame);
+  for (long k = 0; k < steps; ++k) {
+    watch.step();
+    for (int b = 0; b < 10; ++b)
+      risen = std::max(risen, watch["box_" + std::to_string(b)].pose.p_WB.z() - (1.0 + b));
+  }
+  sheet.check("no box above where it started", risen <= 1e-9, fastAndExact(0.0, 0.0));
+  sheet.error("speed at the end", "m/s", fastestPoint(watch.world()), fastAndExact(1e-4, 1e-9));
+  watch.writePromises(sheet);
+}
+
+// The largest distance between the distribution of the velocities' components and a normal one (Kolmogorov,
+// Smirnov).
+double distanceToNormal(std::vector<double> values) {
+  double squares = 0.0;
+  for (const double v : values) squares += v * v;
+  const double deviation = std::sqrt(squares / values.size());
+  std::sort(values.begin(), values.end());
+  double worst = 0.0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double normal = 0.5 * std::erfc(-values[k] / (deviation * std::sqrt(2.0)));
+    worst = std::max({worst, normal - static_cast<double>(k) / values.size(),
+                      static_cast<double>(k + 1) / values.size() - normal});
+  }
+  return worst;
+}
+
+void gas(Sheet& sheet) {
+  SceneDef scene = fromCatalogue("gas");
+  scene.fidelity = sheet.setting();
+  World world(scene);
+  const double start = world.totals().kinetic_energy;
+  advance(world, sheet.length(1.5, 100.0));
+  sheet.error("energy, relative", "", world.totals().kinetic_energy / start - 1.0, fastAndExact(1e-2, 1e-12));
+  int escaped = 0;
+  std::vector<double> components;
+  const Snapshot snapshot = world.snapshot();
+  for (std::size_t k = 0; k < snapshot.states.size(); ++k) {
+    if ((*snapshot.bodies)[k].kind != BodyKind::Dynamic) continue;
+    escaped += snapshot.states[k].pose.p_WB.lpNorm<Eigen::Infinity>() > 5.0;
+    for (int axis = 0; axis < 3; ++axis) components.push_back(snapshot.states[k].twist.v_WB[axis]);
+  }
+  sheet.error("escaped balls", "", escaped, every(0.0));
+  // 1.63/sqrt(n) is the distance that one normal sample in a hundred exceeds.
+  sheet.error("velocities: distance to a normal distribution, of that at p = 0.01", "",
+              distanceToNormal(components) * std::sqrt(components.size()) / 1.63, closedForm(1.0));
+}
+
 }  // namespace
 
 std::vector<Case> impactCases() {
@@ -277,6 +430,32 @@ std::vector<Case> impactCases() {
        "balls meet 3, "
        "31, 314, 3141, 31415, 314159 times (Galperin 2003).",
        billiardOfPi},
+      {"A15", "Elastic 666",
+       "216 elastic balls without friction (R = 0.1 m, 10 kg) in a cube of gap 0.21 m, each out of line by "
+       "up to 1e-3 m, "
+       "fall from 1.1 m for 10 s (4 s in the tests) at steps of 0.01 s (scene elastic_666; SimBenchmark's "
+       "measure).",
+       elastic666},
+      {"A16", "Inelastic 666",
+       "The same cube without rebound, from 1 mm above the floor (scene balls_666), 10 s (3 s in the tests) "
+       "at steps of "
+       "0.01 s. Measured: the sum over pairs of the squared overlap, averaged over time (SimBenchmark's "
+       "measure).",
+       balls666},
+      {"A18", "Flat and on its edge",
+       "A box falls flat from 1 m with e = 0.5: it leaves at e v, without spin. A rod of 2 m falls on its "
+       "edge at "
+       "0.2, 0.5 and 1 rad, without friction: J = (1 + e) v/(1/m + x²/I), x its lever.",
+       flatAndOnEdge},
+      {"A19", "A bouncy stack",
+       "Ten cubes of 1 m with e = 0.8, one on the other, dropped together from 0.5 m; 20 s (8 s in the "
+       "tests).",
+       bouncyStack},
+      {"A20", "Gas in a box",
+       "500 elastic balls (R = 0.1 m) of about 100 m/s in a closed box of 10 m for 100 s (1.5 s in the "
+       "tests) at 60 Hz "
+       "(scene gas). Collisions make the velocities normally distributed.",
+       gas},
   };
 }
 
