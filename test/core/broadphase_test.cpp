@@ -20,13 +20,11 @@ namespace {
 
 constexpr double kReach = 4.0;  // of the places of bodies, m
 
-// Of all kinds, mostly of 0.1 to 1 m. Some are tiny or huge; where forces move them these are balls, since a
-// tiny needle between huge bodies is a trial for the contact solver and not for the broad phase.
-Shape anyShape(Random& random, bool dynamic) {
-  const bool extreme = random.below(8) == 0;
-  const double size = extreme ? std::pow(10.0, random.uniform(-3, 2)) : random.uniform(0.1, 1.0);
+// Of all kinds and sizes: mostly of 0.1 to 1 m, some tiny, some huge.
+Shape anyShape(Random& random) {
+  const double size = random.below(8) == 0 ? std::pow(10.0, random.uniform(-3, 2)) : random.uniform(0.1, 1.0);
   const double part = size * random.uniform(0.2, 1.0);
-  switch (extreme && dynamic ? 0 : random.below(6)) {
+  switch (random.below(6)) {
     case 0:
     case 1:
       return Sphere{0.5 * size};
@@ -45,11 +43,13 @@ BodyDef anyBody(Random& random) {
   BodyDef def;
   const int kind = random.below(8);
   def.kind = kind == 0 ? BodyKind::Static : kind == 1 ? BodyKind::Kinematic : BodyKind::Dynamic;
-  def.shape = anyShape(random, def.kind == BodyKind::Dynamic);
+  def.shape = anyShape(random);
   def.pose = random.pose(kReach);
   def.group = 1u << random.below(2);
   if (random.below(4) == 0) def.mask = static_cast<std::uint32_t>(random.below(4));
-  if (def.kind == BodyKind::Dynamic) def.mass = 1.0;
+  // Without friction: a gram jammed between a thousand tonnes is a trial for the law of impact, which seeks
+  // the largest restitution that gains no energy there, in thousands of impacts a step, for minutes.
+  def.material.friction = 0.0;
   if (def.kind != BodyKind::Static)
     def.twist = {random.inCube(random.below(5) == 0 ? 100.0 : 3.0), random.inCube(10.0)};
   else if (random.below(3) == 0)
@@ -125,8 +125,7 @@ void edit(World& world, const Case& c, int round, int body) {
       break;
     case 1:
       if (std::holds_alternative<Plane>(description.shape)) return;
-      edit.shape = anyShape(random, description.kind == BodyKind::Dynamic);
-      edit.mass = description.mass;
+      edit.shape = anyShape(random);
       break;
     case 2:
       world.removeBody(id);
@@ -299,7 +298,7 @@ TEST(Bounds, HoldTheBodyOverTheWholeStep) {
   Random random(seed);
   for (int k = 0; k < 3000; ++k) {
     BodyDef def;
-    def.shape = anyShape(random, false);
+    def.shape = anyShape(random);
     def.pose = random.pose(5.0);
     def.twist = {random.inCube(20.0), random.inCube(20.0)};
     Bodies bodies;
