@@ -30,6 +30,10 @@ const std::vector<Shortfall>& knownShortfalls() {
       {"A20", "interactive", "escaped balls", "11",
        "more impacts in a step than its budget: the rest are left to the contacts, which keep neither energy "
        "nor walls"},
+      {"A21", "interactive", "stays below the threshold by 0.001", "0",
+       "one pass a sub-step leaves too much of the friction of four corners unsolved"},
+      {"A32", "interactive", "energy of the ring, relative", "-0.031",
+       "what meets at one time is left to soft contacts, which dissipate"},
       {"A75", "preview", "gained in all, of its scale: gas", "20",
        "more impacts in a step than its budget: the rest are left to the contacts, which keep neither energy "
        "nor walls"},

@@ -99,6 +99,7 @@ struct Case {
 // The groups, each in the file of its name.
 std::vector<Case> flightCases();
 std::vector<Case> impactCases();
+std::vector<Case> frictionCases();
 std::vector<Case> determinismCases();
 
 /// All cases, by number.
