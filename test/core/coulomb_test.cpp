@@ -550,7 +550,17 @@ TEST(Coulomb, RubbleAtRestAndInImpact) {
     solveAndExpectLaw(rest.problem, kTolerance, 1e-8);
     Scene impact = rubble(3, 0.3, 10.0, 1.0, seed);
     solveAndExpectLaw(impact.problem, kTolerance, 1e-8);
+    Scene uneven = rubble(3, 0.5, 1e4, 1.0, seed);
+    solveAndExpectLaw(uneven.problem, kTolerance, 1e-6);
   }
+}
+
+TEST(Coulomb, AnIslandOfThousandsOfPointsIsSolvedByTheAlternatingMethod) {
+  Scene scene = wall(32, 16);
+  ASSERT_GT(scene.problem.points.size(), 4000u);
+  const CoulombResult result = solveAndExpectLaw(scene.problem, 1e-6, 1e-5);
+  EXPECT_EQ(result.solver, CoulombSolver::Admm);
+  EXPECT_LT(speedOf(scene.problem), 1e-5);
 }
 
 TEST(Coulomb, ThePainleveRodObeysTheLaw) {

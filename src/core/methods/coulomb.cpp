@@ -8,16 +8,17 @@ namespace rbs {
 
 using namespace coulomb;
 
-// Solvers are tried in this order until one passes.
+// Solvers are tried in this order until one passes:
 //   the guess as it is
 //   a few steps of Newton from the guess, for loads that changed in size only
 //   Gauss-Seidel on a few points without loops
-//   Newton on small islands
+//   Newton on small islands, ADMM on large ones
 //   the interior point
-// What the last three leave is finished by Newton.
+//   ADMM again, from what the interior point left
+// Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
-  constexpr std::size_t kSmall = 64;  // points
-  constexpr double kFinish = 1e-6;    // where the interior point hands over
+  constexpr std::size_t kSmall = 64, kLarge = 4000;  // points
+  constexpr double kFinish = 1e-6;                   // the tolerance of those that Newton finishes
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
   Answer best;
@@ -32,19 +33,30 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   };
   const bool is_warm = !best.r.isZero(0.0);
   if (!best.within(tolerance)) {
+    const std::size_t size = system.points().size();
+    const double rough = std::max(tolerance, kFinish);
     BodyBlocks matrix(system);
-    const Impulses cold = Impulses::Zero(3, system.points().size());
+    const Impulses cold = Impulses::Zero(3, size);
+    const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
+      consider(of, answer);
+      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e4, tolerance, cap));
+    };
     if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, tolerance, 8));
     if (!best.within(tolerance) && separable(system)) {
-      consider(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 100));
+      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 100), 10);
     }
-    if (!best.within(tolerance) && system.points().size() <= kSmall) {
+    if (!best.within(tolerance) && size <= kSmall) {
       consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, tolerance, 20));
     }
-    if (!best.within(tolerance)) {
-      consider(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, std::max(tolerance, kFinish), 80));
+    if (!best.within(tolerance) && size > kLarge) {
+      finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
     }
-    if (!best.within(tolerance)) consider(solver, newton(system, matrix, best.r, 1e4, tolerance, 40));
+    if (!best.within(tolerance)) {
+      finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), 40);
+    }
+    for (int round = 0; round < 4 && !best.within(tolerance); ++round) {
+      finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
+    }
   }
 
   system.store(best.r, problem);

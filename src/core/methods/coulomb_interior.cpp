@@ -19,10 +19,11 @@
 // not symmetric. The velocities follow from y = y_free + J^T r:
 //   (1 + J^T D J) dy = J^T (e + D (u - J y - drive)) - (y - y_free - J^T r).
 //
-// A point's impulses are measured as the speeds they are worth, response r, and products aim at the same t
-// there: the start is then on the central path whatever the masses. D grows without bound where a product
-// goes to 0, and the factors lose their digits with it; then the answer is as good as it will be, and for
-// `newton` to finish.
+// All products begin at the same t, in units of the whole island: so the lightest bodies' are the last to
+// close, which 1e4 : 1 in masses needs; at the same t for their own mass, half of such islands get stuck. The
+// path of the products may turn back at some t > 0, since the problem is not monotone; there steps shrink to
+// nothing, and what was reached is for others to go on from. D grows without bound where a product goes to 0,
+// and the factors lose their digits with it: the last digits are for `newton`.
 #include "methods/coulomb_solvers.h"
 
 #include <algorithm>
@@ -36,7 +37,9 @@ namespace {
 using Mat2 = Eigen::Matrix2d;
 
 constexpr double kMostOfStep = 0.99;  // to the boundary
-constexpr double kLeastStep = 1e-6;
+constexpr double kLeastCentring = 1e-8;
+constexpr double kShortStep = 0.05;
+constexpr int kShortSteps = 6;    // in a row, until it is stuck
 constexpr double kSolved = 1e-3;  // what a solution of the linear equations may leave
 
 // --- vectors of the cone |x_T| <= x_n, the axis last
@@ -101,7 +104,7 @@ struct Scaling {
   }
 };
 
-/// A point and its pairs. Impulses are worth `response` times as much here.
+/// A point and its pairs.
 struct Pairs {
   bool round;  // friction is on the cone: both pairs
   Vec3 along;  // the impulse of r_n = 1 where there is only the first
@@ -160,8 +163,7 @@ class InteriorPoint {
 
   Impulses impulses() const {
     Impulses r(3, pairs_.size());
-    for (std::size_t k = 0; k < pairs_.size(); ++k)
-      r.col(k) = pairs_[k].impulse() / system_.points()[k].response;
+    for (std::size_t k = 0; k < pairs_.size(); ++k) r.col(k) = pairs_[k].impulse();
     return r;
   }
 
@@ -175,9 +177,10 @@ class InteriorPoint {
     if (!solve(0.0, false, dy)) return false;
     const double affine = std::min(1.0, longestStep());
     const double left = 1.0 - affine;
-    if (!solve(std::max(left * left * left, 1e-8) * products / count_, true, dy)) return false;
+    if (!solve(std::max(left * left * left, kLeastCentring) * products / count_, true, dy)) return false;
     const double step = std::min(1.0, kMostOfStep * longestStep());
-    if (!(step > kLeastStep)) return false;
+    short_steps_ = step < kShortStep ? short_steps_ + 1 : 0;
+    if (short_steps_ == kShortSteps || !std::isfinite(step)) return false;
     y_ += step * dy;
     for (std::size_t k = 0; k < pairs_.size(); ++k) pairs_[k].move(step, system_.points()[k].mu);
     return true;
@@ -189,7 +192,7 @@ class InteriorPoint {
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
       const Point& point = system_.points()[k];
       Pairs& pairs = pairs_[k];
-      System::push(point, -pairs.impulse() / point.response, away_);
+      System::push(point, -pairs.impulse(), away_);
       pairs.off = pairs.velocity() - system_.velocity(point, y_);
       if (!pairs.round) pairs.off.head<2>().setZero();
       Mat3& D = D_[k];
@@ -204,7 +207,6 @@ class InteriorPoint {
       } else {
         D.col(2) = dr_n * pairs.along;
       }
-      D /= point.response;
     }
   }
 
@@ -224,7 +226,7 @@ class InteriorPoint {
         e.head<2>() = pairs.q.head<2>() -
                       s.square.topRightCorner<2, 1>() / s.square(2, 2) * (pairs.q[2] - point.mu * e[2]);
       }
-      System::push(point, e / point.response + D_[k] * pairs.off, right);
+      System::push(point, e + D_[k] * pairs.off, right);
     }
     dy = matrix_.solve(right);
     // One refinement, which also tells what the factors are worth.
@@ -276,6 +278,7 @@ class InteriorPoint {
   std::vector<Mat3> D_;
   Velocities away_;  // y - y_free - J^T r
   int count_ = 0;    // of pairs
+  int short_steps_ = 0;
 };
 
 }  // namespace

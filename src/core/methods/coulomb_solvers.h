@@ -30,4 +30,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, d
 /// finish.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);
 
+/// Alternating direction method of multipliers. Iterations are steps, one solution of linear equations each.
+Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, double tolerance, int cap);
+
 }  // namespace rbs::coulomb
