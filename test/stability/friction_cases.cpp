@@ -9,12 +9,6 @@ namespace {
 
 using namespace test;
 
-std::string named(const char* format, double value) {
-  char text[96];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// A scene with a floor and one body on it, both of this friction.
 SceneDef oneBody(const BodyDef& body, double friction) {
   SceneDef scene = onFloor(kFrame, friction);

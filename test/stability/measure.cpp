@@ -18,6 +18,30 @@ SceneDef fromCatalogue(const std::string& name) {
   return readScene(findScene(RBS_SCENES, name)).scene;
 }
 
+std::string named(const char* format, double value) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+BodyDef fixedBox(const std::string& name, const Vec3& size, const Vec3& p_W) {
+  BodyDef def = test::box(name, size, p_W);
+  def.kind = BodyKind::Static;
+  return def;
+}
+
+SceneDef room(double side) {
+  SceneDef scene = test::emptySpace(kFrame);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      Vec3 size = Vec3::Constant(side + 1.0), p = Vec3::Zero();
+      size[axis] = 0.5, p[axis] = sign * (0.5 * side + 0.25);
+      scene.bodies.push_back(fixedBox("wall_" + std::to_string(scene.bodies.size()), size, p));
+    }
+  }
+  return scene;
+}
+
 long double kineticEnergyOf(const World& world) {
   const Snapshot snapshot = world.snapshot();
   long double sum = 0.0L;

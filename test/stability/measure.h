@@ -16,6 +16,14 @@ inline constexpr double kFrame = 1.0 / 60.0;  ///< the step of the fast settings
 /// A scene of the catalogue.
 SceneDef fromCatalogue(const std::string& name);
 
+/// The text of a number in a format of printf.
+std::string named(const char* format, double value);
+
+BodyDef fixedBox(const std::string& name, const Vec3& size, const Vec3& p_W);
+
+/// Six fixed boxes of thickness 0.5 m around an empty cube of this side, without gravity.
+SceneDef room(double side);
+
 /// Kinetic and potential energy, zero at the origin of W, summed in long double, J.
 long double energyOf(const World& world);
 /// Kinetic energy alone, J.

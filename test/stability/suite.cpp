@@ -34,7 +34,8 @@ void Sheet::check(const std::string& metric, bool is_so, const Bound& asked_of) 
 
 std::vector<Case> allCases() {
   std::vector<Case> cases;
-  for (const auto& group : {flightCases(), impactCases(), frictionCases(), determinismCases()})
+  for (const auto& group : {flightCases(), impactCases(), frictionCases(), structureCases(), scaleCases(),
+                            ccdCases(), abuseCases(), airCases(), determinismCases()})
     cases.insert(cases.end(), group.begin(), group.end());
   std::sort(cases.begin(), cases.end(),
             [](const Case& a, const Case& b) { return std::strcmp(a.number, b.number) < 0; });

@@ -100,6 +100,11 @@ struct Case {
 std::vector<Case> flightCases();
 std::vector<Case> impactCases();
 std::vector<Case> frictionCases();
+std::vector<Case> structureCases();
+std::vector<Case> scaleCases();
+std::vector<Case> ccdCases();
+std::vector<Case> abuseCases();
+std::vector<Case> airCases();
 std::vector<Case> determinismCases();
 
 /// All cases, by number.
