@@ -555,6 +555,18 @@ TEST(Coulomb, RubbleAtRestAndInImpact) {
   }
 }
 
+// The central path of this jam turns back from t = 4e-9 to 2e-7 before it ends: a method that asks for ever
+// smaller products does not pass.
+TEST(Coulomb, AJamWhosePathTurnsBackIsSolved) {
+  Scene scene = rubble(2, 1.0, 1.0, 0.0, 10);
+  solveAndExpectLaw(scene.problem, kTolerance, 1e-7);
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    Scene jam = rubble(3, 1.0, 10.0, 1.0, seed);
+    solveAndExpectLaw(jam.problem, kTolerance, 1e-6);
+  }
+}
+
 TEST(Coulomb, AnIslandOfThousandsOfPointsIsSolvedByTheAlternatingMethod) {
   Scene scene = wall(32, 16);
   ASSERT_GT(scene.problem.points.size(), 4000u);

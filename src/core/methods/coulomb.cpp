@@ -13,8 +13,8 @@ using namespace coulomb;
 //   a few steps of Newton from the guess, for loads that changed in size only
 //   Gauss-Seidel on a few points without loops
 //   Newton on small islands, ADMM on large ones
-//   the interior point
-//   ADMM again, from what the interior point left
+//   the interior point, and its path by arc length where that turns back
+//   ADMM again, from the best of these
 // Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   constexpr std::size_t kSmall = 64, kLarge = 4000;  // points
@@ -53,6 +53,9 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     }
     if (!best.within(tolerance)) {
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), 40);
+    }
+    if (!best.within(tolerance)) {
+      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, 400), 40);
     }
     for (int round = 0; round < 4 && !best.within(tolerance); ++round) {
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);

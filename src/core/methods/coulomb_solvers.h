@@ -30,6 +30,9 @@ Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, d
 /// finish.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);
 
+/// The interior point's path by its arc length, slower and through more. Iterations are factorisations.
+Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, int cap);
+
 /// Alternating direction method of multipliers. Iterations are steps, one solution of linear equations each.
 Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, double tolerance, int cap);
 
