@@ -25,14 +25,15 @@ Sheet runCase(const Case& which, Fidelity setting, bool full_length) {
   return sheet;
 }
 
-bool isKnown(const Case& which, Fidelity setting, const Row& row) {
-  for (const Shortfall& known : knownShortfalls()) {
-    if (known.number == std::string(which.number) && known.setting == std::string(fidelityName(setting)) &&
-        known.metric == row.metric) {
-      return true;
+/// The entry of the list of known shortfalls; null where there is none.
+const Shortfall* known(const Case& which, Fidelity setting, const Row& row) {
+  for (const Shortfall& shortfall : knownShortfalls()) {
+    if (shortfall.number == std::string(which.number) &&
+        shortfall.setting == std::string(fidelityName(setting)) && shortfall.metric == row.metric) {
+      return &shortfall;
     }
   }
-  return false;
+  return nullptr;
 }
 
 /// A case at a setting, as a test.
@@ -45,7 +46,7 @@ class CaseTest : public testing::Test {
     EXPECT_FALSE(sheet.rows().empty());
     for (const Row& row : sheet.rows()) {
       if (!row.bound) continue;
-      if (isKnown(case_, setting_, row)) {
+      if (known(case_, setting_, row)) {
         EXPECT_FALSE(row.holds()) << row.metric << " has come to hold: " << row.measured
                                   << "; take it off known_shortfalls.cpp";
       } else {
@@ -61,11 +62,11 @@ class CaseTest : public testing::Test {
 };
 
 TEST(KnownShortfalls, nameCasesSettingsAndReasons) {
-  for (const Shortfall& known : knownShortfalls()) {
+  for (const Shortfall& shortfall : knownShortfalls()) {
     bool found = false;
-    for (const Case& which : allCases()) found |= std::string(which.number) == known.number;
-    EXPECT_TRUE(found) << known.number;
-    EXPECT_NE(std::string(known.reason), "") << known.number;
+    for (const Case& which : allCases()) found |= std::string(which.number) == shortfall.number;
+    EXPECT_TRUE(found) << shortfall.number;
+    EXPECT_NE(std::string(shortfall.reason), "") << shortfall.number;
   }
 }
 
@@ -118,7 +119,9 @@ void printJson(const Case& which, const Sheet& sheet) {
     text += comma + std::string("{\"metric\": ") + quoted(row.metric) + ", \"unit\": " + quoted(row.unit) +
             ", \"measured\": " + number(row.measured) + ", \"reference\": " + number(row.reference) +
             ", \"bound\": " + (row.bound ? number(*row.bound) : "null") +
-            ", \"holds\": " + (row.holds() ? "true" : "false") + "}";
+            ", \"holds\": " + (row.holds() ? "true" : "false");
+    const Shortfall* shortfall = known(which, sheet.setting(), row);
+    text += shortfall ? ", \"reason\": " + quoted(shortfall->reason) + "}" : "}";
     comma = ", ";
   }
   std::cout << text << "]}" << std::endl;
