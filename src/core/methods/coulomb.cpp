@@ -17,8 +17,8 @@ using namespace coulomb;
 //   ADMM again, from the best of these
 // Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
-  constexpr std::size_t kSmall = 64, kLarge = 4000;  // points
-  constexpr double kFinish = 1e-6;                   // the tolerance of those that Newton finishes
+  constexpr std::size_t kFewBodies = 4, kManyPoints = 4000;
+  constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
   Answer best;
@@ -45,10 +45,10 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     if (!best.within(tolerance) && separable(system)) {
       finish(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 100), 10);
     }
-    if (!best.within(tolerance) && size <= kSmall) {
+    if (!best.within(tolerance) && problem.bodies.size() <= kFewBodies) {
       consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, tolerance, 20));
     }
-    if (!best.within(tolerance) && size > kLarge) {
+    if (!best.within(tolerance) && size > kManyPoints) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
     }
     if (!best.within(tolerance)) {
