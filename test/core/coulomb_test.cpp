@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <limits>
 #include <numeric>
 
 using namespace rbs;
@@ -565,6 +566,8 @@ TEST(Coulomb, AJamWhosePathTurnsBackIsSolved) {
     Scene jam = rubble(3, 1.0, 10.0, 1.0, seed);
     solveAndExpectLaw(jam.problem, kTolerance, 1e-6);
   }
+  Scene large = rubble(4, 1.0, 1.0, 0.0, 10);
+  solveAndExpectLaw(large.problem, kTolerance, 1e-6);
 }
 
 TEST(Coulomb, AnIslandOfThousandsOfPointsIsSolvedByTheAlternatingMethod) {
@@ -607,6 +610,15 @@ TEST(Coulomb, ASolutionAsGuessTakesNoIterationAndALikelyOneFew) {
   const CoulombResult close = solveAndExpectLaw(heavier, kTolerance, 1e-8);
   EXPECT_EQ(close.solver, CoulombSolver::Newton);
   EXPECT_LE(close.iterations, 4);
+}
+
+TEST(Coulomb, AGuessThatIsNoNumberOrFarOffDoesNoHarm) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e12, -1e12}) {
+    Scene scene = stack({1, 2, 3});
+    for (CoulombPoint& point : scene.problem.points) point.impulse = {bad, 0.0, bad};
+    solveAndExpectLaw(scene.problem);
+    EXPECT_LT(speedOf(scene.problem), 1e-10);
+  }
 }
 
 TEST(Coulomb, TheOrderOfPointsAndBodiesDoesNotMatter) {

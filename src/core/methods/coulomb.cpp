@@ -33,10 +33,10 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   };
   const bool is_warm = !best.r.isZero(0.0);
   if (!best.within(tolerance)) {
-    const std::size_t size = system.points().size();
+    const bool is_large = system.points().size() > kManyPoints;
     const double rough = std::max(tolerance, kFinish);
     BodyBlocks matrix(system);
-    const Impulses cold = Impulses::Zero(3, size);
+    const Impulses cold = Impulses::Zero(3, system.points().size());
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
       if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e4, tolerance, cap));
@@ -48,16 +48,16 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     if (!best.within(tolerance) && problem.bodies.size() <= kFewBodies) {
       consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, tolerance, 20));
     }
-    if (!best.within(tolerance) && size > kManyPoints) {
+    if (!best.within(tolerance) && is_large) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
     }
     if (!best.within(tolerance)) {
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), 40);
     }
     if (!best.within(tolerance)) {
-      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, 400), 40);
+      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, is_large ? 100 : 600), 40);
     }
-    for (int round = 0; round < 4 && !best.within(tolerance); ++round) {
+    for (int round = 0; round < (is_large ? 1 : 4) && !best.within(tolerance); ++round) {
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
     }
   }

@@ -35,7 +35,8 @@ struct CoulombPoint {
   /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
   /// u_T is. Zero: Coulomb's law decides.
   Eigen::Vector2d slide{0.0, 0.0};
-  /// In the frame, on j (and the opposite on i), N s. In: a guess, zero for none. Out: the solution.
+  /// In the frame, on j (and the opposite on i), N s. In: a guess, zero for none; one that is not finite
+  /// counts as none. Out: the solution.
   Vec3 impulse{0.0, 0.0, 0.0};
 };
 

@@ -10,13 +10,14 @@
 // the length of the step ahead, in the direction that agrees with the last one. Directions are measured with
 // each pair as a fraction of where it is.
 //
-// A step is taken back, and a shorter one tried, where Newton's method leaves the cones or does not come
+// Steps are taken back, and shorter ones tried, where Newton's method leaves the cones or does not come
 // near, or where the tangent has turned by so much that the arc may have been left for another.
 #include "methods/central_path.h"
 #include "methods/coulomb_solvers.h"
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
 namespace rbs::coulomb {
 
@@ -29,6 +30,9 @@ constexpr double kShort = 0.1;     // and for steps as short as this
 constexpr double kMostShortTurn = 0.02;
 constexpr double kShortest = 1e-4;
 constexpr int kCorrections = 3;  // without a step ahead
+
+constexpr std::size_t kMarks = 16;  // places to go back to
+constexpr int kFurtherBack = 3;
 
 }  // namespace
 
@@ -45,8 +49,10 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
     Eigen::VectorXd direction;
   };
   const double first_log_t = std::log(path.meanProduct());
-  Mark now{path.place, first_log_t, {}}, mark;
+  Mark now{path.place, first_log_t, {}};
+  std::deque<Mark> marks;
   double length = 1.0;
+  int ahead_since = kFurtherBack;  // steps ahead since one was taken back
   for (int corrections = 0; best.iterations < cap;) {
     ++best.iterations;
     const double t = std::exp(now.log_t), share = std::exp(now.log_t - first_log_t);
@@ -73,8 +79,13 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
     double beta = beta_0;
     if (room(beta_0) < kRoom || std::abs(cosine) < least_cosine ||
         (distance > kNear && corrections == kCorrections)) {
-      if (mark.direction.size() == 0) break;
-      now = mark;
+      if (marks.empty()) break;
+      // Where it came no further than the last time, further back.
+      for (int back = ahead_since == 1 ? kFurtherBack : 1; back > 0 && !marks.empty(); --back) {
+        now = marks.back();
+        marks.pop_back();
+      }
+      ahead_since = 0;
       path.place = now.place;
       length *= 0.3;
       corrections = 0;
@@ -82,7 +93,9 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
       continue;
     }
     if (distance <= kNear) {
-      mark = now;
+      marks.push_back(now);
+      ++ahead_since;
+      if (marks.size() > kMarks) marks.pop_front();
       if (corrections == 0 && distance < 0.5 * kNear) length *= 1.5;
       corrections = 0;
       const auto ahead = [&] { return beta_0 + std::copysign(length / size, cosine); };

@@ -102,6 +102,11 @@ Residuals System::residuals(const Impulses& r) const {
     if (point.j != kNone) rounding[point.j] += (point.J_j.transpose() * r.col(k)).norm();
   }
   Residuals worst;
+  if (!velocity.allFinite()) {
+    worst.signorini = worst.coulomb = worst.dissipation = worst.beyond_rounding =
+        std::numeric_limits<double>::infinity();
+    return worst;
+  }
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     const Vec3 u = velocity.col(k);
@@ -134,7 +139,7 @@ Impulses System::guess(const CoulombProblem& problem) const {
   Impulses r(3, points_.size());
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Vec3 given = problem.points[k].impulse / impulse_;
-    r.col(k) = nearestOnCone(points_[k], given);
+    r.col(k) = given.allFinite() ? nearestOnCone(points_[k], given) : Vec3::Zero();
   }
   return r;
 }
