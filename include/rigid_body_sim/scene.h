@@ -75,14 +75,22 @@ struct Wind {
   double gust = 0.0;
 };
 
-/// How finely contacts are solved. The preset names a row of settings; see fidelitySettings().
+/// How finely contacts are solved: the dial from fast to exact.
 enum class Fidelity {
-  Preview,      ///< one sub-step: thousands of bodies on a laptop
-  Interactive,  ///< eight sub-steps: dragging things in RViz
+  Preview,      ///< soft contacts, one sub-step: thousands of bodies on a laptop
+  Interactive,  ///< soft contacts, eight sub-steps: dragging things in RViz
+  Accurate,     ///< Coulomb's law on the exact cone to 1e-6, stops of sliding located in time: studies
+  Reference,    ///< the same to 1e-12: what the others are compared with
 };
 
-/// "preview" or "interactive".
+/// All of them, from fast to exact.
+inline constexpr std::array kFidelities{Fidelity::Preview, Fidelity::Interactive, Fidelity::Accurate,
+                                        Fidelity::Reference};
+
+/// "preview", "interactive", "accurate" or "reference".
 const char* fidelityName(Fidelity fidelity);
+/// The setting of this name; throws InvalidInput for any other name.
+Fidelity fidelityNamed(const std::string& name);
 
 /// Where a viewer should stand: used by the pictures and offered to RViz.
 struct View {

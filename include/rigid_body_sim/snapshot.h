@@ -55,6 +55,23 @@ struct Warning {
   std::string text;  ///< what happened, to which body, and what to do
 };
 
+/// How a group of bodies that contacts tie together went through the last step, and how well it obeys the law of
+/// contact at the end of its last solve. Speeds are fractions of g h (without gravity 9.81 m/s² stands in for g).
+struct IslandCertificate {
+  std::uint32_t bodies = 0, contacts = 0;  ///< dynamic bodies; contact points
+  /// What solved it: "soft_step", or of the exact step the dearest solver it took: "guess", "gauss_seidel",
+  /// "newton", "interior_point", "admm".
+  const char* method = "";
+  std::uint32_t iterations = 0;  ///< of the solver, all solves of the step together; 0: the last forces still held
+  double signorini = 0.0;        ///< closing speed at closed points, and speed at loaded ones
+  double coulomb = 0.0;          ///< friction beyond the cone
+  double dissipation = 0.0;      ///< slip that friction does not oppose, or slip where it sticks
+  bool converged = true;         ///< the exact solvers reached their tolerance; always true for the soft step
+  double deepest_penetration = 0.0;  ///< m
+  double energy_change = 0.0;        ///< kinetic and potential, from the start of the step, J
+  double turn = 0.0;                 ///< largest |w| h of its bodies, rad
+};
+
 /// What the last step did.
 struct StepReport {
   double seconds = 0.0;                ///< wall time of the whole step
@@ -66,6 +83,7 @@ struct StepReport {
   std::uint32_t impacts = 0;           ///< impacts located in time and resolved in order
   std::uint32_t deferred_impacts = 0;  ///< impacts left to the contact solver, over budget
   double deepest_penetration = 0;      ///< m, >= 0, at the end of the step
+  std::vector<IslandCertificate> certificates;  ///< of the groups in contact, in the order of their first bodies
   std::vector<Warning> warnings;
 };
 
@@ -102,6 +120,7 @@ struct Snapshot {
   Totals totals;
   AirState air;
   Vec3 gravity = Vec3::Zero();
+  Fidelity fidelity = Fidelity::Interactive;
   View view;
   std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
 

@@ -12,7 +12,8 @@ namespace {
 
 auto fields(const Census& c) {
   return std::tie(c.bodies, c.moved_by_forces, c.led, c.collidable, c.asymmetric, c.rough, c.bouncy,
-                  c.dragged, c.grabs, c.holds, c.wrenches, c.gravity, c.air_density, c.wind);
+                  c.dragged, c.grabs, c.holds, c.wrenches, c.gravity, c.air_density, c.wind,
+                  c.fidelity);
 }
 
 }  // namespace
@@ -40,6 +41,7 @@ Census takeCensus(const SceneStore& scene) {
   c.gravity = scene.settings.gravity.norm();
   c.air_density = scene.settings.air ? scene.settings.air->density : 0.0;
   c.wind = scene.settings.wind.has_value();
+  c.fidelity = scene.settings.fidelity;
   return c;
 }
 

@@ -24,6 +24,7 @@ struct Census {
   double gravity = 0.0;      ///< magnitude, m/s²
   double air_density = 0.0;  ///< kg/m³; 0 without air
   bool wind = false;
+  Fidelity fidelity = Fidelity::Interactive;
 
   friend bool operator==(const Census& a, const Census& b);
 };

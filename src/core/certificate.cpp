@@ -1,7 +1,9 @@
 #include "certificate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 namespace rbs::certificate {
 
@@ -30,7 +32,56 @@ void freeze(Context& context, Index i) {
            "with less speed, or shorten the step"});
 }
 
+// Kinetic and potential energy of a body.
+double energyOf(const Context& context, Index i, const Pose& pose, const Twist& twist) {
+  const Bodies& bodies = context.scene.bodies;
+  const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
+  return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() + w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
+         bodies.traits[i].mass * context.scene.settings.gravity.dot(pose.p_WB);
+}
+
+// From the dearest to the cheapest.
+int rank(std::string_view method) {
+  constexpr std::array<std::string_view, 7> methods{"admm", "interior_point", "newton", "gauss_seidel",
+                                                    "soft_step", "guess", ""};
+  return static_cast<int>(std::find(methods.begin(), methods.end(), method) - methods.begin());
+}
+
+void certifyIslands(Context& context) {
+  const Bodies& bodies = context.scene.bodies;
+  StepStore& step = context.step;
+  for (Island& island : step.islands) {
+    IslandCertificate& certificate = island.certificate;
+    if (*certificate.method == 0) continue;
+    for (const Index k : island.pairs) {
+      const ContactPair& pair = step.contacts.pairs[k];
+      if (pair.first < step.inherited) continue;
+      certificate.contacts += pair.size;
+      for (Index t = pair.first; t < pair.first + pair.size; ++t)
+        certificate.deepest_penetration =
+            std::max(certificate.deepest_penetration, -step.contacts.touches[t].separation);
+    }
+    if (certificate.contacts == 0) continue;
+    certificate.bodies = static_cast<std::uint32_t>(island.bodies.size());
+    for (const Index i : island.bodies) {
+      certificate.energy_change += energyOf(context, i, bodies.pose[i], bodies.twist[i]) -
+                                   energyOf(context, i, step.before[i], step.twist_before[i]);
+      certificate.turn = std::max(certificate.turn, step.h() * bodies.twist[i].w_WB.norm());
+    }
+    step.report.certificates.push_back(std::move(certificate));
+  }
+}
+
 }  // namespace
+
+void add(IslandCertificate& certificate, const IslandCertificate& solve) {
+  if (rank(solve.method) < rank(certificate.method)) certificate.method = solve.method;
+  certificate.iterations += solve.iterations;
+  certificate.signorini = std::max(certificate.signorini, solve.signorini);
+  certificate.coulomb = std::max(certificate.coulomb, solve.coulomb);
+  certificate.dissipation = std::max(certificate.dissipation, solve.dissipation);
+  certificate.converged = certificate.converged && solve.converged;
+}
 
 Need need(const Census& c) {
   if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
@@ -51,6 +102,7 @@ void run(Context& context) {
       step.report.deepest_penetration =
           std::max(step.report.deepest_penetration, -step.contacts.touches[t].separation);
   }
+  certifyIslands(context);
 }
 
 }  // namespace rbs::certificate

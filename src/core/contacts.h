@@ -26,6 +26,7 @@ struct ContactPair {
   BodyId id_i, id_j;
   Index i = kNone, j = kNone;  ///< dense indices, valid for the step
   Index first = 0, size = 0;   ///< its touches in the store's list
+  bool exact = false;          ///< solved by the exact step
 
   std::pair<BodyId, BodyId> key() const { return {id_i, id_j}; }
 };

@@ -100,6 +100,8 @@ struct Island {
   std::vector<Index> pairs;   ///< in step.contacts.pairs
   bool contact = false;       ///< some of the pairs touch: Standing::Contact
   double time = 0.0;          ///< how far it has been advanced
+  bool exact = false;         ///< its contacts are solved by the exact step
+  IslandCertificate certificate;
 };
 
 struct StepStore {
@@ -116,6 +118,7 @@ struct StepStore {
   std::vector<Index> island;            ///< by body: its place in `islands`; kNone if it is no mover
   std::vector<double> contact_seconds;  ///< by row of the contact method's table
   std::vector<Pose> before;             ///< by body: pose at t0, for the body that must be put back
+  std::vector<Twist> twist_before;      ///< by body, at t0
   StepReport report;
 
   /// Empties the store for a step from t0 to t1 of n bodies.

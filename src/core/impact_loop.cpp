@@ -3,6 +3,8 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
+#include "certificate.h"
+#include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
 
@@ -109,10 +111,9 @@ class ImpactLoop {
   // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
   bool isCollapsing(const PendingImpact& impact) {
     constexpr int kMeetings = 6;
-    constexpr double kNoTime = 1e-3;  // share of the step
     if (impacts::restitution(context_, impact.i, impact.j) >= 1.0) return false;
     Meetings& met = meetings_[{impact.i, impact.j}];
-    if (impact.time - met.last > kNoTime * step_.h()) met.count = 0;
+    if (impact.time - met.last > settingsOf(context_.scene.settings.fidelity).no_time * step_.h()) met.count = 0;
     met.last = impact.time;
     return ++met.count > kMeetings;
   }
@@ -132,6 +133,12 @@ class ImpactLoop {
       islands::bringTo(context_, kept, time);
       islands::bringTo(context_, gone, time);
       for (const Index body : gone.bodies) step_.island[body] = a;
+      // A body that flew joins the method of what it met; of two methods the one that any number of rows can afford.
+      const bool exact = settingsOf(context_.scene.settings.fidelity).exact ||
+                         ((kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
+                          (kept.exact || gone.exact));
+      kept.exact = exact;
+      certificate::add(kept.certificate, gone.certificate);
       kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
       kept.pairs.insert(kept.pairs.end(), gone.pairs.begin(), gone.pairs.end());
       kept.contact = kept.contact || gone.contact;

@@ -1,5 +1,6 @@
 #include "impacts.h"
 
+#include "fidelity.h"
 #include "methods/impact_law.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/time_of_impact.h"
@@ -20,8 +21,6 @@ namespace {
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
 // wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
-// A gap that no one misses, as a share of the smaller length.
-constexpr double kSmallGap = 1e-6;
 
 // A body's course from where it has been advanced to. A supported body is foretold to keep its velocity: what
 // carries it cancels its load.
@@ -44,7 +43,8 @@ double marginOf(const Context& context, Index i, Index j) {
   const auto in_contact = [&](Index k) {
     return step.island[k] != kNone && step.islands[step.island[k]].contact;
   };
-  const bool exact = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
+  const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
+  const bool exact = free || settingsOf(context.scene.settings.fidelity).exact;
   return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
 }
 
@@ -73,16 +73,18 @@ struct Meeting {
 };
 
 // The speed below which a rebound is not worth an impact of its own: it would be over within the step,
-// because gravity, or whatever else drives the pair together, adds twice as much in one; or it would open a
-// gap too small to matter. The second bound makes an end of sequences between three bodies that shrink
+// because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share of
+// it at the exact settings); or it would open a gap too small to matter. The second bound makes an end of sequences between three bodies that shrink
 // forever, which only pairs that lose energy have.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
-  const double unseen =
-      restitution(context, i, j) < 1.0 ? kSmallGap * lengthOf(context.scene.bodies, i, j) / step.h() : 0.0;
-  return std::max(0.5 * step.h() * a, unseen);
+  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  const double unseen = restitution(context, i, j) < 1.0
+                            ? settings.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
+                            : 0.0;
+  return std::max(settings.slowest_impact * step.h() * a, unseen);
 }
 
 }  // namespace

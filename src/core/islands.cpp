@@ -1,8 +1,10 @@
 #include "islands.h"
 
 #include "algebra.h"
+#include "fidelity.h"
 #include "impact_loop.h"
 #include "methods/methods.h"
+#include "promotion.h"
 #include "text.h"
 
 #include <algorithm>
@@ -43,10 +45,12 @@ void append(std::vector<Index>& to, const std::vector<Index>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-void advanceBatch(Context& context, const IslandBatch& batch, double t0, double t1) {
+void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
   if (batch.pairs.empty()) {
     flight::advance(context, batch, t0, t1);
+  } else if (exact) {
+    exact_step::advance(context, batch, t0, t1);
   } else {
     soft_step::advance(context, batch, t0, t1);
   }
@@ -57,7 +61,7 @@ void finish(Context& context) {
   StepStore& step = context.step;
   IslandBatch flyers, touching;
   for (Island& island : step.islands) {
-    if (island.time > step.t0) {
+    if (island.time > step.t0 || (island.exact && !island.pairs.empty())) {
       bringTo(context, island, step.t1);
     } else {
       IslandBatch& batch = island.pairs.empty() ? flyers : touching;
@@ -69,8 +73,8 @@ void finish(Context& context) {
     step.report.islands += island.pairs.empty() ? 0 : 1;
   }
   std::sort(touching.pairs.begin(), touching.pairs.end());
-  advanceBatch(context, flyers, step.t0, step.t1);
-  advanceBatch(context, touching, step.t0, step.t1);
+  advanceBatch(context, flyers, false, step.t0, step.t1);
+  advanceBatch(context, touching, false, step.t0, step.t1);
 }
 
 void moveLedBodies(Context& context) {
@@ -82,7 +86,7 @@ void moveLedBodies(Context& context) {
 }  // namespace
 
 void bringTo(Context& context, Island& island, double time) {
-  advanceBatch(context, {island.bodies, island.pairs}, island.time, time);
+  advanceBatch(context, {island.bodies, island.pairs}, island.exact, island.time, time);
   island.time = std::max(island.time, time);
 }
 
@@ -106,7 +110,7 @@ void link(Context& context) {
     const Index root = sets.root(i);
     if (root == i) {
       step.island[i] = static_cast<Index>(step.islands.size());
-      step.islands.push_back({{}, {}, false, step.t0});
+      step.islands.emplace_back().time = step.t0;
     }
     step.island[i] = step.island[root];
     step.islands[step.island[i]].bodies.push_back(i);
@@ -119,6 +123,9 @@ void link(Context& context) {
     island.pairs.push_back(static_cast<Index>(k));
     island.contact = island.contact || step.standing[k] == Standing::Contact;
   }
+  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  for (Island& island : step.islands)
+    island.exact = settings.exact || (settings.promotes && island.contact && isPromoted(context, island));
 }
 
 void advance(Context& context) {

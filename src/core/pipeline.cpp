@@ -2,12 +2,13 @@
 //
 // Each row says when the scene needs it; a row that is not needed is not called. islands.advance hands
 // batches of islands to the methods (methods/), whose rows stand below it: flight for bodies that nothing
-// touches, the soft step for bodies in contact.
+// touches, the soft step or the exact step for bodies in contact.
 #include "pipeline.h"
 
 #include "broadphase/sweep_and_prune.h"
 #include "certificate.h"
 #include "effects/effects.h"
+#include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
 #include "methods/methods.h"
@@ -55,6 +56,14 @@ Need needGyroscopic(const Census& c) {
   return {true, count(c.asymmetric, "body has", "bodies have") + " principal moments that differ"};
 }
 
+std::string contactLaw(Fidelity fidelity) {
+  const FidelitySettings settings = settingsOf(fidelity);
+  const std::string name = std::string(fidelityName(fidelity)) + ": ";
+  if (settings.exact) return name + "Coulomb's law to " + text(settings.tolerance);
+  return name + "soft contacts, " + count(settings.sub_steps, "sub-step", "sub-steps") +
+         (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
+}
+
 constexpr std::array kParts{
     Part{"rotation.gyroscopic", needGyroscopic},
     Part{"contacts.friction", needFriction},
@@ -79,7 +88,7 @@ void StepStore::begin(Index n, double from, double to) {
   stamp.assign(n, 0);
   islands.clear();
   island.assign(n, kNone);
-  contact_seconds.assign(soft_step::stageNames().size(), 0.0);
+  contact_seconds.assign(kContactRows, 0.0);
   report = {};
 }
 
@@ -109,9 +118,10 @@ std::vector<StageInfo> Pipeline::describe(const Census& census) const {
     rows.push_back({kStages[row].name, need.active, need.reason, seconds_.empty() ? 0.0 : seconds_[row]});
     if (kStages[row].run != islands::advance) continue;
     const Need contact = sweep_and_prune::need(census);
-    for (std::size_t k = 0; k < soft_step::stageNames().size(); ++k) {
+    for (std::size_t k = 0; k < kContactRows; ++k) {
       const double seconds = k < contact_seconds_.size() ? contact_seconds_[k] : 0.0;
-      rows.push_back({soft_step::stageNames()[k], contact.active, contact.reason, seconds});
+      const std::string reason = k == kSolve && contact.active ? contactLaw(census.fidelity) : contact.reason;
+      rows.push_back({kContactRowNames[k], contact.active, reason, seconds});
     }
     for (const Part& part : kParts) {
       const Need inner = part.need(census);

@@ -216,8 +216,18 @@ const char* fidelityName(Fidelity fidelity) {
       return "preview";
     case Fidelity::Interactive:
       return "interactive";
+    case Fidelity::Accurate:
+      return "accurate";
+    case Fidelity::Reference:
+      return "reference";
   }
   return "";
+}
+
+Fidelity fidelityNamed(const std::string& name) {
+  for (const Fidelity fidelity : kFidelities)
+    if (name == fidelityName(fidelity)) return fidelity;
+  throw InvalidInput({{"fidelity", "'" + name + "'", "preview, interactive, accurate or reference"}});
 }
 
 std::vector<Problem> validate(const BodyDef& body, const std::string& path) {

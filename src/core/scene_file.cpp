@@ -21,9 +21,9 @@ void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   top.read("property", scene.property);
   top.read("gravity", scene.gravity);
   top.read("step", scene.step);
-  if (const auto choice = top.choose("fidelity", {"preview", "interactive"})) {
-    scene.fidelity = *choice == 0 ? Fidelity::Preview : Fidelity::Interactive;
-  }
+  std::vector<std::string> fidelities;
+  for (const Fidelity fidelity : kFidelities) fidelities.emplace_back(fidelityName(fidelity));
+  if (const auto choice = top.choose("fidelity", fidelities)) scene.fidelity = kFidelities[*choice];
   top.read("seed", scene.seed);
   readGroup(top, "air", problems, [&](Fields& air) { air.read("density", scene.air.emplace().density); });
   readGroup(top, "wind", problems, [&](Fields& wind) {

@@ -430,6 +430,7 @@ const StepReport& World::step() {
   const double h = w.scene.settings.step;
   w.step.begin(w.scene.bodies.size(), w.scene.time, w.scene.time + h);
   w.step.before = w.scene.bodies.pose;
+  w.step.twist_before = w.scene.bodies.twist;
   Context context{w.scene, w.step, w.census};
   w.pipeline.run(context);
   w.keepContacts();
@@ -545,6 +546,7 @@ Snapshot World::snapshot() const {
   if (settings.wind) s.air.mean = settings.wind->velocity, s.air.gust = settings.wind->gust;
   s.air.velocity = airVelocity(settings, w.scene.time);
   s.gravity = settings.gravity;
+  s.fidelity = settings.fidelity;
   s.view = settings.view;
   s.hash = stateHash();
   return s;

@@ -32,6 +32,8 @@ rbs::Session::Options sessionOptions(const ros::NodeHandle& node) {
   options.scene = node.param("scene", options.scene);
   const int seed = node.param("seed", -1);
   if (seed >= 0) options.seed = static_cast<std::uint64_t>(seed);
+  const std::string fidelity = node.param<std::string>("fidelity", "");
+  if (!fidelity.empty()) options.fidelity = rbs::fidelityNamed(fidelity);
   options.wall_stamps = !node.param("publish_clock", true);
   options.run.paused = node.param("paused", options.run.paused);
   options.run.speed = node.param("speed", options.run.speed);

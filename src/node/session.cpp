@@ -3,7 +3,13 @@
 namespace rbs {
 
 Session::Session(const Options& options)
-    : Session(options, readScene(findScene(options.folder, options.scene), options.seed).scene) {}
+    : Session(options, read(options, findScene(options.folder, options.scene))) {}
+
+SceneDef Session::read(const Options& options, const std::string& file) {
+  SceneDef scene = readScene(file, options.seed).scene;
+  if (options.fidelity) scene.fidelity = *options.fidelity;
+  return scene;
+}
 
 Session::Session(const Options& options, SceneDef first)
     : options_(options),
@@ -15,7 +21,7 @@ Session::Session(const Options& options, SceneDef first)
 
 void Session::loadScene(const std::string& name_or_file) {
   const std::string file = findScene(options_.folder, name_or_file);
-  replace({readScene(file, options_.seed).scene, std::nullopt}, file);
+  replace({read(options_, file), std::nullopt}, file);
 }
 
 void Session::loadState(const std::string& file) {

@@ -18,6 +18,7 @@ class Session {
     std::string folder;                 ///< of the catalogue of scenes
     std::string scene = "playground";   ///< the first one
     std::optional<std::uint64_t> seed;  ///< instead of that of every scene
+    std::optional<Fidelity> fidelity;   ///< likewise
     bool wall_stamps = false;           ///< stamp messages with wall time
     Simulator::Options run;
   };
@@ -44,6 +45,7 @@ class Session {
 
  private:
   Session(const Options& options, SceneDef first);
+  static SceneDef read(const Options& options, const std::string& file);
   void replace(const SceneFile& file, const std::string& text);
 
   const Options options_;

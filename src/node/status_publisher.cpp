@@ -28,6 +28,32 @@ rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
   return msg;
 }
 
+rigid_body_sim::IslandStatus islandMsg(const IslandCertificate& island) {
+  rigid_body_sim::IslandStatus msg;
+  msg.bodies = island.bodies;
+  msg.contacts = island.contacts;
+  msg.method = island.method;
+  msg.iterations = island.iterations;
+  msg.signorini = finite(island.signorini);
+  msg.coulomb = finite(island.coulomb);
+  msg.dissipation = finite(island.dissipation);
+  msg.converged = island.converged;
+  msg.deepest_penetration = finite(island.deepest_penetration);
+  msg.energy_change = finite(island.energy_change);
+  msg.turn = finite(island.turn);
+  return msg;
+}
+
+// A heap of a thousand bodies has hundreds of islands at times; nobody reads them all.
+void fillCertificates(std::vector<IslandCertificate> islands, rigid_body_sim::Status& msg) {
+  constexpr std::size_t kMost = 20;
+  std::stable_sort(islands.begin(), islands.end(), [](const IslandCertificate& a, const IslandCertificate& b) {
+    return a.contacts > b.contacts;
+  });
+  if (islands.size() > kMost) islands.resize(kMost);
+  for (const IslandCertificate& island : islands) msg.certificates.push_back(islandMsg(island));
+}
+
 void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.step_seconds = report.seconds;
   msg.pairs = report.pairs;
@@ -67,6 +93,8 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
   msg.hash = hexadecimal(snapshot.hash);
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
+  msg.fidelity = fidelityName(snapshot.fidelity);
+  fillCertificates(snapshot.report.certificates, msg);
   for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
   return msg;
 }

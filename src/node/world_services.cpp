@@ -7,6 +7,7 @@
 
 #include <rigid_body_sim/GetBody.h>
 #include <rigid_body_sim/ListBodies.h>
+#include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetGravity.h>
 #include <rigid_body_sim/SetWind.h>
 #include <std_srvs/SetBool.h>
@@ -16,6 +17,7 @@ namespace {
 
 using rigid_body_sim::GetBody;
 using rigid_body_sim::ListBodies;
+using rigid_body_sim::SetFidelity;
 using rigid_body_sim::SetGravity;
 using rigid_body_sim::SetWind;
 using std_srvs::SetBool;
@@ -67,6 +69,19 @@ std::string setGravity(World& world, const SetGravity::Request& request, SetGrav
   return words("gravity is ", inWords(world.scene().gravity), " m/s²");
 }
 
+std::string setFidelity(World& world, const SetFidelity::Request& request, SetFidelity::Response& response) {
+  const Fidelity fidelity = fidelityNamed(request.fidelity);
+  const std::vector<StageInfo> before = world.pipeline();
+  const bool same = world.scene().fidelity == fidelity;
+  world.setFidelity(fidelity);
+  const std::vector<StageInfo> after = world.pipeline();
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;
+    response.changes.push_back(words(after[k].name, after[k].active ? " on: " : " off: ", after[k].reason));
+  }
+  return words("fidelity ", same ? "stays " : "is ", request.fidelity);
+}
+
 std::string getBody(const Snapshot& snapshot, const GetBody::Request& request, GetBody::Response& response) {
   const std::size_t index = indexNamed(snapshot, request.name);
   const BodyDescription& body = (*snapshot.bodies)[index];
@@ -89,6 +104,7 @@ void Services::offerSurroundings() {
   });
   offerEdit<SetWind>("set_wind", setWind);
   offerEdit<SetGravity>("set_gravity", setGravity);
+  offerEdit<SetFidelity>("set_fidelity", setFidelity);
 }
 
 void Services::offerReading() {

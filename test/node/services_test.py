@@ -418,6 +418,7 @@ class ServicesTest(unittest.TestCase):
             (['velocity'], 'set_wind', dict(velocity=v(NAN, 0, 0))),
             (['gust'], 'set_wind', dict(gust=-1.0)),
             (['gravity'], 'set_gravity', dict(gravity=v(0, 0, NAN))),
+            (['fidelity', 'best', 'accurate'], 'set_fidelity', dict(fidelity='best')),
             (['speed', '-1'], 'set_speed', dict(factor=-1.0)),
             (['speed', 'nan'], 'set_speed', dict(factor=NAN)),
             (['1,000,000'], 'step', dict(n=2000000)),

@@ -121,6 +121,7 @@ void inheritTouches(const Contacts& last, StepStore& step) {
     if (old == last.pairs.end() || old->key() != pair.key()) continue;
     pair.first = static_cast<Index>(step.contacts.touches.size());
     pair.size = old->size;
+    pair.exact = old->exact;
     const auto touches = last.touches.begin() + old->first;
     step.contacts.touches.insert(step.contacts.touches.end(), touches, touches + old->size);
   }

@@ -3,6 +3,8 @@
 
 #include "context.h"
 
+#include <array>
+#include <chrono>
 #include <vector>
 
 namespace rbs {
@@ -13,6 +15,29 @@ struct IslandBatch {
   std::vector<Index> pairs;   ///< in step.contacts.pairs
 };
 
+
+
+/// The rows of the methods that solve contacts; step.contact_seconds has their times.
+enum ContactRow { kCollide, kSolve, kStore, kContactRows };
+inline constexpr std::array<const char*, kContactRows> kContactRowNames{"narrowphase.collide", "contacts.solve",
+                                                                        "contacts.store"};
+
+/// Charges the time since its last call to a row.
+class ContactClock {
+ public:
+  explicit ContactClock(StepStore& step) : seconds_(step.contact_seconds) {}
+  void charge(ContactRow row) {
+    const auto now = Clock::now();
+    seconds_[row] += std::chrono::duration<double>(now - mark_).count();
+    mark_ = now;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::vector<double>& seconds_;
+  Clock::time_point mark_ = Clock::now();
+};
+
 namespace flight {
 /// Bodies without contacts, in closed form.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);
@@ -21,8 +46,11 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 namespace soft_step {
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);
-/// The names of its rows, in order; step.contact_seconds has their times.
-const std::vector<const char*>& stageNames();
 }  // namespace soft_step
+
+namespace exact_step {
+/// Bodies in contact, by Coulomb's law without softness; one island at a time.
+void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+}  // namespace exact_step
 
 }  // namespace rbs

@@ -32,11 +32,11 @@
 //
 // A body that no impulse touched in a sub-step has moved under its load alone and takes the exact parabola.
 #include "algebra.h"
+#include "fidelity.h"
 #include "integrate.h"
 #include "methods/solver_contacts.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace rbs::soft_step {
@@ -61,15 +61,11 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-int subSteps(Fidelity fidelity) {
-  return fidelity == Fidelity::Preview ? 1 : 8;
-}
-
 class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
       : context_(context), contacts_(context, batch), t0_(t0), dt_(t1 - t0) {
-    h_full_ = context.step.h() / subSteps(context.scene.settings.fidelity);
+    h_full_ = context.step.h() / settingsOf(context.scene.settings.fidelity).sub_steps;
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
     soft_ = softness(h_, h_full_);
@@ -232,36 +228,19 @@ void Solver::rebound() {
   }
 }
 
-// The rows of the method, each timed under its name.
-enum Row { kCollide, kSolve, kStore, kRows };
-
 }  // namespace
-
-const std::vector<const char*>& stageNames() {
-  static const std::vector<const char*> names{"narrowphase.collide", "contacts.substeps", "contacts.store"};
-  return names;
-}
 
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
-  using Clock = std::chrono::steady_clock;
-  std::vector<double>& seconds = context.step.contact_seconds;
-  seconds.resize(kRows);
-  auto mark = Clock::now();
-  const auto charge = [&](Row row) {
-    const auto now = Clock::now();
-    seconds[row] += std::chrono::duration<double>(now - mark).count();
-    mark = now;
-  };
-
+  ContactClock clock(context.step);
   Solver solver(context, batch, t0, t1);
   solver.begin();
-  charge(kCollide);
+  clock.charge(kCollide);
   for (int k = 0; k < solver.subStepCount(); ++k) solver.subStep();
   solver.rebound();
-  charge(kSolve);
+  clock.charge(kSolve);
   solver.store();
-  charge(kStore);
+  clock.charge(kStore);
 }
 
 }  // namespace rbs::soft_step

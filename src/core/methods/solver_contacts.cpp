@@ -1,6 +1,8 @@
 #include "methods/solver_contacts.h"
 
 #include "algebra.h"
+#include "certificate.h"
+#include "fidelity.h"
 #include "narrowphase/collide.h"
 
 #include <Eigen/LU>
@@ -94,7 +96,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const double margin = marginOf(block, left);
   Manifold manifold =
       rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
-  if (context_.scene.settings.fidelity == Fidelity::Preview) reduceToFour(manifold);
+  if (!settingsOf(context_.scene.settings.fidelity).all_points) reduceToFour(manifold);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
@@ -219,6 +221,7 @@ void SolverContacts::store(double h, double h_full) {
     ContactPair& pair = contacts.pairs[block.pair];
     pair.first = static_cast<Index>(contacts.touches.size());
     pair.size = static_cast<Index>(block.size);
+    pair.exact = false;
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = points[k];
       const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 {
@@ -236,7 +239,36 @@ void SolverContacts::store(double h, double h_full) {
       touch.friction_impulse_W = inPlane(point.sum_t);
       contacts.touches.push_back(touch);
     }
+    certify(block);
   }
+}
+
+// How far the points of a block are from the law of contact after the last sub-step.
+void SolverContacts::certify(const SolverBlock& block) const {
+  const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+  const double gravity = context_.scene.settings.gravity.norm();
+  const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
+  IslandCertificate solved;
+  solved.method = "soft_step";
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    const SolverPoint& point = points[k];
+    const Vec3 u = j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
+    const double u_n = block.n.dot(u);
+    if (point.l_n == 0.0) {
+      if (point.open <= 0.0) solved.signorini = std::max(solved.signorini, -u_n / unit);
+      continue;
+    }
+    solved.signorini = std::max(solved.signorini, std::abs(u_n) / unit);
+    if (block.mu == 0.0) continue;
+    const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
+    const double limit = block.mu * point.l_n, friction = point.l_t.norm();
+    const bool sticks = friction < limit * (1.0 - 1e-9);
+    const Eigen::Vector2d unopposed = sticks ? u_t : Eigen::Vector2d(u_t + u_t.norm() / friction * point.l_t);
+    solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
+    solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
+  }
+  const Index mover = context_.step.island[i.body] == kNone ? j.body : i.body;
+  certificate::add(context_.step.islands[context_.step.island[mover]].certificate, solved);
 }
 
 }  // namespace rbs

@@ -83,6 +83,7 @@ class SolverContacts {
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasStrayed(const SolverBlock& block) const;
+  void certify(const SolverBlock& block) const;
 
   Context& context_;
   const IslandBatch& batch_;

@@ -1,0 +1,483 @@
+// Exact step: the Coulomb problem without softness, second order in time between located events.
+//
+// A segment of length tau goes from positions x0 and velocities v0 that obey the contact law to x1 and v1 that do
+// again. It is the RATTLE scheme (Andersen, J. Comput. Phys. 52, 1983) with unilateral contacts and friction: a
+// kick of half the load, a drift, a kick of the other half, and impulses in both kicks,
+//   v_half = v0 + M0^-1 (tau/2 f + J0^T r)   with r such that the gaps obey the law at the END of the drift,
+//   x1     = x0 moved by v_half for tau      (rotation: the free top, which keeps L),
+//   v1     = v_half + M1^-1 (tau/2 f + J1^T s)   with s such that the velocities obey the law at x1.
+// Under constant forces and a fixed direction of sliding both are exact: a parabola, a braking box.
+//
+// Kick 1. At a point with gap d the normal law is on the gap that the drift will leave: d+ + tau u_n + c >= 0,
+// with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
+// prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
+// closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
+// Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
+//
+// Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the middle
+// of the segment, where the point goes on sliding; so the scheme stays of second order where sliding turns.
+//
+// Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
+// segment. The segment is then cut where its sliding speed, with friction still against the old direction, passes
+// zero. The onset of sliding and lift-off are continuous in the force, so a step that oversees them is wrong by
+// the third power of its length. Impacts cut the segment from outside (impact_loop.h).
+#include "algebra.h"
+#include "certificate.h"
+#include "fidelity.h"
+#include "integrate.h"
+#include "methods/touching.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::exact_step {
+
+namespace {
+
+// Shares of the smaller length of a pair. A gap below kTouch is closed; a pushed point is taken for closed up to
+// kPushed, which is more than the curvature of the drift leaves; an overlap beyond kOverlap is taken away; curvature
+// beyond kCurved is given back to the first kick.
+constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
+// A slip below this share of the speed unit is none. It must be more than the residual of a solve.
+constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
+// |w| tau of a body that is not a ball, and the most segments that it may ask for.
+constexpr double kTurn = 0.2;
+constexpr int kMostSegments = 64;
+// Solves of the first kick that the curvature may ask for.
+constexpr int kMostCorrections = 4;
+
+using Vec2 = Eigen::Vector2d;
+using Movers = std::vector<CoulombBody>;
+
+const char* nameOf(CoulombSolver solver) {
+  switch (solver) {
+    case CoulombSolver::Guess:
+      return "guess";
+    case CoulombSolver::GaussSeidel:
+      return "gauss_seidel";
+    case CoulombSolver::Newton:
+      return "newton";
+    case CoulombSolver::InteriorPoint:
+      return "interior_point";
+    case CoulombSolver::Admm:
+      break;
+  }
+  return "admm";
+}
+
+// Of j against i, in the frame of the point.
+Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
+  Vec3 u_W = Vec3::Zero();
+  if (law.j != kNone) u_W += movers[law.j].v + movers[law.j].w.cross(law.r_j);
+  if (law.i != kNone) u_W -= movers[law.i].v + movers[law.i].w.cross(law.r_i);
+  return law.frame.transpose() * u_W + law.drive;
+}
+
+bool hasImpulse(const CoulombPoint& law) {
+  return !law.impulse.isZero(0.0);
+}
+
+struct BodyMotion {
+  Pose pose;
+  Twist twist;
+};
+
+class Stepper {
+ public:
+  Stepper(Context& context, const IslandBatch& batch, double t0, double t1);
+
+  void run();
+  void store();
+
+ private:
+  // How a segment ends.
+  struct Segment {
+    std::vector<BodyMotion> end;
+    Touching touching;
+    double slip_left = 1.0;  // the least share of its sliding speed that a point has kept; <= 0: it has stopped
+  };
+  enum class Friction { Free, KeepsDirection };
+
+  Touching find(double time);
+  bool takeOverlapsAway();
+  void settle();
+  Segment attempt(double tau, Friction friction);
+  void drift(const Movers& movers, double tau);
+  std::vector<Vec2> slipNow() const;
+  bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+                        std::vector<double>& curvature) const;
+  void aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const;
+  bool kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
+  double slipLeft(const std::vector<Vec2>& slip, const Touching& later, const Movers& movers,
+                  Friction friction) const;
+  void cutAtStop(double& tau, Segment& segment);
+
+  bool solve(CoulombProblem& problem, double speed_floor) const;
+  Movers movers() const;
+  void addLoad(Movers& movers, double seconds) const;
+  void setTwists(const Movers& movers);
+  std::vector<BodyMotion> motions() const;
+  void restore(const std::vector<BodyMotion>& motions);
+
+  Context& context_;
+  StepStore& step_;
+  Bodies& bodies_;
+  IslandBatch batch_;
+  std::vector<Index> slot_;  // by body: its place in the problem
+  ContactClock clock_;
+  double now_, end_;
+  double tolerance_;
+  int cuts_;
+  double load_speed_;  // the most that the load changes a velocity in a step
+  double slow_;        // a slip below is none
+  Touching touching_;  // now
+};
+
+Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1)
+    : context_(context),
+      step_(context.step),
+      bodies_(context.scene.bodies),
+      batch_(batch),
+      slot_(bodies_.size(), kNone),
+      clock_(step_),
+      now_(t0),
+      end_(t1) {
+  std::sort(batch_.bodies.begin(), batch_.bodies.end());
+  std::sort(batch_.pairs.begin(), batch_.pairs.end());
+  for (std::size_t k = 0; k < batch_.bodies.size(); ++k) slot_[batch_.bodies[k]] = static_cast<Index>(k);
+  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  tolerance_ = settings.tolerance;
+  cuts_ = settings.cuts;
+  double load = 0.0;
+  for (const Index i : batch_.bodies) {
+    const Vec3 spin = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * step_.load[i].torque_W;
+    load = std::max(load, step_.load[i].a_W.norm() + spin.norm() * bodies_.traits[i].length);
+  }
+  load_speed_ = load * step_.h();
+  slow_ = std::max(kSlip, kSlipOverTolerance * tolerance_) * load_speed_;
+}
+
+// --- bodies
+
+Movers Stepper::movers() const {
+  Movers out;
+  out.reserve(batch_.bodies.size());
+  for (const Index i : batch_.bodies) {
+    const Mat3 R = bodies_.R_WB(i);
+    out.push_back({bodies_.traits[i].mass, R * bodies_.inertia[i].moments.asDiagonal() * R.transpose(),
+                   bodies_.twist[i].v_WB, bodies_.twist[i].w_WB});
+  }
+  return out;
+}
+
+void Stepper::addLoad(Movers& movers, double seconds) const {
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    const Index i = batch_.bodies[k];
+    const Load& load = step_.load[i];
+    movers[k].v += seconds * load.a_W;
+    if (!load.torque_W.isZero(0.0))
+      movers[k].w += seconds * (bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * load.torque_W);
+  }
+}
+
+void Stepper::setTwists(const Movers& movers) {
+  for (std::size_t k = 0; k < movers.size(); ++k) bodies_.twist[batch_.bodies[k]] = {movers[k].v, movers[k].w};
+}
+
+void Stepper::drift(const Movers& movers, double tau) {
+  setTwists(movers);
+  for (const Index i : batch_.bodies) {
+    bodies_.pose[i].p_WB += tau * bodies_.twist[i].v_WB;
+    rotateFreely(bodies_.pose[i].q_WB, bodies_.twist[i].w_WB, bodies_.inertia[i], tau);
+  }
+}
+
+std::vector<BodyMotion> Stepper::motions() const {
+  std::vector<BodyMotion> out;
+  out.reserve(batch_.bodies.size());
+  for (const Index i : batch_.bodies) out.push_back({bodies_.pose[i], bodies_.twist[i]});
+  return out;
+}
+
+void Stepper::restore(const std::vector<BodyMotion>& motions) {
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    bodies_.pose[batch_.bodies[k]] = motions[k].pose;
+    bodies_.twist[batch_.bodies[k]] = motions[k].twist;
+  }
+}
+
+Touching Stepper::find(double time) {
+  clock_.charge(kSolve);
+  Touching found = findTouching(context_, batch_.pairs, slot_, time);
+  clock_.charge(kCollide);
+  return found;
+}
+
+// --- solving
+
+// Residuals are measured against what the load does in a step, or the fastest closing where that is more.
+bool Stepper::solve(CoulombProblem& problem, double speed_floor) const {
+  problem.speed_unit = speed_floor;
+  for (const CoulombPoint& law : problem.points)
+    problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
+  if (!(problem.speed_unit > 0.0)) {
+    for (CoulombPoint& law : problem.points) law.impulse.setZero();
+    return true;
+  }
+  if (problem.points.empty()) return true;
+  const CoulombResult result = solveCoulomb(problem, tolerance_);
+  IslandCertificate solved;
+  solved.method = nameOf(result.solver);
+  solved.iterations = static_cast<std::uint32_t>(result.iterations);
+  solved.signorini = result.signorini;
+  solved.coulomb = result.coulomb;
+  solved.dissipation = result.dissipation;
+  solved.converged = result.converged;
+  certificate::add(step_.islands[step_.island[batch_.bodies.front()]].certificate, solved);
+  return result.converged;
+}
+
+// By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without friction and
+// with lengths for velocities.
+bool Stepper::takeOverlapsAway() {
+  CoulombProblem problem{movers(), touching_.law, 0.0};
+  for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
+  for (std::size_t k = 0; k < touching_.points.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    CoulombPoint& law = problem.points[k];
+    law.mu = 0.0;
+    law.drive = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
+    if (point.gap < -kOverlap * point.length) problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
+  }
+  if (problem.speed_unit == 0.0) return false;
+  solveCoulomb(problem, 1e-6);
+  for (std::size_t k = 0; k < batch_.bodies.size(); ++k) {
+    Pose& pose = bodies_.pose[batch_.bodies[k]];
+    pose.p_WB += problem.bodies[k].v;
+    pose.q_WB = (rotationBy(problem.bodies[k].w) * pose.q_WB).normalized();
+  }
+  return true;
+}
+
+// Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an impact
+// without restitution. False when the directions of sliding that were given have no solution.
+bool Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const {
+  CoulombProblem problem{movers, {}, 0.0};
+  std::vector<std::size_t> closed;
+  for (std::size_t k = 0; k < touching.points.size(); ++k) {
+    const TouchingPoint& point = touching.points[k];
+    const bool pushed = seconds > 0.0 && !point.force_W.isZero(0.0);
+    if (point.gap > (pushed ? kPushed : kTouch) * point.length) continue;
+    closed.push_back(k);
+    problem.points.push_back(touching.law[k]);
+    problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);
+  }
+  const double floor = seconds > 0.0 ? load_speed_ : 0.0;
+  bool solved = solve(problem, floor);
+  if (friction == Friction::Free) {
+    // A point that would be driven back by its friction has stopped: there the law decides.
+    for (bool fixed = true; fixed;) {
+      fixed = false;
+      for (CoulombPoint& law : problem.points) {
+        if (law.slide.isZero(0.0)) continue;
+        if (solved && law.slide.dot(velocityAt(problem.bodies, law).head<2>()) >= 0.0) continue;
+        law.slide.setZero();
+        fixed = true;
+      }
+      if (!fixed) break;
+      problem.bodies = movers;
+      solved = solve(problem, floor);
+    }
+  }
+  movers = problem.bodies;
+  for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
+  return solved;
+}
+
+void Stepper::settle() {
+  Movers after = movers();
+  Touching touching = touching_;
+  kickAtInstant(touching, after, 0.0, Friction::Free);
+  setTwists(after);
+  for (std::size_t k = 0; k < touching_.points.size(); ++k)
+    touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
+}
+
+// --- one segment
+
+// The velocity of sliding at closed points; zero where they do not.
+std::vector<Vec2> Stepper::slipNow() const {
+  const Movers now = movers();
+  std::vector<Vec2> slip(touching_.points.size(), Vec2::Zero());
+  for (std::size_t k = 0; k < slip.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    if (touching_.law[k].mu == 0.0 || point.gap > kTouch * point.length) continue;
+    const Vec2 u_T = velocityAt(now, touching_.law[k]).head<2>();
+    if (u_T.norm() > slow_) slip[k] = u_T;
+  }
+  return slip;
+}
+
+// What the drift has added to the gaps beyond tau u_n, and whether that is more than the kick reckoned with.
+bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+                               std::vector<double>& curvature) const {
+  bool matters = false;
+  for (std::size_t k = 0; k < curvature.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    const Index m = later.matching(point);
+    if (m == kNone) continue;
+    const double allowed = kick.points[k].drive[2] - touching_.law[k].drive[2];
+    const double u_n = velocityAt(kick.bodies, kick.points[k])[2] - allowed;
+    const double c = later.points[m].gap - point.gap - tau * u_n;
+    if (kick.points[k].impulse[2] > 0.0 || later.points[m].gap < 0.0)
+      matters = matters || std::abs(c - curvature[k]) > kCurved * point.length;
+    curvature[k] = c;
+  }
+  return matters;
+}
+
+// Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
+void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const {
+  const Movers drifted = movers();
+  for (std::size_t k = 0; k < kick.points.size(); ++k) {
+    const CoulombPoint& law = kick.points[k];
+    const Index m = later.matching(touching_.points[k]);
+    if (m == kNone) continue;
+    const Vec3 impulse_W = law.frame * law.impulse;
+    later.points[m].force_W = impulse_W / (0.5 * tau);
+    later.points[m].impulse_W = touching_.points[k].impulse_W + impulse_W;
+    const Vec2 u_T = velocityAt(kick.bodies, law).head<2>();
+    const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;
+    if (law.mu == 0.0 || !(law.impulse[2] > 0.0) || !slides) continue;
+    const Vec2 ahead = velocityAt(drifted, later.law[m]).head<2>();
+    if (ahead.isZero(0.0)) continue;
+    later.law[m].slide = ahead.normalized();
+    if (friction == Friction::KeepsDirection && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
+  }
+}
+
+double Stepper::slipLeft(const std::vector<Vec2>& slip, const Touching& later, const Movers& movers,
+                         Friction friction) const {
+  double least = 1.0;
+  for (std::size_t k = 0; k < slip.size(); ++k) {
+    if (slip[k].isZero(0.0)) continue;
+    const Index m = later.matching(touching_.points[k]);
+    if (m == kNone || later.points[m].force_W.isZero(0.0)) continue;
+    const Vec3 u = velocityAt(movers, later.law[m]);
+    if (friction == Friction::Free && u.head<2>().norm() > slow_) continue;
+    const Vec3 before_W = touching_.law[k].frame.leftCols<2>() * slip[k];
+    least = std::min(least, (later.law[m].frame * u).dot(before_W) / before_W.squaredNorm());
+  }
+  return least;
+}
+
+// Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
+Stepper::Segment Stepper::attempt(double tau, Friction friction) {
+  const std::vector<BodyMotion> start = motions();
+  const std::vector<Vec2> slip = slipNow();
+  CoulombProblem kick{movers(), touching_.law, 0.0};
+  addLoad(kick.bodies, 0.5 * tau);
+  const Movers loaded = kick.bodies;
+  for (std::size_t k = 0; k < slip.size(); ++k) {
+    CoulombPoint& law = kick.points[k];
+    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.points[k].force_W);
+    if (friction == Friction::KeepsDirection && !slip[k].isZero(0.0)) law.slide = slip[k].normalized();
+  }
+
+  Segment segment;
+  bool solved = true;
+  std::vector<double> curvature(slip.size(), 0.0);
+  for (int corrections = 0;; ++corrections) {
+    for (std::size_t k = 0; k < slip.size(); ++k)
+      kick.points[k].drive[2] =
+          touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
+    kick.bodies = loaded;
+    solved = solve(kick, load_speed_);
+    drift(kick.bodies, tau);
+    segment.touching = find(now_ + tau);
+    if (corrections == kMostCorrections || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
+    restore(start);
+  }
+
+  Touching& later = segment.touching;
+  aimSecondKick(kick, tau, friction, later);
+  Movers after = movers();
+  addLoad(after, 0.5 * tau);
+  Touching aimed = later;
+  solved = kickAtInstant(aimed, after, 0.5 * tau, friction) && solved;
+  setTwists(after);
+  for (std::size_t k = 0; k < later.points.size(); ++k) {
+    TouchingPoint& point = later.points[k];
+    const Vec3 impulse_W = hasImpulse(aimed.law[k]) ? Vec3(aimed.law[k].frame * aimed.law[k].impulse) : Vec3::Zero();
+    point.force_W = 0.5 * point.force_W + impulse_W / tau;
+    point.impulse_W += impulse_W;
+    later.law[k].slide.setZero();
+  }
+  if (friction == Friction::Free || solved) segment.slip_left = slipLeft(slip, later, after, friction);
+  segment.end = motions();
+  restore(start);
+  return segment;
+}
+
+// Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under constant
+// forces, so that two attempts are enough.
+void Stepper::cutAtStop(double& tau, Segment& segment) {
+  double low = 0.0, f_low = 1.0, high = tau, f_high = attempt(tau, Friction::KeepsDirection).slip_left;
+  if (f_high >= 0.0) return;
+  for (int k = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
+    const double middle = (low * f_high - high * f_low) / (f_high - f_low);
+    const double f = attempt(middle, Friction::KeepsDirection).slip_left;
+    if (std::abs(f) < 1e-13) {
+      low = high = middle;
+    } else if (f > 0.0) {
+      low = middle, f_low = f, f_high *= 0.5;
+    } else {
+      high = middle, f_high = f, f_low *= 0.5;
+    }
+  }
+  tau = high;
+  segment = attempt(tau, Friction::Free);
+}
+
+void Stepper::run() {
+  touching_ = find(now_);
+  expectLastForces(step_.contacts, touching_);
+  double turn = 0.0;
+  for (const Index i : batch_.bodies)
+    if (!std::holds_alternative<Sphere>(bodies_.traits[i].shape))
+      turn = std::max(turn, bodies_.twist[i].w_WB.norm() * (end_ - now_));
+  const double longest =
+      (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
+  while (end_ - now_ > 1e-12 * step_.h()) {
+    if (takeOverlapsAway()) {
+      const Touching before = std::move(touching_);
+      touching_ = find(now_);
+      touching_.inherit(before);
+    }
+    settle();
+    const double left = end_ - now_;
+    double tau = left > 1.5 * longest ? longest : left;
+    Segment segment = attempt(tau, Friction::Free);
+    if (segment.slip_left <= 1e-9 && cuts_-- > 0) cutAtStop(tau, segment);
+    restore(segment.end);
+    touching_ = std::move(segment.touching);
+    now_ += tau;
+  }
+}
+
+void Stepper::store() {
+  clock_.charge(kSolve);
+  storeTouching(touching_, batch_.pairs, step_.contacts);
+  clock_.charge(kStore);
+}
+
+}  // namespace
+
+void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return;
+  Stepper stepper(context, batch, t0, t1);
+  stepper.run();
+  stepper.store();
+}
+
+}  // namespace rbs::exact_step

@@ -1,0 +1,113 @@
+#include "methods/touching.h"
+
+#include "algebra.h"
+#include "narrowphase/collide.h"
+
+#include <algorithm>
+
+namespace rbs {
+
+namespace {
+
+// Points within this share of the smaller length are kept whatever the speeds.
+constexpr double kMargin = 0.01;
+
+// How fast a point of the surface moves because the body turns.
+double surfaceSpeed(const Bodies& bodies, Index i) {
+  const Traits& t = bodies.traits[i];
+  const bool round = std::holds_alternative<Sphere>(t.shape) || std::holds_alternative<Plane>(t.shape);
+  return round ? 0.0 : t.bounding_radius * bodies.twist[i].w_WB.norm();
+}
+
+Vec3 velocityAt(const Twist& twist, const Vec3& r) {
+  return twist.v_WB + twist.w_WB.cross(r);
+}
+
+}  // namespace
+
+Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
+                      double time) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  const double h = step.h(), gravity = context.scene.settings.gravity.norm();
+  Touching out;
+  for (const Index k : pairs) {
+    if (step.standing[k] == Standing::Awaited) continue;
+    const Index i = step.contacts.pairs[k].i, j = step.contacts.pairs[k].j;
+    const Traits &a = bodies.traits[i], &b = bodies.traits[j];
+    const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
+    const double length = std::min(a.length, b.length);
+    const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + surfaceSpeed(bodies, i) +
+                         surfaceSpeed(bodies, j) + 0.5 * h * (step.load[j].a_W - step.load[i].a_W).norm();
+    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, h * speed + kMargin * length);
+    const auto [t1, t2] = tangents(manifold.n_W);
+    for (int p = 0; p < manifold.size; ++p) {
+      const ManifoldPoint& found = manifold.points[p];
+      CoulombPoint law;
+      law.i = slot[i], law.j = slot[j];
+      law.r_i = found.p_W - X_i.p_WB, law.r_j = found.p_W - X_j.p_WB;
+      law.frame << t1, t2, manifold.n_W;
+      law.mu = pairFriction(a.material, b.material);
+      Vec3 led_W = Vec3::Zero();
+      if (law.j == kNone) led_W += velocityAt(bodies.twist[j], law.r_j);
+      if (law.i == kNone) led_W -= velocityAt(bodies.twist[i], law.r_i);
+      law.drive = law.frame.transpose() * led_W;
+      out.points.push_back({k, found.feature, found.separation, length, fallSpeed(gravity, length), found.p_W,
+                            law.drive});
+      out.law.push_back(law);
+    }
+  }
+  return out;
+}
+
+Index Touching::matching(const TouchingPoint& other) const {
+  auto p = std::lower_bound(points.begin(), points.end(), other.pair,
+                            [](const TouchingPoint& point, Index pair) { return point.pair < pair; });
+  for (; p != points.end() && p->pair == other.pair; ++p)
+    if (p->feature == other.feature) return static_cast<Index>(p - points.begin());
+  return kNone;
+}
+
+void Touching::inherit(const Touching& other) {
+  for (TouchingPoint& point : points) {
+    const Index m = other.matching(point);
+    if (m == kNone) continue;
+    point.force_W = other.points[m].force_W;
+    point.impulse_W = other.points[m].impulse_W;
+  }
+}
+
+void expectLastForces(const Contacts& contacts, Touching& touching) {
+  for (std::size_t k = 0; k < touching.points.size(); ++k) {
+    TouchingPoint& point = touching.points[k];
+    const Vec3 n_W = touching.law[k].frame.col(2);
+    const ContactPair& pair = contacts.pairs[point.pair];
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      const Touch& touch = contacts.touches[t];
+      if (touch.feature != point.feature) continue;
+      point.force_W = touch.friction_W + (touch.normal - n_W.dot(touch.friction_W)) * n_W;
+    }
+  }
+}
+
+void storeTouching(const Touching& touching, const std::vector<Index>& pairs, Contacts& contacts) {
+  for (const Index k : pairs) contacts.pairs[k].size = 0, contacts.pairs[k].exact = true;
+  for (std::size_t k = 0; k < touching.points.size(); ++k) {
+    const TouchingPoint& point = touching.points[k];
+    const Vec3 n_W = touching.law[k].frame.col(2);
+    ContactPair& pair = contacts.pairs[point.pair];
+    if (pair.size++ == 0) pair.first = static_cast<Index>(contacts.touches.size());
+    Touch touch;
+    touch.feature = point.feature;
+    touch.normal = std::max(point.force_W.dot(n_W), 0.0);
+    touch.friction_W = point.force_W - point.force_W.dot(n_W) * n_W;
+    touch.p_W = point.p_W;
+    touch.n_W = n_W;
+    touch.separation = point.gap;
+    touch.normal_impulse = point.impulse_W.dot(n_W);
+    touch.friction_impulse_W = point.impulse_W - touch.normal_impulse * n_W;
+    contacts.touches.push_back(touch);
+  }
+}
+
+}  // namespace rbs

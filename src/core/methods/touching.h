@@ -1,0 +1,46 @@
+// Where an island touches at one instant: its contact points as the exact step sees them.
+#pragma once
+
+#include "methods/coulomb.h"
+#include "methods/methods.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// A point where a pair touches or may touch within a step.
+struct TouchingPoint {
+  Index pair;             ///< in step.contacts.pairs
+  std::uint32_t feature;  ///< the same for the same corners and edges of the pair
+  double gap;             ///< m; negative is overlap
+  double length;          ///< the smaller one of the pair, m
+  double push;            ///< speed at which overlap may be taken away, m/s
+  Vec3 p_W;
+  Vec3 led;                       ///< velocity of j against i that led sides add, in the frame of its law, m/s
+  Vec3 force_W{0.0, 0.0, 0.0};    ///< on j, N: what is expected of it next
+  Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far
+};
+
+struct Touching {
+  std::vector<TouchingPoint> points;  ///< by pair
+  std::vector<CoulombPoint> law;      ///< of the same points, without impulse, and driven by led sides alone
+
+  /// The point of the same pair and feature as this one of another instant; kNone when there is none.
+  Index matching(const TouchingPoint& other) const;
+  /// Takes over forces and impulses of another instant.
+  void inherit(const Touching& other);
+};
+
+/// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept when
+/// they can close within a step. `slot` is, by body, its place in the Coulomb problem, kNone for those that forces
+/// do not move.
+Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
+                      double time);
+
+/// Takes the forces of the last step for what is expected.
+void expectLastForces(const Contacts& contacts, Touching& touching);
+
+/// Hands the points and their forces on to the step, as the touches of these pairs.
+void storeTouching(const Touching& touching, const std::vector<Index>& pairs, Contacts& contacts);
+
+}  // namespace rbs

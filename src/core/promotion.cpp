@@ -1,0 +1,74 @@
+// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a sub-step
+// carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a tower of n
+// bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times as deep; and a
+// slender body on its end has contacts that are hardly independent. A direct solve does not mind any of them, and
+// on a few hundred points costs less than a frame.
+#include "promotion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+// What makes an island stiff, and how many pairs a direct solve may have; once for islands that the soft step has,
+// once for those that the exact step has.
+struct Stiffness {
+  std::uint32_t height;
+  double mass_ratio, slenderness;
+  std::size_t pairs;
+};
+constexpr Stiffness kEnter{6, 10.0, 10.0, 250}, kStay{4, 5.0, 10.0, 350};
+
+// The most contacts on the shortest way from a body to something that forces do not move.
+std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto& list = context.step.contacts.pairs;
+  std::vector<Index> level(bodies.size(), kNone);
+  std::uint32_t height = 0;
+  // Pairs are few (kStay.pairs) and levels fewer: relaxed until nothing changes.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Index k : pairs) {
+      for (const auto &[a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
+        if (!bodies.traits[b].moved_by_forces()) continue;
+        const Index below = bodies.traits[a].moved_by_forces() ? level[a] : 0;
+        if (below == kNone || level[b] <= below + 1) continue;
+        level[b] = below + 1;
+        changed = true;
+      }
+    }
+  }
+  for (const Index level_of_one : level)
+    if (level_of_one != kNone) height = std::max(height, level_of_one);
+  return height;
+}
+
+}  // namespace
+
+bool isPromoted(const Context& context, const Island& island) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto& list = context.step.contacts.pairs;
+  std::vector<Index> touching;
+  bool was_exact = false;
+  for (const Index k : island.pairs) {
+    was_exact = was_exact || list[k].exact;
+    if (context.step.standing[k] == Standing::Contact) touching.push_back(k);
+  }
+  const Stiffness& bounds = was_exact ? kStay : kEnter;
+  if (touching.empty() || island.pairs.size() > bounds.pairs) return false;
+
+  double mass_ratio = 1.0, slenderness = 1.0;
+  for (const Index k : touching) {
+    const Traits &a = bodies.traits[list[k].i], &b = bodies.traits[list[k].j];
+    if (a.moved_by_forces() && b.moved_by_forces())
+      mass_ratio = std::max(mass_ratio, std::max(a.mass / b.mass, b.mass / a.mass));
+    for (const Traits* t : {&a, &b})
+      if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
+  }
+  return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness ||
+         (touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height);
+}
+
+}  // namespace rbs
