@@ -1,6 +1,7 @@
 // The exact Coulomb problem of an island: closed forms of statics and sliding, all modes of a few points
 // tried one by one, slow methods in long double, and the law itself, evaluated from its definition.
 #include "core/coulomb_problems.h"
+#include "methods/coulomb_system.h"
 
 #include <gtest/gtest.h>
 
@@ -102,6 +103,46 @@ double speedOf(const CoulombProblem& problem) {
   double speed = 0.0;
   for (const CoulombBody& body : problem.bodies) speed = std::max(speed, body.v.norm() + body.w.norm());
   return speed;
+}
+
+// --- the residuals
+
+TEST(Coulomb, EachResidualMeasuresItsOwnLaw) {
+  // A ball of 3 kg on the ground that slides at 2 units of speed. In units: mass 1, u_n = -1 without
+  // impulses; the response is 1 along the normal and 1 + 5/2 along each tangent, 8/3 in the mean.
+  Scene scene;
+  const Index ball = scene.ball(3.0, 0.5, {0, 0, 0.5});
+  scene.problem.bodies[ball].v.x() = 2.0 * scene.problem.speed_unit;
+  scene.touch(kNone, ball, {0, 0, 0}, Vec3::UnitZ(), 0.25);
+  const coulomb::System system(scene.problem);
+  const double response = system.points()[0].response;
+  EXPECT_NEAR(response, 8.0 / 3.0, 1e-14);
+  const Eigen::Vector2d along = scene.problem.points[0].frame.leftCols<2>().transpose() * Vec3(1, 0, 0);
+  const auto residuals = [&](double friction, double normal) {
+    coulomb::Impulses r(3, 1);
+    r << friction * along, normal;
+    return system.residuals(r);
+  };
+  const coulomb::Residuals exact = residuals(-0.25, 1.0);
+  EXPECT_LT(exact.worst(), 1e-15);
+  const coulomb::Residuals sinks = residuals(0.0, 0.0);
+  EXPECT_NEAR(sinks.signorini, 1.0, 1e-14);
+  EXPECT_EQ(sinks.coulomb, 0.0);
+  EXPECT_EQ(sinks.dissipation, 0.0);
+  const coulomb::Residuals pulled = residuals(0.0, -0.1);
+  EXPECT_NEAR(pulled.signorini, 1.1, 1e-14);
+  const coulomb::Residuals lifted = residuals(-0.25 * 1.2, 1.2);  // u_n = 0.2
+  EXPECT_NEAR(lifted.signorini, 0.2, 1e-14);
+  EXPECT_LT(lifted.coulomb + lifted.dissipation, 1e-14);
+  const coulomb::Residuals beyond = residuals(-0.3, 1.0);
+  EXPECT_LT(beyond.signorini, 1e-14);
+  EXPECT_NEAR(beyond.coulomb, 0.05 * response, 1e-14);
+  const coulomb::Residuals lazy = residuals(-0.1, 1.0);
+  EXPECT_LT(lazy.signorini + lazy.coulomb, 1e-14);
+  EXPECT_NEAR(lazy.dissipation, 0.15 * response, 1e-14);
+  const coulomb::Residuals driving = residuals(0.25, 1.0);
+  EXPECT_LT(driving.coulomb, 1e-14);
+  EXPECT_NEAR(driving.dissipation, 0.5 * response, 1e-14);
 }
 
 // --- statics

@@ -56,7 +56,9 @@ struct CoulombResult {
   /// How far the answer is from the three laws above, the worst over the points, in impulse and in velocity,
   /// as a fraction of their units. Measured on the impulses alone: velocities are recomputed from them.
   double signorini, coulomb, dissipation;
-  bool converged;  ///< all three are within the tolerance
+  /// All three are within the tolerance, once each point is forgiven the rounding of its velocity: a light
+  /// body under a heavy one feels the last digit of the impulses it stands on.
+  bool converged;
 };
 
 /// Finds impulses and velocities. The solver is chosen by the numbers of bodies and points and by the
