@@ -46,6 +46,7 @@ struct SavedState {
       Vec3 tangent_W = Vec3::Zero();  ///< on b, N
     };
     std::vector<Point> points;
+    bool exact = false;  ///< solved by the exact step, which a fast setting then keeps for longer
   };
   std::vector<Contact> contacts;
 };

@@ -11,7 +11,8 @@ struct FidelitySettings {
   int sub_steps;      ///< of the soft step
   bool all_points;    ///< solves every point of a manifold, else the four that span most of it
   double tolerance;   ///< of the exact step: residuals in impulse and velocity, fractions of their units
-  int cuts;           ///< of the exact step: times that stops of sliding may cut a step
+  int corrections;    ///< of the exact step: solves that the curvature of a drift may ask for anew
+  int cuts;           ///< likewise: contact points, summed over the times that stops of sliding may cut a step
   /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in a
   /// step; and the gap too small to matter, as a fraction of the smaller length.
   double slowest_impact, smallest_gap;
@@ -22,15 +23,15 @@ struct FidelitySettings {
 constexpr FidelitySettings settingsOf(Fidelity fidelity) {
   switch (fidelity) {
     case Fidelity::Preview:
-      return {false, false, 1, false, 1e-6, 0, 0.5, 1e-6, 1e-3};
+      return {false, false, 1, false, 1e-6, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Interactive:
-      return {false, true, 8, true, 1e-6, 1, 0.5, 1e-6, 1e-3};
+      return {false, true, 8, true, 1e-9, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Accurate:
-      return {true, false, 8, true, 1e-6, 8, 1e-5, 1e-12, 1e-6};
+      return {true, false, 8, true, 1e-6, 1, 400, 1e-5, 1e-12, 1e-6};
     case Fidelity::Reference:
       break;
   }
-  return {true, false, 8, true, 1e-12, 64, 1e-7, 1e-12, 1e-6};
+  return {true, false, 8, true, 1e-12, 4, 10000, 1e-7, 1e-12, 1e-6};
 }
 
 }  // namespace rbs

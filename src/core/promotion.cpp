@@ -1,8 +1,10 @@
 // A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a sub-step
 // carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a tower of n
 // bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times as deep; and a
-// slender body on its end has contacts that are hardly independent. A direct solve does not mind any of them, and
-// on a few hundred points costs less than a frame.
+// slender body on its end has contacts that are hardly independent. A direct solve does not mind any of them.
+//
+// It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of the soft
+// step do not show. So only islands are promoted in which nothing moves faster than what gravity adds in a step or two.
 #include "promotion.h"
 
 #include <algorithm>
@@ -18,8 +20,9 @@ struct Stiffness {
   std::uint32_t height;
   double mass_ratio, slenderness;
   std::size_t pairs;
+  double speed;  // of its bodies' surfaces, share of g h
 };
-constexpr Stiffness kEnter{6, 10.0, 10.0, 250}, kStay{4, 5.0, 10.0, 350};
+constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
 
 // The most contacts on the shortest way from a body to something that forces do not move.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) {
@@ -57,7 +60,14 @@ bool isPromoted(const Context& context, const Island& island) {
     if (context.step.standing[k] == Standing::Contact) touching.push_back(k);
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
-  if (touching.empty() || island.pairs.size() > bounds.pairs) return false;
+  if (touching.empty()) touching = island.pairs;  // nothing is known yet of bodies that have just been made
+  if (island.pairs.size() > bounds.pairs) return false;
+  const double gravity = context.scene.settings.gravity.norm();
+  for (const Index i : island.bodies) {
+    const Traits& t = bodies.traits[i];
+    const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();
+    if (speed > bounds.speed * gravity * context.step.h()) return false;
+  }
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : touching) {

@@ -62,6 +62,9 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
         item.report(key, std::to_string(*index), "the index of a body, below " + std::to_string(bodies));
       }
     }
+    std::uint32_t exact = 0;
+    if (item.read("exact", exact) && exact > 1) item.report("exact", std::to_string(exact), "0 or 1");
+    contact.exact = exact == 1;
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();

@@ -129,7 +129,10 @@ std::string contactText(const SavedState::Contact& contact) {
                   .add("tangent", text(point.tangent_W))
                   .close();
   }
-  return Line().add("a", text(contact.a)).add("b", text(contact.b)).add("points", "[" + points + "]").close();
+  Line line;
+  line.add("a", text(contact.a)).add("b", text(contact.b));
+  if (contact.exact) line.add("exact", "1");
+  return line.add("points", "[" + points + "]").close();
 }
 
 std::string stateText(const SavedState& state) {

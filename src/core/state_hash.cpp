@@ -77,6 +77,7 @@ std::uint64_t stateHash(const SceneStore& scene) {
   for (const ContactPair& pair : scene.contacts.pairs) {
     if (pair.size == 0) continue;
     hash.add(scene.bodies.indexOf(pair.id_i)), hash.add(scene.bodies.indexOf(pair.id_j));
+    hash.add(pair.exact);
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       const Touch& touch = scene.contacts.touches[t];
       hash.add(touch.feature), hash.add(touch.normal), hash.add(touch.friction_W);

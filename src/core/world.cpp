@@ -149,6 +149,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
       pair.id_i = impl_->scene.bodies.id[pair.i], pair.id_j = impl_->scene.bodies.id[pair.j];
       pair.first = static_cast<Index>(contacts.touches.size());
       pair.size = static_cast<Index>(contact.points.size());
+      pair.exact = contact.exact;
       for (const SavedState::Contact::Point& point : contact.points) {
         Touch touch;
         touch.feature = point.feature;
@@ -481,7 +482,7 @@ SavedState World::captureState() const {
   for (const ContactPair& pair : scene.contacts.pairs) {
     const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
     if (i == kNone || j == kNone || pair.size == 0) continue;
-    SavedState::Contact contact{i, j, {}};
+    SavedState::Contact contact{i, j, {}, pair.exact};
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       const Touch& touch = scene.contacts.touches[t];
       contact.points.push_back({touch.feature, touch.normal, touch.friction_W});

@@ -34,19 +34,20 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   const bool is_warm = !best.r.isZero(0.0);
   if (!best.within(tolerance)) {
     const bool is_large = system.points().size() > kManyPoints;
-    const double rough = std::max(tolerance, kFinish);
+    // A little more than asked, so that the same impulses pass as the guess of the next step.
+    const double aim = 0.1 * tolerance, rough = std::max(aim, kFinish);
     BodyBlocks matrix(system);
     const Impulses cold = Impulses::Zero(3, system.points().size());
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
-      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e4, tolerance, cap));
+      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e4, aim, cap));
     };
-    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, tolerance, 8));
+    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, aim, 8));
     if (!best.within(tolerance) && separable(system)) {
-      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 100), 10);
+      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, aim, 100), 10);
     }
     if (!best.within(tolerance) && problem.bodies.size() <= kFewBodies) {
-      consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, tolerance, 20));
+      consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, aim, 20));
     }
     if (!best.within(tolerance) && is_large) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
@@ -54,10 +55,12 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     if (!best.within(tolerance)) {
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), 40);
     }
-    if (!best.within(tolerance)) {
+    // Only who asks for every digit waits for the last resorts.
+    const bool patient = tolerance < 1e-9;
+    if (patient && !best.within(tolerance)) {
       finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, is_large ? 100 : 600), 40);
     }
-    for (int round = 0; round < (is_large ? 1 : 4) && !best.within(tolerance); ++round) {
+    for (int round = 0; round < (is_large ? 1 : 4) && patient && !best.within(tolerance); ++round) {
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
     }
   }

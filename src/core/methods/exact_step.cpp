@@ -40,11 +40,11 @@ namespace {
 constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
+// Forces that change by less than this many tolerances are as expected.
+constexpr double kNoChange = 4.0;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
-// Solves of the first kick that the curvature may ask for.
-constexpr int kMostCorrections = 4;
 
 using Vec2 = Eigen::Vector2d;
 using Movers = std::vector<CoulombBody>;
@@ -71,10 +71,6 @@ Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
   if (law.j != kNone) u_W += movers[law.j].v + movers[law.j].w.cross(law.r_j);
   if (law.i != kNone) u_W -= movers[law.i].v + movers[law.i].w.cross(law.r_i);
   return law.frame.transpose() * u_W + law.drive;
-}
-
-bool hasImpulse(const CoulombPoint& law) {
-  return !law.impulse.isZero(0.0);
 }
 
 struct BodyMotion {
@@ -104,15 +100,16 @@ class Stepper {
   Segment attempt(double tau, Friction friction);
   void drift(const Movers& movers, double tau);
   std::vector<Vec2> slipNow() const;
+  bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                         std::vector<double>& curvature) const;
   void aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const;
-  bool kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
+  CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
   double slipLeft(const std::vector<Vec2>& slip, const Touching& later, const Movers& movers,
                   Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
 
-  bool solve(CoulombProblem& problem, double speed_floor) const;
+  CoulombResult solve(CoulombProblem& problem) const;
   Movers movers() const;
   void addLoad(Movers& movers, double seconds) const;
   void setTwists(const Movers& movers);
@@ -126,8 +123,8 @@ class Stepper {
   std::vector<Index> slot_;  // by body: its place in the problem
   ContactClock clock_;
   double now_, end_;
-  double tolerance_;
-  int cuts_;
+  double tolerance_, total_mass_ = 0.0;
+  int corrections_, cuts_;
   double load_speed_;  // the most that the load changes a velocity in a step
   double slow_;        // a slip below is none
   Touching touching_;  // now
@@ -147,9 +144,11 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   for (std::size_t k = 0; k < batch_.bodies.size(); ++k) slot_[batch_.bodies[k]] = static_cast<Index>(k);
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   tolerance_ = settings.tolerance;
+  corrections_ = settings.corrections;
   cuts_ = settings.cuts;
   double load = 0.0;
   for (const Index i : batch_.bodies) {
+    total_mass_ += bodies_.traits[i].mass;
     const Vec3 spin = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * step_.load[i].torque_W;
     load = std::max(load, step_.load[i].a_W.norm() + spin.norm() * bodies_.traits[i].length);
   }
@@ -216,15 +215,14 @@ Touching Stepper::find(double time) {
 // --- solving
 
 // Residuals are measured against what the load does in a step, or the fastest closing where that is more.
-bool Stepper::solve(CoulombProblem& problem, double speed_floor) const {
-  problem.speed_unit = speed_floor;
+CoulombResult Stepper::solve(CoulombProblem& problem) const {
+  problem.speed_unit = load_speed_;
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
   if (!(problem.speed_unit > 0.0)) {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
-    return true;
+    return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
   }
-  if (problem.points.empty()) return true;
   const CoulombResult result = solveCoulomb(problem, tolerance_);
   IslandCertificate solved;
   solved.method = nameOf(result.solver);
@@ -234,7 +232,7 @@ bool Stepper::solve(CoulombProblem& problem, double speed_floor) const {
   solved.dissipation = result.dissipation;
   solved.converged = result.converged;
   certificate::add(step_.islands[step_.island[batch_.bodies.front()]].certificate, solved);
-  return result.converged;
+  return result;
 }
 
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without friction and
@@ -260,8 +258,8 @@ bool Stepper::takeOverlapsAway() {
 }
 
 // Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an impact
-// without restitution. False when the directions of sliding that were given have no solution.
-bool Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const {
+// without restitution.
+CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const {
   CoulombProblem problem{movers, {}, 0.0};
   std::vector<std::size_t> closed;
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
@@ -272,26 +270,25 @@ bool Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds, 
     problem.points.push_back(touching.law[k]);
     problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);
   }
-  const double floor = seconds > 0.0 ? load_speed_ : 0.0;
-  bool solved = solve(problem, floor);
+  CoulombResult result = solve(problem);
   if (friction == Friction::Free) {
     // A point that would be driven back by its friction has stopped: there the law decides.
     for (bool fixed = true; fixed;) {
       fixed = false;
       for (CoulombPoint& law : problem.points) {
         if (law.slide.isZero(0.0)) continue;
-        if (solved && law.slide.dot(velocityAt(problem.bodies, law).head<2>()) >= 0.0) continue;
+        if (result.converged && law.slide.dot(velocityAt(problem.bodies, law).head<2>()) >= 0.0) continue;
         law.slide.setZero();
         fixed = true;
       }
       if (!fixed) break;
       problem.bodies = movers;
-      solved = solve(problem, floor);
+      result = solve(problem);
     }
   }
   movers = problem.bodies;
   for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
-  return solved;
+  return result;
 }
 
 void Stepper::settle() {
@@ -336,15 +333,25 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
   return matters;
 }
 
+// Whether impulses are those of the forces expected but for a few tolerances. Such a change makes good what the
+// guesses of earlier kicks have left; were it expected again, the next kicks would make good the opposite, for ever.
+bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const {
+  double change = 0.0;
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    change = std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
+  return change <= kNoChange * tolerance_ * total_mass_ * load_speed_;
+}
+
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
 void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const {
   const Movers drifted = movers();
+  const bool expected = asExpected(touching_, kick.points, 0.5 * tau);
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
     const Index m = later.matching(touching_.points[k]);
     if (m == kNone) continue;
     const Vec3 impulse_W = law.frame * law.impulse;
-    later.points[m].force_W = impulse_W / (0.5 * tau);
+    later.points[m].force_W = expected ? touching_.points[k].force_W : Vec3(2.0 / tau * impulse_W);
     later.points[m].impulse_W = touching_.points[k].impulse_W + impulse_W;
     const Vec2 u_T = velocityAt(kick.bodies, law).head<2>();
     const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;
@@ -385,17 +392,17 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Segment segment;
-  bool solved = true;
+  CoulombResult first;
   std::vector<double> curvature(slip.size(), 0.0);
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.size(); ++k)
       kick.points[k].drive[2] =
           touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
     kick.bodies = loaded;
-    solved = solve(kick, load_speed_);
+    first = solve(kick);
     drift(kick.bodies, tau);
     segment.touching = find(now_ + tau);
-    if (corrections == kMostCorrections || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
+    if (corrections == corrections_ || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
     restore(start);
   }
 
@@ -404,16 +411,17 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   Movers after = movers();
   addLoad(after, 0.5 * tau);
   Touching aimed = later;
-  solved = kickAtInstant(aimed, after, 0.5 * tau, friction) && solved;
+  const CoulombResult second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   setTwists(after);
+  const bool expected = asExpected(later, aimed.law, 0.5 * tau);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
-    const Vec3 impulse_W = hasImpulse(aimed.law[k]) ? Vec3(aimed.law[k].frame * aimed.law[k].impulse) : Vec3::Zero();
-    point.force_W = 0.5 * point.force_W + impulse_W / tau;
+    const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;
+    if (!expected) point.force_W = 2.0 / tau * impulse_W;
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
   }
-  if (friction == Friction::Free || solved) segment.slip_left = slipLeft(slip, later, after, friction);
+  if (friction == Friction::Free || (first.converged && second.converged)) segment.slip_left = slipLeft(slip, later, after, friction);
   segment.end = motions();
   restore(start);
   return segment;
@@ -458,7 +466,11 @@ void Stepper::run() {
     const double left = end_ - now_;
     double tau = left > 1.5 * longest ? longest : left;
     Segment segment = attempt(tau, Friction::Free);
-    if (segment.slip_left <= 1e-9 && cuts_-- > 0) cutAtStop(tau, segment);
+    const int points = static_cast<int>(touching_.points.size());
+    if (segment.slip_left <= 1e-9 && cuts_ >= points) {
+      cuts_ -= points;
+      cutAtStop(tau, segment);
+    }
     restore(segment.end);
     touching_ = std::move(segment.touching);
     now_ += tau;
