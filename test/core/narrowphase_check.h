@@ -12,6 +12,52 @@ struct Worst {
   int apart = 0, overlapping = 0;
 };
 
+/// A direction in which the two shapes are apart, and how far off the true normal it may be at most: with d
+/// the distance and s the separation along it, 1 - s/d >= 1 - cos of that angle.
+struct Normal {
+  Vec n;
+  Real uncertainty;
+};
+
+/// The direction of the largest separation near `start`, by a golden section in a golden section. An oracle
+/// that knows the distance to its last digit may know the normal to half of its digits only, and this may
+/// know it better, in particular where features with corners meet.
+inline Normal normalNear(const Pair& pair, const Vec& start, Real distance) {
+  const RoundedCore a = coreOfShape(pair.a), b = coreOfShape(pair.b);
+  const Vec3 origin = pair.X_WA.p_WB;
+  return std::visit(
+      [&](const auto& core_a, const auto& core_b) -> Normal {
+        const auto x = placed(core_a, pair.X_WA, origin);
+        const auto y = placed(core_b, pair.X_WB, origin);
+        const Vec t1 = start.unitOrthogonal(), t2 = start.cross(t1);
+        const auto direction = [&](Real u, Real v) { return Vec((start + u * t1 + v * t2).normalized()); };
+        const auto separation = [&](Real u, Real v) { return separationAlong(x, y, direction(u, v)); };
+        const auto best = [](const auto& value, Real reach) {
+          const Real golden = (std::sqrt(Real(5)) - 1) / 2;
+          Real lo = -reach, hi = reach, p = hi - golden * (hi - lo), q = lo + golden * (hi - lo);
+          Real at_p = value(p), at_q = value(q);
+          while (hi - lo > Real(1e-12)) {
+            if (at_p > at_q)
+              hi = q, q = p, at_q = at_p, p = hi - golden * (hi - lo), at_p = value(p);
+            else
+              lo = p, p = q, at_p = at_q, q = lo + golden * (hi - lo), at_q = value(q);
+          }
+          return (lo + hi) / 2;
+        };
+        constexpr Real kReach = 1e-3;
+        const auto across = [&](Real u) { return best([&](Real v) { return separation(u, v); }, kReach); };
+        const Real u = best([&](Real at) { return separation(at, across(at)); }, kReach);
+        const Real v = across(u);
+        const auto uncertainty = [&](Real proved) {
+          return std::sqrt(2 * std::max(distance - proved, Real(1e-19) * distance) / distance);
+        };
+        const Real before = separation(0, 0), after = separation(u, v);
+        if (before >= after) return {start, uncertainty(before)};
+        return {direction(u, v), uncertainty(after)};
+      },
+      a.core, b.core);
+}
+
 /// What is wrong with a pair, or nothing.
 inline std::string faultOf(const Pair& pair, double depth_tolerance, Worst& worst) {
   const double size = sizeOf(pair);
@@ -50,7 +96,11 @@ inline std::string faultOf(const Pair& pair, double depth_tolerance, Worst& wors
       core_gap > 1e-6 * size ||
       (core_gap<-1e-6 * size&& static_cast<double>(judged.truth.runner_up) + truth> 1e-6 * size);
   if (unique) {
-    const double angle = static_cast<double>((judged.truth.n - found.n_W.cast<Real>()).norm());
+    double angle = static_cast<double>((judged.truth.n - found.n_W.cast<Real>()).norm());
+    if (angle > 1e-9 && core_gap > 0.0) {
+      const Normal normal = normalNear(pair, judged.truth.n, judged.truth.gap + judged.radius);
+      angle = static_cast<double>((normal.n - found.n_W.cast<Real>()).norm() - normal.uncertainty);
+    }
     worst.normal = std::max(worst.normal, angle);
     if (angle > 1e-9) return "normal: off by " + number(angle) + "; " + values;
   }

@@ -192,7 +192,7 @@ Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
   };
   if (axis.separation > 0.0) {
     const ConvexGap gap = convexGap(a, b, X_AB);
-    const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-14 * size;
+    const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-15 * size;
     if (!spanned) return placed(std::max(gap.distance, axis.separation), gap.n_A, gap.middle_A);
     return placed(axis.separation, axis.n_A, gap.middle_A);
   }

@@ -4,9 +4,14 @@
 #include "narrowphase/collide.h"
 #include "narrowphase/epa.h"
 #include "narrowphase/facet.h"
+#include "narrowphase/finish.h"
 #include "narrowphase/gjk.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/patch.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
 
 namespace rbs {
 
@@ -25,20 +30,35 @@ ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB
 
 template <class ShapeA, class ShapeB>
 ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) {
-  // Cores nearer than this fraction of their coordinates have no direction in GJK's v; EPA finds one.
-  constexpr double kTouching = 1e-13;
   const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
-  const GjkResult distance = gjk(difference, difference.centre());
+  const auto finish = finishOf(coreOf(a), coreOf(b), X_AB);
+  const GjkResult distance = gjk(difference, difference.centre(), finish);
   Vec3 on_a, on_b;
   ConvexGap gap;
-  if (!distance.overlap && distance.upper > kTouching * distance.scale) {
-    gap.n_A = distance.v / -distance.upper;
-    gap.distance = distance.upper;
+  // Cores this near have no direction in v, or, where v does not prove its length, a bad one: EPA finds a
+  // better.
+  constexpr double kTouching = 1e-13, kNear = 1e-6, kProved = 64.0 * std::numeric_limits<double>::epsilon();
+  const bool proved = distance.upper - distance.lower <= kProved * distance.scale;
+  if (!distance.overlap &&
+      (distance.finished || distance.upper > (proved ? kTouching : kNear) * distance.scale)) {
+    gap.n_A = distance.finished ? distance.n : Vec3(distance.v / -distance.upper);
+    gap.distance = distance.finished ? distance.lower : distance.upper;
     on_a = distance.simplex.witnessA(), on_b = distance.simplex.witnessB();
   } else {
-    const EpaResult depth = epa(std::cref(difference), distance.simplex, distance.scale);
+    EpaResult depth = [&] {
+      if constexpr (std::is_same_v<decltype(finish), const NoFinish>)
+        return epa(std::cref(difference), distance.simplex, distance.scale);
+      else
+        return epa(std::cref(difference), distance.simplex, distance.scale, std::cref(finish));
+    }();
+    if (!distance.n.isZero(0.0)) {
+      const double upper = distance.n.dot(difference(distance.n).w);
+      if (upper < depth.upper - kNear * distance.scale)  // EPA went astray
+        depth.a = distance.simplex.witnessA(), depth.b = distance.simplex.witnessB();
+      if (upper < depth.upper) depth.n = distance.n, depth.upper = upper;
+    }
     gap.n_A = depth.n;
-    gap.distance = distance.overlap ? -depth.upper : distance.upper;
+    gap.distance = distance.overlap ? -depth.upper : std::clamp(-depth.upper, distance.lower, distance.upper);
     on_a = depth.a, on_b = depth.b;
   }
   gap.distance -= coreRadius(a) + coreRadius(b);

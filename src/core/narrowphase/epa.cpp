@@ -25,6 +25,12 @@ namespace {
 constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
 // The interval of the depth is closed when it is this small.
 constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
+// A round side whose directions tie would be tessellated without end. After so many rounds, and within this
+// fraction of the size, the direction of each face left is finished instead.
+constexpr int kTessellating = 192;
+constexpr double kCoarse = 1e-3;
+// Of the size: how well the points of a finished direction span the depth.
+constexpr double kSpanned = 1e-9;
 // Of the size: what the least distance may seem to shrink by as the polytope grows.
 constexpr double kBroken = 1e-12;
 
@@ -213,7 +219,8 @@ EpaResult flatResult(const Simplex& simplex, const Vec3& n) {
 
 }  // namespace
 
-EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale) {
+EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale,
+              const FinishFunction& finish) {
   Simplex tetrahedron = simplex;
   Vec3 flat_normal = Vec3::UnitZ();
   if (!makeTetrahedron(support, tetrahedron, scale, flat_normal)) return flatResult(simplex, flat_normal);
@@ -222,27 +229,58 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   EpaResult result;
   result.upper = std::numeric_limits<double>::infinity();
   result.lower = -std::numeric_limits<double>::infinity();
+  Face best{};
+  bool tessellating = false;
   double given_up = std::numeric_limits<double>::infinity();
   for (; result.iterations < kEpaIterations; ++result.iterations) {
     const Face* nearest = polytope.nearestFace();
     if (nearest == nullptr) break;
     const Face face = *nearest;
-    // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose its
-    // shape.
+    // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose
+    // its shape.
     if (result.lower > 0.0 && face.distance < result.lower - kBroken * scale) break;
     const SupportPoint p = support(face.n);
     const double upper = face.n.dot(p.w);
     result.lower = std::max(result.lower, std::min(face.distance, given_up));
     if (upper < result.upper) {
       result.upper = upper;
+      best = face;
       result.n = face.n;
       setWitnesses(polytope, face, result);
     }
     if (result.upper - face.distance <= kClosed * scale) break;
+    tessellating =
+        finish && result.iterations >= kTessellating && result.upper - face.distance <= kCoarse * scale;
+    if (tessellating) break;
     if (!polytope.expand(*nearest, p)) {
       given_up = std::min(given_up, face.distance);
       polytope.giveUpNearest();
     }
+  }
+  if (!finish) return result;
+  const auto take = [&](const Face& face, const Vec3& direction) {
+    const std::array<SupportPoint, 3> corners{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
+                                              polytope.point(face.corner[2])};
+    Finished finished = finish(direction, corners.data(), 3);
+    const Vec3& n = finished.n;
+    const SupportPoint p = support(n);
+    const double upper = n.dot(p.w);
+    if (upper > result.upper + (&face == &best ? kRounding * scale : 0.0)) return;
+    if (&face != &best) setWitnesses(polytope, face, result);
+    result.n = n, result.upper = upper;
+    const bool spanned = finished.nearest.size > 0 &&
+                         (reduceToNearest(finished.nearest) - upper * n).norm() <= kSpanned * scale;
+    if (spanned) {
+      result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
+    } else {  // chords lie below the surface
+      result.a += n.dot(p.a - result.a) * n, result.b += n.dot(p.b - result.b) * n;
+    }
+  };
+  if (std::isfinite(result.upper)) take(best, result.n);
+  for (const Face* face = polytope.nearestFace(); tessellating && face && face->distance < result.upper;
+       face = polytope.nearestFace()) {
+    take(*face, face->n);
+    polytope.giveUpNearest();
   }
   return result;
 }

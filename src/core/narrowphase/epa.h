@@ -3,7 +3,7 @@
 // objects", GDC 2001.
 #pragma once
 
-#include "narrowphase/simplex.h"
+#include "narrowphase/gjk.h"
 
 #include <functional>
 
@@ -11,6 +11,9 @@ namespace rbs {
 
 /// Gives the point of A - B farthest along a direction.
 using SupportFunction = std::function<SupportPoint(const Vec3&)>;
+
+/// Turns a direction into a better one nearby, given points of the features that are near (finish.h).
+using FinishFunction = std::function<Finished(const Vec3&, const SupportPoint*, int)>;
 
 struct EpaResult {
   Vec3 n = Vec3::UnitZ();  ///< unit; moving B by `upper` along n separates A and B
@@ -25,6 +28,8 @@ inline constexpr int kEpaIterations = 1024;
 
 /// `simplex` (1 to 4 points of A - B) holds the origin or touches it, up to rounding; `scale` is the size
 /// of the coordinates (GjkResult::scale), m. A flat A - B has depth 0 along its normal.
-EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale);
+/// `finish`, where there is one, finishes the direction.
+EpaResult epa(const SupportFunction& support, const Simplex& simplex, double scale,
+              const FinishFunction& finish = nullptr);
 
 }  // namespace rbs

@@ -13,13 +13,17 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
 namespace rbs {
 
 struct GjkResult {
   Vec3 v = Vec3::Zero();  ///< nearest point of A - B to the origin: witness of A minus witness of B
   double upper = 0.0;     ///< |v|: the distance, at most
-  double lower = 0.0;     ///< the distance, at least; 0 where the sets overlap
+  double lower =
+      -std::numeric_limits<double>::infinity();  ///< the distance, at least; 0 where the sets overlap
+  Vec3 n = Vec3::Zero();  ///< unit, from A to B: the best of the finished directions; 0 if there is none
+  bool finished = false;  ///< n proves `lower`: it is the direction of features, known to rounding
   bool overlap = false;   ///< the origin is inside A - B, or nearer than rounding can tell
   double scale = 0.0;     ///< largest coordinate met, m: the unit of rounding
   int iterations = 0;     ///< kGjkIterations when it was cut off; the interval still holds
@@ -28,13 +32,28 @@ struct GjkResult {
 
 inline constexpr int kGjkIterations = 128;
 
+/// What finishing a direction gives: the direction (unit, from A to B), and points of A - B that span what is
+/// nearest along it, none where that is not known.
+struct Finished {
+  Vec3 n;
+  Simplex nearest;
+};
+
+/// For shapes that have nothing to finish.
+struct NoFinish {};
+
 /// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any
-/// will do, and those that an earlier call on nearly the same pair ended with save most of the work.
-template <class Support>
-GjkResult gjk(const Support& support, const Simplex& start) {
+/// will do, and those that an earlier call on nearly the same pair ended with save most of the work. `finish`
+/// turns a direction into a better one nearby (finish.h); such a direction is taken where it proves more.
+template <class Support, class Finish = NoFinish>
+GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {}) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr int kStalls = 4;
+  // The features are known when the interval is this small a fraction of the size, or of the distance.
+  constexpr double kFeatures = 0.02;
   int stalls = 0;
+  bool trusted = true;  // the last finished direction led on
+  double along = -std::numeric_limits<double>::infinity();
   GjkResult result;
   const auto measure = [&](const SupportPoint& p) {
     result.scale = std::max({result.scale, p.a.cwiseAbs().maxCoeff(), p.b.cwiseAbs().maxCoeff()});
@@ -51,15 +70,43 @@ GjkResult gjk(const Support& support, const Simplex& start) {
       result.overlap = true;
       break;
     }
-    const SupportPoint p = support(-result.v);
-    measure(p);
-    result.lower = std::max(result.lower, result.v.dot(p.w) / result.upper);
-    if (result.upper - result.lower <= rounding || result.simplex.contains(p.w)) break;
+    SupportPoint p;
+    bool known = true;  // p is a corner of the simplex
+    if constexpr (!std::is_same_v<Finish, NoFinish>) {
+      if (trusted && result.upper - along <= kFeatures * std::max(result.scale, result.upper)) {
+        Finished finished =
+            finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size);
+        p = support(finished.n);
+        measure(p);
+        const double separation = -finished.n.dot(p.w);
+        if (separation >= result.lower - rounding) {
+          result.n = finished.n, result.finished = true;
+          result.lower = std::max(result.lower, separation);
+          if (finished.nearest.size > 0) {
+            const Vec3 v = reduceToNearest(finished.nearest);
+            if (const double length = v.norm(); finished.nearest.size < 4 && length < result.upper)
+              result.simplex = finished.nearest, result.v = v, result.upper = length;
+          }
+          if (result.upper - result.lower <= rounding) break;
+          known = result.simplex.contains(p.w);
+        }
+      }
+    }
+    if (known) {
+      p = support(-result.v);
+      measure(p);
+      along = result.v.dot(p.w) / result.upper;
+      if (along > result.lower + (result.finished ? rounding : 0.0))
+        result.lower = along, result.finished = false;
+      if (result.upper - result.lower <= rounding || result.simplex.contains(p.w)) break;
+    }
 
     Simplex simplex = result.simplex;
     simplex.add(p);
     const Vec3 v = reduceToNearest(simplex);
     const double length = v.norm();
+    trusted = known || length < result.upper;
+    if (!trusted) continue;
     // A step may leave v in place and still turn it, so that the next one gets on. One that rounding throws
     // back is not taken.
     if (simplex.size < 4 && !(length < result.upper) &&
@@ -70,6 +117,17 @@ GjkResult gjk(const Support& support, const Simplex& start) {
     result.upper = length;
     result.overlap = simplex.size == 4;
   }
+  if constexpr (!std::is_same_v<Finish, NoFinish>) {
+    const double rounding = kRounding * result.scale;
+    if (!result.overlap && !result.finished && result.upper > 0.0) {
+      const Vec3 n = finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size).n;
+      const double separation = -n.dot(support(n).w);
+      if (separation >= result.lower - rounding)
+        result.n = n, result.finished = true, result.lower = std::max(result.lower, separation);
+    }
+    // A direction that does not prove the distance is not that of the nearest features.
+    if (result.upper - result.lower > 16.0 * rounding) result.finished = false;
+  }
   // Sets that nothing proves apart overlap.
   if (!(result.lower > 0.0)) result.overlap = true;
   if (result.overlap) result.lower = 0.0;
@@ -77,11 +135,11 @@ GjkResult gjk(const Support& support, const Simplex& start) {
 }
 
 /// Likewise, from the point of A - B farthest from `centre`, which is any point well inside A - B.
-template <class Support>
-GjkResult gjk(const Support& support, const Vec3& centre) {
+template <class Support, class Finish = NoFinish>
+GjkResult gjk(const Support& support, const Vec3& centre, const Finish& finish = {}) {
   Simplex start;
   start.add(support(centre.isZero(0.0) ? Vec3(-Vec3::UnitX()) : Vec3(-centre)));
-  return gjk(support, start);
+  return gjk(support, start, finish);
 }
 
 }  // namespace rbs

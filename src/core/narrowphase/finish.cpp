@@ -1,0 +1,230 @@
+#include "narrowphase/finish.h"
+
+#include "algebra.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+constexpr int kSteps = 16;
+constexpr double kStep = 0.3;  // rad, the longest
+
+// Whether a step, in rad, is the last: rounding, or no shorter than the one before.
+bool settled(double step, double before) {
+  constexpr double kRounding = 1e-15, kNear = 1e-5;
+  return step <= kRounding || (step < kNear && step > 0.5 * before);
+}
+
+// The farthest point along `outward` and the derivative of it by the direction, scale f f'.
+struct Farthest {
+  Vec3 point, f;
+  double scale;
+};
+
+Farthest farthest(const Feature& feature, const Vec3& outward, int k = 0) {
+  if (feature.radius[k] == 0.0) return {feature.centre[k], Vec3::Zero(), 0.0};
+  Vec3 e = outward - feature.axis.dot(outward) * feature.axis;
+  const double across = e.norm();
+  if (!(across > 1e-14)) return {feature.centre[k], Vec3::Zero(), 0.0};  // rounding
+  e /= across;
+  e = (e - feature.axis.dot(e) * feature.axis).normalized();  // what rounding has left along the axis
+  return {feature.centre[k] + feature.radius[k] * e, feature.axis.cross(e), feature.radius[k] / across};
+}
+
+struct Circle {
+  Vec3 axis;
+  double cosine;
+};
+
+bool parallel(const Circle& p, const Circle& q) {
+  return p.axis.cross(q.axis).squaredNorm() <= 1e-20;
+}
+
+// Where n.u = c and n.w = d, nearest to n; n itself if nowhere.
+Vec3 common(const Circle& p, const Circle& q, const Vec3& n) {
+  const Vec3 across = p.axis.cross(q.axis);
+  const double sine2 = across.squaredNorm(), cosine = p.axis.dot(q.axis);
+  const Vec3 flat =
+      ((p.cosine - cosine * q.cosine) * p.axis + (q.cosine - cosine * p.cosine) * q.axis) / sine2;
+  const double height2 = 1.0 - flat.squaredNorm();
+  if (height2 < 0.0) return n;
+  const double height = std::copysign(std::sqrt(height2 / sine2), across.dot(n));
+  return (flat + height * across).normalized();
+}
+
+Vec3 onCircle(const Feature& a, const Feature& b, const Circle& circle, const Vec3& start) {
+  Vec3 m = start - circle.axis.dot(start) * circle.axis;
+  if (!(m.squaredNorm() > 0.0)) return start;
+  m *= std::sqrt(std::max(1.0 - circle.cosine * circle.cosine, 0.0)) / m.norm();
+  double before = kStep;
+  for (int k = 0; k < kSteps; ++k) {
+    const Vec3 n = circle.cosine * circle.axis + m, t = circle.axis.cross(m);
+    const Farthest on_a = farthest(a, n), on_b = farthest(b, -n);
+    const Vec3 G = on_b.point - on_a.point;
+    const double fa = on_a.f.dot(t), fb = on_b.f.dot(t);
+    const double slope = t.dot(G), bend = -on_a.scale * fa * fa - on_b.scale * fb * fb - G.dot(m);
+    if (!(bend < 0.0)) break;  // all directions on the circle tie, or none is a maximum
+    const double step = std::clamp(-slope / bend, -kStep, kStep);
+    m = std::cos(step) * m + std::sin(step) * t;
+    if (settled(std::abs(step), before)) break;
+    before = std::abs(step);
+  }
+  return (circle.cosine * circle.axis + m).normalized();
+}
+
+Vec3 onSphere(const Feature& a, const Feature& b, const Vec3& start) {
+  Vec3 n = start;
+  double before = kStep;
+  for (int k = 0; k < kSteps; ++k) {
+    const Farthest on_a = farthest(a, n), on_b = farthest(b, -n);
+    const Vec3 G = on_b.point - on_a.point;
+    const auto [t1, t2] = tangents(n);
+    const double a1 = on_a.f.dot(t1), a2 = on_a.f.dot(t2), b1 = on_b.f.dot(t1), b2 = on_b.f.dot(t2);
+    const double s = n.dot(G), g1 = t1.dot(G), g2 = t2.dot(G);
+    const double h11 = on_a.scale * a1 * a1 + on_b.scale * b1 * b1 + s;
+    const double h12 = on_a.scale * a1 * a2 + on_b.scale * b1 * b2;
+    const double h22 = on_a.scale * a2 * a2 + on_b.scale * b2 * b2 + s;
+    const double determinant = h11 * h22 - h12 * h12;
+    if (!(determinant > 0.0 && h11 > 0.0)) return start;  // no maximum is near
+    double d1 = (h22 * g1 - h12 * g2) / determinant, d2 = (h11 * g2 - h12 * g1) / determinant;
+    const double length = std::sqrt(d1 * d1 + d2 * d2);
+    if (length > kStep) d1 *= kStep / length, d2 *= kStep / length;
+    n = (n + d1 * t1 + d2 * t2).normalized();
+    if (settled(length, before)) return n;
+    before = length;
+  }
+  return start;
+}
+
+Vec3 directionOf(const Feature& a, const Feature& b, const Vec3& n) {
+  using Pin = Feature::Pin;
+  if (a.pin == Pin::Point) return a.pin_axis;
+  if (b.pin == Pin::Point) return -b.pin_axis;
+  const Circle of_a{a.pin_axis, a.pin_cosine}, of_b{b.pin_axis, -b.pin_cosine};
+  if (a.pin == Pin::Circle && b.pin == Pin::Circle && !parallel(of_a, of_b)) return common(of_a, of_b, n);
+  if (a.pin == Pin::Circle) return onCircle(a, b, of_a, n);
+  if (b.pin == Pin::Circle) return onCircle(a, b, of_b, n);
+  return onSphere(a, b, n);
+}
+
+// The point of a disc over or under one of a point or a line, that nearest to its centre; none where that is
+// beyond the rim.
+bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, Vec3& on_disc,
+               Vec3& on_other) {
+  if (other.isDisc() || other.size > 2) return false;
+  on_other = farthest(other, n_other).point;
+  if (other.size == 2) {
+    const Vec3 along = farthest(other, n_other, 1).point - on_other;
+    const Vec3 flat = along - disc.axis.dot(along) * disc.axis;
+    const double squared = flat.squaredNorm();
+    if (squared > 0.0)
+      on_other += std::clamp(flat.dot(disc.centre[0] - on_other) / squared, 0.0, 1.0) * along;
+  }
+  on_disc = on_other - disc.axis.dot(on_other - disc.centre[0]) * disc.axis;
+  return (on_disc - disc.centre[0]).squaredNorm() <= disc.radius[0] * disc.radius[0];
+}
+
+}  // namespace
+
+Stationary stationary(const Feature& a, const Feature& b, const Vec3& start) {
+  Stationary found;
+  found.n = directionOf(a, b, start);
+  if (a.isDisc()) {
+    found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0]);
+  } else if (b.isDisc()) {
+    found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0]);
+  } else if (a.size * b.size <= 4) {
+    for (int i = 0; i < a.size; ++i)
+      for (int j = 0; j < b.size; ++j) {
+        found.on_a[found.size] = farthest(a, found.n, i).point;
+        found.on_b[found.size++] = farthest(b, -found.n, j).point;
+      }
+  }
+  return found;
+}
+
+namespace {
+
+// Normals this near to a face or a line on the side may belong to it, as cosines.
+constexpr double kNearFace = 0.95, kNearSide = 0.2;
+
+Feature circle(double radius, double z) {
+  Feature rim;
+  rim.add({0.0, 0.0, z}, radius);
+  return rim;
+}
+
+Feature disc(double radius, double z, double up) {
+  Feature disc = circle(radius, z);
+  disc.pin = Feature::Pin::Point, disc.pin_axis = {0.0, 0.0, up};
+  return disc;
+}
+
+}  // namespace
+
+Features featuresAt(const CylinderCore& core, const Vec3& d, const Vec3* points, int size) {
+  Features features;
+  bool top = false, bottom = false;
+  for (int i = 0; i < size; ++i) (points[i].z() > 0.0 ? top : bottom) = true;
+  if (std::abs(d.z()) < kNearSide && top && bottom) {
+    Feature side = circle(core.radius, -core.half_length);
+    side.add({0.0, 0.0, core.half_length}, core.radius);
+    side.pin = Feature::Pin::Circle;
+    features.add(side);
+  }
+  const double z = std::copysign(core.half_length, d.z());
+  features.add(circle(core.radius, z));
+  if (std::abs(d.z()) > kNearFace) features.add(disc(core.radius, z, std::copysign(1.0, d.z())));
+  return features;
+}
+
+Features featuresAt(const ConeCore& core, const Vec3& d, const Vec3* points, int size) {
+  Features features;
+  const double length = std::hypot(core.radius, core.height), sine = core.radius / length;
+  bool apex = false, rim = false;
+  for (int i = 0; i < size; ++i) (points[i].z() > 0.0 ? apex : rim) = true;
+  const Feature base = circle(core.radius, -0.25 * core.height);
+  if (apex && rim) {
+    Feature side = base;
+    side.add({0.0, 0.0, 0.75 * core.height}, 0.0);
+    side.pin = Feature::Pin::Circle, side.pin_cosine = sine;
+    features.add(side);
+  }
+  if (apex && !rim) {
+    features.add(circle(0.0, 0.75 * core.height));
+    return features;
+  }
+  features.add(base);
+  if (d.z() < -kNearFace && features.size < 2) features.add(disc(core.radius, -0.25 * core.height, -1.0));
+  return features;
+}
+
+Features spannedBy(const Vec3& d, const Vec3* points, int size) {
+  std::array<Vec3, 4> corner;
+  int count = 0;
+  for (int i = 0; i < size; ++i)
+    if (std::find(corner.begin(), corner.begin() + count, points[i]) == corner.begin() + count)
+      corner[count++] = points[i];
+  Features features;
+  Feature feature;
+  for (int k = 0; k < std::min(count, 3); ++k) feature.add(corner[k], 0.0);
+  if (count == 2) {
+    feature.pin = Feature::Pin::Circle;
+    feature.pin_axis = (corner[1] - corner[0]).normalized();
+  } else if (count >= 3) {
+    const Vec3 n = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+    if (n.isZero(0.0)) {
+      feature.size = 1;  // three corners in line: no face
+    } else {
+      feature.pin = Feature::Pin::Point;
+      feature.pin_axis = n.dot(d) < 0.0 ? Vec3(-n) : n;
+    }
+  }
+  features.add(feature);
+  return features;
+}
+
+}  // namespace rbs

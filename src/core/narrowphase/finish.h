@@ -1,0 +1,126 @@
+// The last digits of the direction in which two shapes are nearest, where one of them is round.
+//
+// GJK and EPA approach a rim by chords, and know a direction only to the square root of what they know of the
+// gap. But they soon know which features meet, and then the direction is the root of a smooth equation. With
+// a and b the points of the features of A and B farthest towards each other along a unit vector n, from A to
+// B,
+//   s(n) = n.(b - a)
+// is the separation along n, and where it is stationary on the sphere, b - a is along n. A feature is a point
+// or a circle, whose farthest point turns with n: for a circle of radius r about the axis u, with e the
+// direction of n across u and f = u x e,
+//   a = centre + r e,   da/dn = r / |n across u| f f'.
+// A feature that is straight pins n: an edge or a line on a round side to a circle n.u = c, a face to a
+// point. So n has two, one or no degrees of freedom, and Newton's method finds s'(n) = 0 on the sphere or on
+// the circle:
+//   s''(t, t) = t'(db/dn - da/dn) t - s   (on the circle, with t = u x n: ... - (b - a).(n - c u)).
+// It works on either side of contact, with no loss of digits as the gap vanishes. What comes out is only a
+// direction, a better one to ask the support functions for: these prove what it is worth.
+#pragma once
+
+#include "narrowphase/gjk.h"
+
+#include <type_traits>
+
+namespace rbs {
+
+/// What of one shape may be nearest to the other: up to three points or circles about one axis, of which the
+/// farthest points along n are the corners of a point, an edge or line, or a triangle; or a disc.
+struct Feature {
+  Vec3 axis = Vec3::UnitZ();
+  int size = 0;
+  std::array<Vec3, 3> centre;
+  std::array<double, 3> radius{};  ///< 0: a point
+  enum class Pin { None, Circle, Point } pin = Pin::None;
+  Vec3 pin_axis = Vec3::UnitZ();  ///< unit; the outward normal has pin_axis.n = pin_cosine, or is pin_axis
+  double pin_cosine = 0.0;
+
+  bool isDisc() const { return pin == Pin::Point && radius[0] > 0.0; }
+  void add(const Vec3& c, double r) { centre[size] = c, radius[size++] = r; }
+};
+
+/// A direction, and points of the two shapes, as many of each, that span what is nearest along it; 0 if
+/// unknown.
+struct Stationary {
+  Vec3 n;
+  int size = 0;
+  std::array<Vec3, 4> on_a, on_b;
+};
+
+/// The unit direction near n at which the separation of two features (both in one frame, their normals
+/// outward) is stationary; n itself if none is found.
+Stationary stationary(const Feature& a, const Feature& b, const Vec3& n);
+
+/// The features of a core that meet something in the direction d, judged by d and by support points found
+/// nearby, all in the core's frame. At most two, of which the first is the likelier.
+struct Features {
+  int size = 0;
+  std::array<Feature, 2> of;
+  void add(const Feature& feature) { of[size++] = feature; }
+};
+Features featuresAt(const CylinderCore& core, const Vec3& d, const Vec3* points, int size);
+Features featuresAt(const ConeCore& core, const Vec3& d, const Vec3* points, int size);
+/// Of a polytope or a segment: the vertex, the edge or the face that the points span.
+Features spannedBy(const Vec3& d, const Vec3* points, int size);
+template <class Flat>
+Features featuresAt(const Flat& /*core*/, const Vec3& d, const Vec3* points, int size) {
+  return spannedBy(d, points, size);
+}
+
+template <class Core>
+inline constexpr bool isRound = std::is_same_v<Core, CylinderCore> || std::is_same_v<Core, ConeCore>;
+
+/// Finishes directions of the difference of two cores of which one is round.
+template <class CoreA, class CoreB>
+class Finish {
+ public:
+  Finish(const CoreA& a, const CoreB& b, const RelativePose& X_AB) : a_(a), b_(b), X_AB_(X_AB) {}
+
+  /// The direction near n (unit, in A's frame, from A to B) of the largest separation, given points of the
+  /// features that are near.
+  Finished operator()(const Vec3& n, const SupportPoint* points, int size) const {
+    std::array<Vec3, 4> own;
+    for (int i = 0; i < size; ++i) own[i] = points[i].a;
+    const Features of_a = featuresAt(a_, n, own.data(), size);
+    for (int i = 0; i < size; ++i) own[i] = points[i].b_B;
+    Features of_b = featuresAt(b_, Vec3(X_AB_.R_AB.transpose() * -n), own.data(), size);
+    Stationary best;
+    double most = 0.0;
+    for (int j = 0; j < of_b.size; ++j) {
+      Feature& b = of_b.of[j];
+      for (int k = 0; k < b.size; ++k) b.centre[k] = X_AB_.p_AB + X_AB_.R_AB * b.centre[k];
+      b.axis = X_AB_.R_AB * b.axis;
+      b.pin_axis = X_AB_.R_AB * b.pin_axis;
+      for (int i = 0; i < of_a.size; ++i) {
+        const Stationary found = stationary(of_a.of[i], b, n);
+        const double along = of_a.size * of_b.size == 1 ? 0.0 : separation(found.n);
+        if ((i == 0 && j == 0) || along > most) most = along, best = found;
+      }
+    }
+    Finished finished{best.n, {}};
+    for (int k = 0; k < best.size; ++k)
+      finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k],
+                            X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)});
+    return finished;
+  }
+
+ private:
+  double separation(const Vec3& n) const {
+    const Vec3 n_B = X_AB_.R_AB.transpose() * n;
+    return n.dot(X_AB_.p_AB) + n_B.dot(b_(-n_B)) - n.dot(a_(n));
+  }
+
+  CoreA a_;
+  CoreB b_;
+  RelativePose X_AB_;
+};
+
+/// A Finish where a core is round, else NoFinish.
+template <class CoreA, class CoreB>
+auto finishOf(const CoreA& a, const CoreB& b, const RelativePose& X_AB) {
+  if constexpr (isRound<CoreA> || isRound<CoreB>)
+    return Finish<CoreA, CoreB>(a, b, X_AB);
+  else
+    return NoFinish();
+}
+
+}  // namespace rbs
