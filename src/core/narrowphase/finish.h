@@ -79,11 +79,13 @@ class Finish {
   /// features that are near.
   Finished operator()(const Vec3& n, const SupportPoint* points, int size) const {
     std::array<Vec3, 4> own;
+    own.fill(n);
     for (int i = 0; i < size; ++i) own[i] = points[i].a;
     const Features of_a = featuresAt(a_, n, own.data(), size);
     for (int i = 0; i < size; ++i) own[i] = points[i].b_B;
     Features of_b = featuresAt(b_, Vec3(X_AB_.R_AB.transpose() * -n), own.data(), size);
     Stationary best;
+    best.n = n;
     double most = 0.0;
     for (int j = 0; j < of_b.size; ++j) {
       Feature& b = of_b.of[j];
