@@ -85,7 +85,13 @@ enum class Standing : char {
   Open,     ///< may touch
   Contact,  ///< touched when the step began, or came to stay together since
   Awaited,  ///< left out of the contact solve until its pending impact
+  Apart,    ///< known not to touch in this step, unless an impact changes a course
 };
+
+/// Whether the contact solver must look at a pair.
+inline bool mayTouch(Standing standing) {
+  return standing == Standing::Open || standing == Standing::Contact;
+}
 
 /// An impact that has been located but not yet reached.
 struct PendingImpact {

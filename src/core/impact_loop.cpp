@@ -31,7 +31,9 @@ class ImpactLoop {
     // is the contact solver's, which stops it and lets it rebound at the end of the step.
     cut_budget_ = 4 * pairs + 256;
     // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
-    impact_budget_ = 20000 + 200ull * context.scene.bodies.size();
+    // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times); this many take seconds.
+    lossy_budget_ = 20000 + 200ull * context.scene.bodies.size();
+    elastic_budget_ = 2'000'000;
     for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
   }
 
@@ -40,17 +42,19 @@ class ImpactLoop {
       const PendingImpact impact = queue_.top();
       queue_.pop();
       if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
-      if (impact_budget_ == 0) {
+      const bool lossy = impacts::restitution(context_, impact.i, impact.j) < 1.0;
+      std::uint64_t& budget = lossy ? lossy_budget_ : elastic_budget_;
+      if (budget == 0) {
         overBudget(impact);
       } else {
-        --impact_budget_;
+        --budget;
         take(impact);
       }
     }
     // What other impacts have sent off its course is not awaited any more.
     for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
       if (step_.standing[k] == Standing::Awaited)
-        tie(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j, Standing::Open);
+        dismiss(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j, false);
   }
 
  private:
@@ -89,7 +93,7 @@ class ImpactLoop {
     }
     const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
     if (outcome == impacts::Outcome::Miss) {
-      const auto later = impacts::locate(context_, impact.i, impact.j, impact.time);
+      const auto later = impacts::foretell(context_, impact.i, impact.j, impact.time).impact;
       if (later && later->time > impact.time) {
         queue_.push(*later);
       } else {
@@ -150,6 +154,15 @@ class ImpactLoop {
     if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
   }
 
+  // A pair without a pending impact: the contact solver's business if they touch or their courses are not known.
+  void dismiss(Index i, Index j, bool touches) {
+    if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
+      step_.standing[pairOf(i, j)] = Standing::Apart;
+    } else {
+      tie(i, j, Standing::Open);
+    }
+  }
+
   // The place of a pair in the list: searched for among the pairs of the broad phase, which are sorted, then
   // among those added since; added if it is in neither.
   Index pairOf(Index i, Index j) {
@@ -193,12 +206,12 @@ class ImpactLoop {
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
     if (standing == Standing::Contact && impacts::restitution(context_, i, j) == 0.0) return;
-    const auto impact = impacts::locate(context_, i, j, std::max(from, step_.timeOf(j)));
-    if (impact) {
-      queue_.push(*impact);
+    const impacts::Outlook outlook = impacts::foretell(context_, i, j, std::max(from, step_.timeOf(j)));
+    if (outlook.impact) {
+      queue_.push(*outlook.impact);
       if (pair != kNone) step_.standing[pair] = Standing::Awaited;
-    } else if (standing == Standing::Awaited) {
-      tie(std::min(i, j), std::max(i, j), Standing::Open);  // it waited for an impact that will not come
+    } else if (standing == Standing::Awaited || (standing == Standing::Apart && outlook.touches)) {
+      dismiss(std::min(i, j), std::max(i, j), outlook.touches);  // what it waited for will not come
     }
   }
 
@@ -221,7 +234,7 @@ class ImpactLoop {
   StepStore& step_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   Neighbourhood neighbourhood_;
-  std::uint64_t cut_budget_, impact_budget_;
+  std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
   bool warned_ = false;

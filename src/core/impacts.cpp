@@ -98,25 +98,39 @@ Need need(const Census& c) {
 // A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
 // another, to find when it comes back, would cost more than it is worth within a step. Of spheres and planes
 // it is known in closed form.
-std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from) {
+Outlook foretell(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
-  const auto impactAt = [&](const Meeting& meeting, double time) -> std::optional<PendingImpact> {
-    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return std::nullopt;
+  const auto touchAt = [&](const Meeting& meeting, double time) {
+    Outlook outlook;
+    outlook.touches = true;
+    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return outlook;
     const auto [first, second] = std::minmax(i, j);
-    return PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+    outlook.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+    return outlook;
   };
   const auto isSimple = [](const Shape& shape) {
     return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Plane>(shape);
   };
   if (!isSimple(a) || !isSimple(b)) {
     const Meeting now(context, i, j, from);
-    if (now.manifold.size > 0) return impactAt(now, from);
+    if (now.manifold.size > 0) return touchAt(now, from);
   }
   const std::optional<double> time =
       timeOfImpact(a, courseOf(context, i), b, courseOf(context, j), from, step.t1);
-  return time ? impactAt(Meeting(context, i, j, *time), *time) : std::nullopt;
+  return time ? touchAt(Meeting(context, i, j, *time), *time) : Outlook{};
+}
+
+// Courses are foretold with a constant angular velocity; what torque and gyroscopic torque do to it must not matter.
+bool isFree(const Context& context, Index i) {
+  constexpr double kSlowTurn = 0.02;  // rad in a step
+  const Bodies& bodies = context.scene.bodies;
+  const StepStore& step = context.step;
+  if (!bodies.traits[i].moved_by_forces()) return true;
+  if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
+  if (step.island[i] != kNone && step.islands[step.island[i]].contact) return false;
+  return bodies.inertia[i].isotropic || bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
 }
 
 void find(Context& context) {
@@ -134,9 +148,12 @@ void find(Context& context) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
     if (step.standing[k] == Standing::Contact && restitution(context, i, j) == 0.0) continue;
-    if (const auto impact = locate(context, i, j, step.t0)) {
-      step.impacts.push_back(*impact);
+    const Outlook outlook = foretell(context, i, j, step.t0);
+    if (outlook.impact) {
+      step.impacts.push_back(*outlook.impact);
       step.standing[k] = Standing::Awaited;
+    } else if (!outlook.touches && isFree(context, i) && isFree(context, j)) {
+      step.standing[k] = Standing::Apart;
     }
   }
 }

@@ -11,12 +11,19 @@ namespace rbs::impacts {
 Need need(const Census& census);
 
 /// Finds the pairs that will impact during the step, and takes them out of the contact solve
-/// (Standing::Awaited).
+/// (Standing::Awaited), as those that will not even touch (Standing::Apart).
 void find(Context& context);
 
-/// The impact of i and j at or after `from`, if there is one before the end of the step and it is not left
-/// to the contact solver.
-std::optional<PendingImpact> locate(const Context& context, Index i, Index j, double from);
+/// What is foretold of a pair from some time to the end of the step.
+struct Outlook {
+  std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
+  bool touches = false;                 ///< they touch, impact or not
+};
+Outlook foretell(const Context& context, Index i, Index j, double from);
+
+/// Whether a body's course is known: nothing carries it now, and its attitude does not change by more than a
+/// turn at constant velocity.
+bool isFree(const Context& context, Index i);
 
 /// Coefficient of restitution of a pair. Where it is 0, a pair in contact is left to the contact solver.
 double restitution(const Context& context, Index i, Index j);

@@ -103,7 +103,7 @@ void link(Context& context) {
   for (const Index i : context.scene.rosters.movers) mover[i] = 1;
   const std::vector<ContactPair>& pairs = step.contacts.pairs;
   for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (step.standing[k] != Standing::Awaited && mover[pairs[k].i] && mover[pairs[k].j])
+    if (mayTouch(step.standing[k]) && mover[pairs[k].i] && mover[pairs[k].j])
       sets.unite(pairs[k].i, pairs[k].j);
 
   for (const Index i : context.scene.rosters.movers) {
@@ -116,7 +116,7 @@ void link(Context& context) {
     step.islands[step.island[i]].bodies.push_back(i);
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (step.standing[k] == Standing::Awaited) continue;
+    if (!mayTouch(step.standing[k])) continue;
     const Index body = mover[pairs[k].i] ? pairs[k].i : pairs[k].j;
     if (!mover[body]) continue;
     Island& island = step.islands[step.island[body]];

@@ -69,7 +69,7 @@ void SolverContacts::find(double now, double left, double h) {
   const Bodies& store = context_.scene.bodies;
   const double gravity = context_.scene.settings.gravity.norm();
   for (const Index k : batch_.pairs) {
-    if (context_.step.standing[k] == Standing::Awaited) continue;
+    if (!mayTouch(context_.step.standing[k])) continue;
     const ContactPair& pair = context_.step.contacts.pairs[k];
     const Traits& a = store.traits[pair.i];
     const Traits& b = store.traits[pair.j];

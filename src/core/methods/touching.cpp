@@ -32,7 +32,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
   const double h = step.h(), gravity = context.scene.settings.gravity.norm();
   Touching out;
   for (const Index k : pairs) {
-    if (step.standing[k] == Standing::Awaited) continue;
+    if (!mayTouch(step.standing[k])) continue;
     const Index i = step.contacts.pairs[k].i, j = step.contacts.pairs[k].j;
     const Traits &a = bodies.traits[i], &b = bodies.traits[j];
     const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
