@@ -2,6 +2,9 @@
 
 #include "algebra.h"
 #include "methods/cone.h"
+#include "methods/coulomb.h"
+
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -34,9 +37,9 @@ Mat3 response(const ImpactSide& side, const Vec3& r) {
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
-// point needs one pass; the many points of a face converge linearly. Convergence is asked of the
-// velocities: the impulses of more than three points are not unique, and where the points do not quite lie in
-// a plane they drift on without an effect.
+// point needs one pass; the many points of a face converge linearly, and where that takes too long the solvers of
+// whole islands take over. Convergence is asked of the velocities: the impulses of more than three points are not
+// unique, and where the points do not quite lie in a plane they drift on without an effect.
 class Impact {
  public:
   Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
@@ -57,9 +60,10 @@ class Impact {
   double solve(double e, ImpactSide& a, ImpactSide& b) {
     a = a_, b = b_;
     for (int k = 0; k < size_; ++k) points_[k].impulse.setZero();
-    constexpr int kMaxPasses = 500;
+    constexpr int kMaxPasses = 30;
     constexpr double kConverged = 1e-14;  // share of the speeds
-    for (int pass = 0; pass < kMaxPasses; ++pass) {
+    bool still = false;
+    for (int pass = 0; pass < kMaxPasses && !still; ++pass) {
       const Twist a_before = a.twist, b_before = b.twist;
       for (int k = 0; k < size_; ++k) {
         ImpactPoint& c = points_[k];
@@ -71,8 +75,9 @@ class Impact {
         push(b, c.r_b, difference_W);
         c.impulse = impulse;
       }
-      if (size_ == 1 || isStill(a_before, a, b_before, b, kConverged)) break;
+      still = size_ == 1 || isStill(a_before, a, b_before, b, kConverged);
     }
+    if (!still) solveTogether(e, a, b);
     double gain = 0.0;
     for (int k = 0; k < size_; ++k)
       gain += 0.5 * points_[k].impulse.dot(points_[k].velocity_in + relative(a, b, points_[k]));
@@ -80,6 +85,42 @@ class Impact {
   }
 
  private:
+  // As one Coulomb problem of two bodies.
+  void solveTogether(double e, ImpactSide& a, ImpactSide& b) {
+    CoulombProblem problem{{}, {}, closingSpeedIn()};
+    const auto add = [&](const ImpactSide& side) {
+      if (side.inv_mass == 0.0) return kNone;
+      problem.bodies.push_back({1.0 / side.inv_mass, side.inv_inertia_W.inverse(), side.twist.v_WB, side.twist.w_WB});
+      return static_cast<Index>(problem.bodies.size() - 1);
+    };
+    const Index i = add(a_), j = add(b_);
+    for (int k = 0; k < size_; ++k) {
+      const ImpactPoint& c = points_[k];
+      CoulombPoint point;
+      point.i = i, point.j = j;
+      point.r_i = c.r_a, point.r_j = c.r_b;
+      point.frame = frame_;
+      point.mu = mu_;
+      Vec3 led_W = Vec3::Zero();
+      if (j == kNone) led_W += velocityAt(b_, c.r_b);
+      if (i == kNone) led_W -= velocityAt(a_, c.r_a);
+      point.drive = frame_.transpose() * led_W;
+      point.drive[2] += e * std::min(c.closing_in, 0.0);
+      problem.points.push_back(point);
+    }
+    solveCoulomb(problem, 1e-12);
+    a = a_, b = b_;
+    if (i != kNone) a.twist = {problem.bodies[i].v, problem.bodies[i].w};
+    if (j != kNone) b.twist = {problem.bodies[j].v, problem.bodies[j].w};
+    for (int k = 0; k < size_; ++k) points_[k].impulse = problem.points[k].impulse;
+  }
+
+  double closingSpeedIn() const {
+    double fastest = 0.0;
+    for (int k = 0; k < size_; ++k) fastest = std::max(fastest, -points_[k].closing_in);
+    return fastest;
+  }
+
   Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
     return frame_.transpose() * (velocityAt(b, c.r_b) - velocityAt(a, c.r_a));
   }
