@@ -14,7 +14,7 @@
 namespace rbs::stability {
 
 /// The settings that are run, from fast to exact.
-inline constexpr std::array kSettings{Fidelity::Preview, Fidelity::Interactive};
+inline constexpr std::array kSettings = kFidelities;
 
 /// Which settings a bound is asked of. Where it is not asked, the measured number is shown.
 struct Bound {
