@@ -99,6 +99,7 @@ void teleport(Sheet& sheet) {
 
 void overlapRecovery(Sheet& sheet) {
   for (const double overlap : {0.25, 0.5, 1.0}) {
+    if (sheet.isExact() && overlap == 1.0 && !sheet.length(false, true)) continue;  // takes minutes
     SceneDef scene = onFloor(kFrame, 0.6);
     const double pitch = 1.0 - overlap;
     for (int row = 0; row < 4; ++row) {
@@ -276,7 +277,7 @@ std::uint64_t fuzz(Fidelity setting, int operations, bool& finite, double& faste
 }
 
 void randomOperations(Sheet& sheet) {
-  const int operations = sheet.length(400, 10000);
+  const int operations = sheet.length(400, 200, 10000);
   bool finite = true;
   double speed = 0.0;
   const std::uint64_t one = fuzz(sheet.setting(), operations, finite, speed);

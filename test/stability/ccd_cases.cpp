@@ -164,7 +164,7 @@ void simultaneous(Sheet& sheet) {
 
 void bulletsAtStack(Sheet& sheet) {
   SplitMix64 random(7);
-  const int shots = sheet.length(20, 1000);
+  const int shots = sheet.length(20, 4, 1000);
   int passed = 0;
   double momentum = 0.0;
   for (int shot = 0; shot < shots; ++shot) {

@@ -78,9 +78,9 @@ void stack(Sheet& sheet) {
     watch.run(seconds - 2.0);
     const Snapshot end = watch.world().snapshot();
     sheet.error("impulses, relative to the weights" + of, "", impulseError(end), exact(1e-9));
-    sheet.error("movement of any cube" + of, "m", farthestMove(end, start), fastAndExact(5e-3, 1e-9));
-    sheet.error("deepest penetration" + of, "m", watch.deepest(), fastAndExact(5e-3, 1e-9));
-    sheet.error("kinetic energy per mass after 2 s" + of, "J/kg", rest_at_two, fastAndExact(1e-6, 1e-18));
+    sheet.error("movement of any cube" + of, "m", farthestMove(end, start), fastAndReference(5e-3, 1e-9));
+    sheet.error("deepest penetration" + of, "m", watch.deepest(), fastAndReference(5e-3, 1e-9));
+    sheet.error("kinetic energy per mass after 2 s" + of, "J/kg", rest_at_two, fastAndReference(1e-6, 1e-18));
     watch.writePromises(sheet);
   }
 }
@@ -137,7 +137,7 @@ double decadeOfColumn(int n, double R) {
 void sphereColumn(Sheet& sheet) {
   SceneDef scene = fromCatalogue("sphere_column");
   Watch aligned(scene, sheet.setting());
-  aligned.run(sheet.length(3.0, 10.0));
+  aligned.run(sheet.length(3.0, 0.5, 10.0));
   double sideways = 0.0;
   for (const BodyState& state : aligned.world().snapshot().states)
     sideways = std::max({sideways, std::abs(state.pose.p_WB.x()), std::abs(state.pose.p_WB.y())});
@@ -146,6 +146,8 @@ void sphereColumn(Sheet& sheet) {
               fastAndExact(0.3, 1e-6));
   aligned.writePromises(sheet);
 
+  // Two seconds of short steps: minutes at the exact settings.
+  if (sheet.isExact() && !sheet.length(false, true)) return;
   scene.bodies.back().pose.p_WB.x() = 1e-6;
   scene.step = 1.0 / 960.0;  // short beside the time of growth, 1/30 s
   Watch offset(scene, sheet.setting());
@@ -167,7 +169,7 @@ void sphereColumn(Sheet& sheet) {
 void pyramids(Sheet& sheet) {
   Watch wall(fromCatalogue("pyramid"), sheet.setting());
   const Snapshot start = wall.world().snapshot();
-  wall.run(sheet.length(2.0, 60.0));
+  wall.run(sheet.length(2.0, 0.1, 60.0));
   sheet.error("deepest penetration, 20 rows, of a box", "", wall.deepest(), fastAndExact(1e-2, 1e-6));
   sheet.error("movement of any box", "m", farthestMove(wall.world().snapshot(), start),
               fastAndExact(0.02, 1e-6));
@@ -216,9 +218,9 @@ bool houseStands(Fidelity setting, double mu, double seconds) {
 
 void cardHouse(Sheet& sheet) {
   Watch watch(fromCatalogue("card_house"), sheet.setting());
-  watch.run(1.0);
+  watch.run(sheet.length(1.0, 0.2, 1.0));
   const Snapshot early = watch.world().snapshot();
-  watch.run(sheet.length(3.0, 29.0));
+  watch.run(sheet.length(3.0, 0.2, 29.0));
   const Snapshot late = watch.world().snapshot();
   const double creep = farthestMove(late, early);
   sheet.error("creep after the first second", "m", creep, exact(1e-4));
@@ -238,7 +240,7 @@ void kapla(Sheet& sheet) {
   scene.step = 0.01;
   Watch watch(scene, sheet.setting());
   const Snapshot start = watch.world().snapshot();
-  const long steps = sheet.length(200L, 60000L);
+  const long steps = sheet.length(200L, 10L, 60000L);
   long stood = 0;
   while (stood < steps && farthestMove(watch.world().snapshot(), start) < 0.5) watch.step(), ++stood;
   sheet.value("steps until it has moved by half a plank", "", stood, steps, fastAndExact(0.0, 0.0));
@@ -269,6 +271,10 @@ double waveSpeed(Fidelity setting, double step, bool* all_fell) {
 }
 
 void dominoes(Sheet& sheet) {
+  if (sheet.isExact() && !sheet.length(false, true)) {  // takes minutes
+    sheet.check("left to the full length", true, shown());
+    return;
+  }
   bool fell = false, fell_half = false;
   const double speed = waveSpeed(sheet.setting(), kFrame, &fell),
                half = waveSpeed(sheet.setting(), 0.5 * kFrame, &fell_half);
@@ -300,7 +306,7 @@ void jenga(Sheet& sheet) {
     }
     Watch watch(scene, sheet.setting());
     const Snapshot start = watch.world().snapshot();
-    watch.run(sheet.length(3.0, 60.0));
+    watch.run(sheet.length(3.0, 0.2, 60.0));
     const std::string which = gaps ? ", without the middle blocks" : "";
     sheet.error("movement of any block" + which, "m", farthestMove(watch.world().snapshot(), start),
                 fastAndExact(5e-3, 1e-9));
@@ -330,7 +336,7 @@ void heavyOnLight(Sheet& sheet) {
       const bool asked = ratio == 1e3 && n == 2;
       sheet.error("impulses, relative" + of, "", impulseError(watch.world().snapshot()), exact(1e-8));
       sheet.error("deepest penetration, of the size" + of, "", watch.deepest(),
-                  asked ? fastAndExact(1e-2, 1e-9) : exact(1e-9));
+                  asked ? fastAndReference(1e-2, 1e-9) : referenceOnly(1e-9));
       watch.writeFinite(sheet);
     }
   }
@@ -366,7 +372,7 @@ void redundantContacts(Sheet& sheet) {
     const std::string of = ", " + std::to_string(n) + " corners";
     sheet.error("sum of the impulses, relative to the weight" + of, "", impulseError(snapshot),
                 fastAndExact(1e-4, 1e-10));
-    sheet.error("speed at rest" + of, "m/s", fastestPoint(watch.world()), fastAndExact(1e-4, 1e-12));
+    sheet.error("speed at rest" + of, "m/s", fastestPoint(watch.world()), fastAndReference(1e-4, 1e-12));
   }
 
   SceneDef groove;
@@ -390,7 +396,7 @@ void redundantContacts(Sheet& sheet) {
   sheet.error("box in a groove: sum of the impulses, relative", "",
               (sum - weight * Vec3::UnitZ()).norm() / weight, fastAndExact(1e-4, 1e-10));
   sheet.error("box in a groove: speed at rest", "m/s", fastestPoint(watch.world()),
-              fastAndExact(1e-4, 1e-12));
+              fastAndReference(1e-4, 1e-12));
 }
 
 void removedSupport(Sheet& sheet) {
@@ -401,7 +407,7 @@ void removedSupport(Sheet& sheet) {
   double slowest = -1e300;
   for (int k = 1; k < 5; ++k) slowest = std::max(slowest, watch["box_" + std::to_string(k)].twist.v_WB.z());
   sheet.value("speed one step after the lowest box is taken away, slowest, of g h", "",
-              -slowest / (kGravity * kFrame), 1.0, fastAndExact(0.05, 1e-9));
+              -slowest / (kGravity * kFrame), 1.0, fastAndReference(0.05, 1e-9));
 }
 
 }  // namespace

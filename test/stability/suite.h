@@ -23,8 +23,6 @@ struct Bound {
   std::optional<double> at(Fidelity setting) const;
 };
 
-inline constexpr double kNoBound = -1.0;  ///< for fastAndExact(): shown, not asked
-
 /// Of the exact settings; the others show it.
 inline Bound exact(double bound) {
   return {{}, {}, bound, bound};
@@ -32,6 +30,10 @@ inline Bound exact(double bound) {
 /// Of `reference` alone: `accurate` solves to 1e-6, which is not enough for it.
 inline Bound referenceOnly(double bound) {
   return {{}, {}, {}, bound};
+}
+/// Of the default setting, and another of `reference` alone.
+inline Bound fastAndReference(double fast, double reference) {
+  return {{}, fast, {}, reference};
 }
 /// Of the default setting, and another of the exact ones.
 inline Bound fastAndExact(double fast, double exact) {
@@ -66,10 +68,16 @@ class Sheet {
   Sheet(Fidelity setting, bool full_length) : setting_(setting), full_length_(full_length) {}
 
   Fidelity setting() const { return setting_; }
+  bool isExact() const { return setting_ != Fidelity::Preview && setting_ != Fidelity::Interactive; }
   /// A length of time or a count: `quick` in the tests, `full` in scripts/stability.
   template <class T>
   T length(T quick, T full) const {
     return full_length_ ? full : quick;
+  }
+  /// The same where the exact settings are too slow for that.
+  template <class T>
+  T length(T quick, T exact_quick, T full) const {
+    return length(isExact() ? exact_quick : quick, full);
   }
 
   /// An error, whose reference is 0.
