@@ -47,9 +47,6 @@ BodyDef anyBody(Random& random) {
   def.pose = random.pose(kReach);
   def.group = 1u << random.below(2);
   if (random.below(4) == 0) def.mask = static_cast<std::uint32_t>(random.below(4));
-  // Without friction: a gram jammed between a thousand tonnes is a trial for the law of impact, which seeks
-  // the largest restitution that gains no energy there, in thousands of impacts a step, for minutes.
-  def.material.friction = 0.0;
   if (def.kind != BodyKind::Static)
     def.twist = {random.inCube(random.below(5) == 0 ? 100.0 : 3.0), random.inCube(10.0)};
   else if (random.below(3) == 0)
