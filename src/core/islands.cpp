@@ -49,9 +49,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
   if (!(t1 > t0) || batch.bodies.empty()) return;
   if (batch.pairs.empty()) {
     flight::advance(context, batch, t0, t1);
-  } else if (exact) {
-    exact_step::advance(context, batch, t0, t1);
-  } else {
+  } else if (!exact || !exact_step::advance(context, batch, t0, t1)) {
     soft_step::advance(context, batch, t0, t1);
   }
 }

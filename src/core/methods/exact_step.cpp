@@ -82,7 +82,7 @@ class Stepper {
  public:
   Stepper(Context& context, const IslandBatch& batch, double t0, double t1);
 
-  void run();
+  bool run();
   void store();
 
  private:
@@ -125,6 +125,7 @@ class Stepper {
   double now_, end_;
   double tolerance_, total_mass_ = 0.0;
   int corrections_, cuts_;
+  bool promoted_;      // by a setting that has another method for it
   double load_speed_;  // the most that the load changes a velocity in a step
   double slow_;        // a slip below is none
   Touching touching_;  // now
@@ -146,6 +147,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   tolerance_ = settings.tolerance;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
+  promoted_ = settings.promotes;
   double load = 0.0;
   for (const Index i : batch_.bodies) {
     total_mass_ += bodies_.traits[i].mass;
@@ -447,7 +449,10 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
   segment = attempt(tau, Friction::Free);
 }
 
-void Stepper::run() {
+bool Stepper::run() {
+  const std::vector<BodyMotion> start = motions();
+  IslandCertificate& certificate = step_.islands[step_.island[batch_.bodies.front()]].certificate;
+  const IslandCertificate certified = certificate;
   touching_ = find(now_);
   expectLastForces(step_.contacts, touching_);
   double turn = 0.0;
@@ -471,10 +476,16 @@ void Stepper::run() {
       cuts_ -= points;
       cutAtStop(tau, segment);
     }
+    if (promoted_ && !certificate.converged) {
+      restore(start);
+      certificate = certified;
+      return false;
+    }
     restore(segment.end);
     touching_ = std::move(segment.touching);
     now_ += tau;
   }
+  return true;
 }
 
 void Stepper::store() {
@@ -485,11 +496,12 @@ void Stepper::store() {
 
 }  // namespace
 
-void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
-  if (!(t1 > t0)) return;
+bool advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return true;
   Stepper stepper(context, batch, t0, t1);
-  stepper.run();
+  if (!stepper.run()) return false;
   stepper.store();
+  return true;
 }
 
 }  // namespace rbs::exact_step

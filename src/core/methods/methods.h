@@ -49,8 +49,9 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step
 
 namespace exact_step {
-/// Bodies in contact, by Coulomb's law without softness; one island at a time.
-void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. At a setting that only promotes
+/// islands to it, an island for which its solvers do not converge is left as it was, and the answer is false.
+bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step
 
 }  // namespace rbs
