@@ -36,14 +36,15 @@ void freeze(Context& context, Index i) {
 double energyOf(const Context& context, Index i, const Pose& pose, const Twist& twist) {
   const Bodies& bodies = context.scene.bodies;
   const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
-  return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() + w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
+  return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() +
+                w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
          bodies.traits[i].mass * context.scene.settings.gravity.dot(pose.p_WB);
 }
 
 // From the dearest to the cheapest.
 int rank(std::string_view method) {
-  constexpr std::array<std::string_view, 7> methods{"admm", "interior_point", "newton", "gauss_seidel",
-                                                    "soft_step", "guess", ""};
+  constexpr std::array<std::string_view, 7> methods{"admm",      "interior_point", "newton", "gauss_seidel",
+                                                    "soft_step", "guess",          ""};
   return static_cast<int>(std::find(methods.begin(), methods.end(), method) - methods.begin());
 }
 

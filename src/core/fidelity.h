@@ -6,15 +6,15 @@
 namespace rbs {
 
 struct FidelitySettings {
-  bool exact;         ///< contacts by the exact step, else by the soft step
-  bool promotes;      ///< hands small islands that the soft step does badly to the exact step
-  int sub_steps;      ///< of the soft step
-  bool all_points;    ///< solves every point of a manifold, else the four that span most of it
-  double tolerance;   ///< of the exact step: residuals in impulse and velocity, fractions of their units
-  int corrections;    ///< of the exact step: solves that the curvature of a drift may ask for anew
-  int cuts;           ///< likewise: contact points, summed over the times that stops of sliding may cut a step
-  /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in a
-  /// step; and the gap too small to matter, as a fraction of the smaller length.
+  bool exact;        ///< contacts by the exact step, else by the soft step
+  bool promotes;     ///< hands small islands that the soft step does badly to the exact step
+  int sub_steps;     ///< of the soft step
+  bool all_points;   ///< solves every point of a manifold, else the four that span most of it
+  double tolerance;  ///< of the exact step: residuals in impulse and velocity, fractions of their units
+  int corrections;   ///< of the exact step: solves that the curvature of a drift may ask for anew
+  int cuts;          ///< likewise: contact points, summed over the times that stops of sliding may cut a step
+  /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in
+  /// a step; and the gap too small to matter, as a fraction of the smaller length.
   double slowest_impact, smallest_gap;
   /// Share of the step within which further meetings of a pair count as inelastic collapse.
   double no_time;

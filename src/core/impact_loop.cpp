@@ -31,7 +31,8 @@ class ImpactLoop {
     // is the contact solver's, which stops it and lets it rebound at the end of the step.
     cut_budget_ = 4 * pairs + 256;
     // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
-    // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times); this many take seconds.
+    // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times); this many take
+    // seconds.
     lossy_budget_ = 20000 + 200ull * context.scene.bodies.size();
     elastic_budget_ = 2'000'000;
     for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
@@ -117,7 +118,8 @@ class ImpactLoop {
     constexpr int kMeetings = 6;
     if (impacts::restitution(context_, impact.i, impact.j) >= 1.0) return false;
     Meetings& met = meetings_[{impact.i, impact.j}];
-    if (impact.time - met.last > settingsOf(context_.scene.settings.fidelity).no_time * step_.h()) met.count = 0;
+    if (impact.time - met.last > settingsOf(context_.scene.settings.fidelity).no_time * step_.h())
+      met.count = 0;
     met.last = impact.time;
     return ++met.count > kMeetings;
   }
@@ -137,7 +139,8 @@ class ImpactLoop {
       islands::bringTo(context_, kept, time);
       islands::bringTo(context_, gone, time);
       for (const Index body : gone.bodies) step_.island[body] = a;
-      // A body that flew joins the method of what it met; of two methods the one that any number of rows can afford.
+      // A body that flew joins the method of what it met; of two methods the one that any number of rows can
+      // afford.
       const bool exact = settingsOf(context_.scene.settings.fidelity).exact ||
                          ((kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
                           (kept.exact || gone.exact));
@@ -154,7 +157,8 @@ class ImpactLoop {
     if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
   }
 
-  // A pair without a pending impact: the contact solver's business if they touch or their courses are not known.
+  // A pair without a pending impact: the contact solver's business if they touch or their courses are not
+  // known.
   void dismiss(Index i, Index j, bool touches) {
     if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
       step_.standing[pairOf(i, j)] = Standing::Apart;

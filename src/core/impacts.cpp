@@ -73,9 +73,9 @@ struct Meeting {
 };
 
 // The speed below which a rebound is not worth an impact of its own: it would be over within the step,
-// because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share of
-// it at the exact settings); or it would open a gap too small to matter. The second bound makes an end of sequences between three bodies that shrink
-// forever, which only pairs that lose energy have.
+// because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share
+// of it at the exact settings); or it would open a gap too small to matter. The second bound makes an end of
+// sequences between three bodies that shrink forever, which only pairs that lose energy have.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
@@ -122,7 +122,8 @@ Outlook foretell(const Context& context, Index i, Index j, double from) {
   return time ? touchAt(Meeting(context, i, j, *time), *time) : Outlook{};
 }
 
-// Courses are foretold with a constant angular velocity; what torque and gyroscopic torque do to it must not matter.
+// Courses are foretold with a constant angular velocity; what torque and gyroscopic torque do to it must not
+// matter.
 bool isFree(const Context& context, Index i) {
   constexpr double kSlowTurn = 0.02;  // rad in a step
   const Bodies& bodies = context.scene.bodies;

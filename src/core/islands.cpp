@@ -123,7 +123,8 @@ void link(Context& context) {
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   for (Island& island : step.islands)
-    island.exact = settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island));
+    island.exact =
+        settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island));
 }
 
 void advance(Context& context) {

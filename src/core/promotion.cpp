@@ -1,10 +1,12 @@
-// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a sub-step
-// carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a tower of n
-// bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times as deep; and a
-// slender body on its end has contacts that are hardly independent. A direct solve does not mind any of them.
+// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a
+// sub-step carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a
+// tower of n bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times
+// as deep; and a slender body on its end has contacts that are hardly independent. A direct solve does not
+// mind any of them.
 //
-// It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of the soft
-// step do not show. So only islands are promoted in which nothing moves faster than what gravity adds in a step or two.
+// It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of
+// the soft step do not show. So only islands are promoted in which nothing moves faster than what gravity
+// adds in a step or two.
 #include "promotion.h"
 
 #include <algorithm>
@@ -14,8 +16,8 @@ namespace rbs {
 
 namespace {
 
-// What makes an island stiff, and how many pairs a direct solve may have; once for islands that the soft step has,
-// once for those that the exact step has.
+// What makes an island stiff, and how many pairs a direct solve may have; once for islands that the soft step
+// has, once for those that the exact step has.
 struct Stiffness {
   std::uint32_t height;
   double mass_ratio, slenderness;
@@ -34,7 +36,7 @@ std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) 
   for (bool changed = true; changed;) {
     changed = false;
     for (const Index k : pairs) {
-      for (const auto &[a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
+      for (const auto& [a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
         if (!bodies.traits[b].moved_by_forces()) continue;
         const Index below = bodies.traits[a].moved_by_forces() ? level[a] : 0;
         if (below == kNone || level[b] <= below + 1) continue;

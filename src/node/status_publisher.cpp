@@ -47,9 +47,9 @@ rigid_body_sim::IslandStatus islandMsg(const IslandCertificate& island) {
 // A heap of a thousand bodies has hundreds of islands at times; nobody reads them all.
 void fillCertificates(std::vector<IslandCertificate> islands, rigid_body_sim::Status& msg) {
   constexpr std::size_t kMost = 20;
-  std::stable_sort(islands.begin(), islands.end(), [](const IslandCertificate& a, const IslandCertificate& b) {
-    return a.contacts > b.contacts;
-  });
+  std::stable_sort(
+      islands.begin(), islands.end(),
+      [](const IslandCertificate& a, const IslandCertificate& b) { return a.contacts > b.contacts; });
   if (islands.size() > kMost) islands.resize(kMost);
   for (const IslandCertificate& island : islands) msg.certificates.push_back(islandMsg(island));
 }
@@ -163,10 +163,11 @@ void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWra
 }
 
 std::string statusLine(const Snapshot& snapshot) {
-  const std::string pace = snapshot.paused ? std::string("paused") : words(snapshot.achieved_speed, " x real time");
-  return words(snapshot.scene, "  ", snapshot.time, " s  ", pace, "  ", bodyCount(snapshot.bodies->size()), "  ",
-               snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds, " ms a step  deepest ",
-               snapshot.report.deepest_penetration, " m");
+  const std::string pace =
+      snapshot.paused ? std::string("paused") : words(snapshot.achieved_speed, " x real time");
+  return words(snapshot.scene, "  ", snapshot.time, " s  ", pace, "  ", bodyCount(snapshot.bodies->size()),
+               "  ", snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds,
+               " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
 }
 
 }  // namespace rbs

@@ -37,7 +37,8 @@ std::string blow(World& world, const Wind& wind) {
   const bool has_air = world.scene().air.has_value();
   if (!has_air) world.setAir(Air{});
   world.setWind(wind);
-  return words("wind on: ", describe(world.snapshot().air), has_air ? "" : "; the scene had no air, it was added");
+  return words("wind on: ", describe(world.snapshot().air),
+               has_air ? "" : "; the scene had no air, it was added");
 }
 
 /// Stills the air, and takes it away where the scene has none of its own.
@@ -47,7 +48,8 @@ std::string still(World& world, bool own_air) {
   } else {
     world.setAir(std::nullopt);
   }
-  return words("wind off: ", describe(world.snapshot().air), own_air ? "" : ", since the scene has none of its own");
+  return words("wind off: ", describe(world.snapshot().air),
+               own_air ? "" : ", since the scene has none of its own");
 }
 
 std::string enableWind(Session& session, bool on) {

@@ -140,7 +140,8 @@ TEST_P(ExactStep, ABoxOnASlopeStaysOrSlides) {
 TEST_P(ExactStep, ASavedStateGoesOnBitForBit) {
   SceneDef scene = floor(0.4);
   for (int k = 0; k < 4; ++k) {
-    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0.13 * k, 0.05 * k, 0.2 + 0.35 * k)));
+    scene.bodies.push_back(
+        box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0.13 * k, 0.05 * k, 0.2 + 0.35 * k)));
     scene.bodies.back().twist.w_WB = Vec3(0.3, 1.0, 0.2 * k);
   }
   World world(scene);
@@ -154,13 +155,14 @@ TEST_P(ExactStep, ASavedStateGoesOnBitForBit) {
 
 // --- order in time
 
-// A frictionless ladder: a thin capsule of length l leans on a frictionless wall and slides on a floor of friction
-// mu, until it leaves the wall. With th its angle to the floor and its centre at (cos, sin) th l/2 (the wall at x = 0):
-// integrated here in small steps from the Newton-Euler equations.
+// A frictionless ladder: a thin capsule of length l leans on a frictionless wall and slides on a floor of
+// friction mu, until it leaves the wall. With th its angle to the floor and its centre at (cos, sin) th l/2
+// (the wall at x = 0): integrated here in small steps from the Newton-Euler equations.
 double ladderAngle(double mu, double length, double th, double seconds) {
   const double l = 0.5 * length, inertia = length * length / 12.0;  // over the mass
   double w = 0.0;
-  // x = l cos th, z = l sin th; N from the floor, P from the wall, friction -mu N x' direction (it slides outwards):
+  // x = l cos th, z = l sin th; N from the floor, P from the wall, friction -mu N x' direction (it slides
+  // outwards):
   //   x'' = P - mu N, z'' = N - g, inertia th'' = mu N l sin th - N l cos th + P l sin th  (th falls).
   const auto acceleration = [&](double angle, double rate) {
     const double c = std::cos(angle), s = std::sin(angle);
@@ -169,7 +171,8 @@ double ladderAngle(double mu, double length, double th, double seconds) {
     //   inertia a = l s mu N + l s P - l c N.
     const double n0 = kGravity - l * s * rate * rate, n1 = l * c;
     const double p0 = mu * n0 - l * c * rate * rate, p1 = mu * n1 - l * s;
-    const double right = l * s * (mu * n0 + p0) - l * c * n0, left = inertia - l * s * (mu * n1 + p1) + l * c * n1;
+    const double right = l * s * (mu * n0 + p0) - l * c * n0,
+                 left = inertia - l * s * (mu * n1 + p1) + l * c * n1;
     return right / left;
   };
   const int steps = 200000;
@@ -208,8 +211,8 @@ double slidingLadder(double step, double mu, double seconds) {
   return 2.0 * std::atan2(q.y(), q.w());
 }
 
-// The thickness of 1/2000 of the length shifts the answer, the same at all steps; so the order is told from the
-// differences of three runs.
+// The thickness of 1/2000 of the length shifts the answer, the same at all steps; so the order is told from
+// the differences of three runs.
 TEST(ExactStepOrder, ASlidingLadderIsOfSecondOrder) {
   const double mu = 0.1, seconds = 0.5;
   const double a = slidingLadder(1.0 / 30.0, mu, seconds), b = slidingLadder(1.0 / 60.0, mu, seconds),
@@ -218,8 +221,8 @@ TEST(ExactStepOrder, ASlidingLadderIsOfSecondOrder) {
   EXPECT_GE((a - b) / (b - c), 3.5) << a - b << " " << b - c;
 }
 
-// A box that slides and spins on its four corners. The load of each corner follows from the moments of friction
-// about the centre, which is half the height above: N_k = N/4 (1 + (4/s²) r_k.m) with m the lean.
+// A box that slides and spins on its four corners. The load of each corner follows from the moments of
+// friction about the centre, which is half the height above: N_k = N/4 (1 + (4/s²) r_k.m) with m the lean.
 struct SlidePose {
   Eigen::Vector2d p, v;
   double angle, w;
@@ -238,9 +241,10 @@ SlidePose slideAndSpin(SlidePose s, double side, double height, double mu, doubl
       r[k] = side / std::sqrt(2.0) * Eigen::Vector2d(std::cos(phi), std::sin(phi));
       along[k] = (x.v + x.w * Eigen::Vector2d(-r[k].y(), r[k].x())).normalized();
     }
-    // Loads N_k with sum g, and the moments of load and friction in balance: sum N_k (r_k - mu height/2 along_k) = 0.
-    // Four unknowns, three equations: of all that fit, the ones without a twist (N_0 - N_1 + N_2 - N_3 least), which
-    // is what the symmetric guess tends to; the sum of forces depends on it only through that twist.
+    // Loads N_k with sum g, and the moments of load and friction in balance: sum N_k (r_k - mu height/2
+    // along_k) = 0. Four unknowns, three equations: of all that fit, the ones without a twist (N_0 - N_1 +
+    // N_2 - N_3 least), which is what the symmetric guess tends to; the sum of forces depends on it only
+    // through that twist.
     Eigen::Matrix<double, 4, 4> A;
     Eigen::Vector4d right(kGravity, 0.0, 0.0, 0.0);
     for (int k = 0; k < 4; ++k) {
@@ -262,7 +266,8 @@ SlidePose slideAndSpin(SlidePose s, double side, double height, double mu, doubl
   const int steps = 20000;
   const double h = seconds / steps;
   for (int k = 0; k < steps; ++k) {
-    const Rate a = rate(s), b = rate(moved(s, a, 0.5 * h)), c = rate(moved(s, b, 0.5 * h)), d = rate(moved(s, c, h));
+    const Rate a = rate(s), b = rate(moved(s, a, 0.5 * h)), c = rate(moved(s, b, 0.5 * h)),
+               d = rate(moved(s, c, h));
     s.p += h / 6.0 * (a.v + 2.0 * b.v + 2.0 * c.v + d.v);
     s.v += h / 6.0 * (a.a + 2.0 * b.a + 2.0 * c.a + d.a);
     s.angle += h / 6.0 * (a.w + 2.0 * b.w + 2.0 * c.w + d.w);
@@ -300,7 +305,8 @@ TEST(ExactStepOrder, ABoxThatSlidesAndSpinsIsOfSecondOrder) {
 TEST(Dial, TurningItWhileRunningChangesNoState) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   for (int k = 0; k < 5; ++k)
-    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.05 * k, 0.0, 0.5 + 1.01 * k)));
+    scene.bodies.push_back(
+        box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.05 * k, 0.0, 0.5 + 1.01 * k)));
   World world(scene);
   advance(world, 0.5);
   for (const Fidelity fidelity : kFidelities) {

@@ -1,26 +1,27 @@
 // Exact step: the Coulomb problem without softness, second order in time between located events.
 //
-// A segment of length tau goes from positions x0 and velocities v0 that obey the contact law to x1 and v1 that do
-// again. It is the RATTLE scheme (Andersen, J. Comput. Phys. 52, 1983) with unilateral contacts and friction: a
-// kick of half the load, a drift, a kick of the other half, and impulses in both kicks,
+// A segment of length tau goes from positions x0 and velocities v0 that obey the contact law to x1 and v1
+// that do again. It is the RATTLE scheme (Andersen, J. Comput. Phys. 52, 1983) with unilateral contacts and
+// friction: a kick of half the load, a drift, a kick of the other half, and impulses in both kicks,
 //   v_half = v0 + M0^-1 (tau/2 f + J0^T r)   with r such that the gaps obey the law at the END of the drift,
 //   x1     = x0 moved by v_half for tau      (rotation: the free top, which keeps L),
 //   v1     = v_half + M1^-1 (tau/2 f + J1^T s)   with s such that the velocities obey the law at x1.
 // Under constant forces and a fixed direction of sliding both are exact: a parabola, a braking box.
 //
-// Kick 1. At a point with gap d the normal law is on the gap that the drift will leave: d+ + tau u_n + c >= 0,
-// with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
+// Kick 1. At a point with gap d the normal law is on the gap that the drift will leave: d+ + tau u_n + c >=
+// 0, with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
 // prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
 // closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
 // Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
 //
-// Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the middle
-// of the segment, where the point goes on sliding; so the scheme stays of second order where sliding turns.
+// Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the
+// middle of the segment, where the point goes on sliding; so the scheme stays of second order where sliding
+// turns.
 //
 // Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
-// segment. The segment is then cut where its sliding speed, with friction still against the old direction, passes
-// zero. The onset of sliding and lift-off are continuous in the force, so a step that oversees them is wrong by
-// the third power of its length. Impacts cut the segment from outside (impact_loop.h).
+// segment. The segment is then cut where its sliding speed, with friction still against the old direction,
+// passes zero. The onset of sliding and lift-off are continuous in the force, so a step that oversees them is
+// wrong by the third power of its length. Impacts cut the segment from outside (impact_loop.h).
 #include "algebra.h"
 #include "certificate.h"
 #include "fidelity.h"
@@ -34,9 +35,9 @@ namespace rbs::exact_step {
 
 namespace {
 
-// Shares of the smaller length of a pair. A gap below kTouch is closed; a pushed point is taken for closed up to
-// kPushed, which is more than the curvature of the drift leaves; an overlap beyond kOverlap is taken away; curvature
-// beyond kCurved is given back to the first kick.
+// Shares of the smaller length of a pair. A gap below kTouch is closed; a pushed point is taken for closed up
+// to kPushed, which is more than the curvature of the drift leaves; an overlap beyond kOverlap is taken away;
+// curvature beyond kCurved is given back to the first kick.
 constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
@@ -90,7 +91,8 @@ class Stepper {
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
-    double slip_left = 1.0;  // the least share of its sliding speed that a point has kept; <= 0: it has stopped
+    double slip_left =
+        1.0;  // the least share of its sliding speed that a point has kept; <= 0: it has stopped
   };
   enum class Friction { Free, KeepsDirection };
 
@@ -182,7 +184,8 @@ void Stepper::addLoad(Movers& movers, double seconds) const {
 }
 
 void Stepper::setTwists(const Movers& movers) {
-  for (std::size_t k = 0; k < movers.size(); ++k) bodies_.twist[batch_.bodies[k]] = {movers[k].v, movers[k].w};
+  for (std::size_t k = 0; k < movers.size(); ++k)
+    bodies_.twist[batch_.bodies[k]] = {movers[k].v, movers[k].w};
 }
 
 void Stepper::drift(const Movers& movers, double tau) {
@@ -237,8 +240,8 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
   return result;
 }
 
-// By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without friction and
-// with lengths for velocities.
+// By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
+// friction and with lengths for velocities.
 bool Stepper::takeOverlapsAway() {
   CoulombProblem problem{movers(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
@@ -247,7 +250,8 @@ bool Stepper::takeOverlapsAway() {
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
     law.drive = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
-    if (point.gap < -kOverlap * point.length) problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
+    if (point.gap < -kOverlap * point.length)
+      problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
   solveCoulomb(problem, 1e-6);
@@ -259,9 +263,10 @@ bool Stepper::takeOverlapsAway() {
   return true;
 }
 
-// Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an impact
-// without restitution.
-CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const {
+// Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an
+// impact without restitution.
+CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds,
+                                     Friction friction) const {
   CoulombProblem problem{movers, {}, 0.0};
   std::vector<std::size_t> closed;
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
@@ -335,17 +340,21 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
   return matters;
 }
 
-// Whether impulses are those of the forces expected but for a few tolerances. Such a change makes good what the
-// guesses of earlier kicks have left; were it expected again, the next kicks would make good the opposite, for ever.
-bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const {
+// Whether impulses are those of the forces expected but for a few tolerances. Such a change makes good what
+// the guesses of earlier kicks have left; were it expected again, the next kicks would make good the
+// opposite, for ever.
+bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
+                         double seconds) const {
   double change = 0.0;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    change = std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
+    change =
+        std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
   return change <= kNoChange * tolerance_ * total_mass_ * load_speed_;
 }
 
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
-void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const {
+void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction,
+                            Touching& later) const {
   const Movers drifted = movers();
   const bool expected = asExpected(touching_, kick.points, 0.5 * tau);
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
@@ -423,14 +432,15 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
   }
-  if (friction == Friction::Free || (first.converged && second.converged)) segment.slip_left = slipLeft(slip, later, after, friction);
+  if (friction == Friction::Free || (first.converged && second.converged))
+    segment.slip_left = slipLeft(slip, later, after, friction);
   segment.end = motions();
   restore(start);
   return segment;
 }
 
-// Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under constant
-// forces, so that two attempts are enough.
+// Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under
+// constant forces, so that two attempts are enough.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
   double low = 0.0, f_low = 1.0, high = tau, f_high = attempt(tau, Friction::KeepsDirection).slip_left;
   if (f_high >= 0.0) return;

@@ -37,9 +37,9 @@ Mat3 response(const ImpactSide& side, const Vec3& r) {
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
-// point needs one pass; the many points of a face converge linearly, and where that takes too long the solvers of
-// whole islands take over. Convergence is asked of the velocities: the impulses of more than three points are not
-// unique, and where the points do not quite lie in a plane they drift on without an effect.
+// point needs one pass; the many points of a face converge linearly, and where that takes too long the
+// solvers of whole islands take over. Convergence is asked of the velocities: the impulses of more than three
+// points are not unique, and where the points do not quite lie in a plane they drift on without an effect.
 class Impact {
  public:
   Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
@@ -90,7 +90,8 @@ class Impact {
     CoulombProblem problem{{}, {}, closingSpeedIn()};
     const auto add = [&](const ImpactSide& side) {
       if (side.inv_mass == 0.0) return kNone;
-      problem.bodies.push_back({1.0 / side.inv_mass, side.inv_inertia_W.inverse(), side.twist.v_WB, side.twist.w_WB});
+      problem.bodies.push_back(
+          {1.0 / side.inv_mass, side.inv_inertia_W.inverse(), side.twist.v_WB, side.twist.w_WB});
       return static_cast<Index>(problem.bodies.size() - 1);
     };
     const Index i = add(a_), j = add(b_);

@@ -15,12 +15,10 @@ struct IslandBatch {
   std::vector<Index> pairs;   ///< in step.contacts.pairs
 };
 
-
-
 /// The rows of the methods that solve contacts; step.contact_seconds has their times.
 enum ContactRow { kCollide, kSolve, kStore, kContactRows };
-inline constexpr std::array<const char*, kContactRows> kContactRowNames{"narrowphase.collide", "contacts.solve",
-                                                                        "contacts.store"};
+inline constexpr std::array<const char*, kContactRows> kContactRowNames{"narrowphase.collide",
+                                                                        "contacts.solve", "contacts.store"};
 
 /// Charges the time since its last call to a row.
 class ContactClock {
@@ -49,8 +47,9 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step
 
 namespace exact_step {
-/// Bodies in contact, by Coulomb's law without softness; one island at a time. At a setting that only promotes
-/// islands to it, an island for which its solvers do not converge is left as it was, and the answer is false.
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. At a setting that only
+/// promotes islands to it, an island for which its solvers do not converge is left as it was, and the answer
+/// is false.
 bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step
 

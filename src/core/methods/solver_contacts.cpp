@@ -94,8 +94,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const SolverBody& j = bodies[block.j];
   const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
   const double margin = marginOf(block, left);
-  Manifold manifold =
-      rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
+  Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
   if (!settingsOf(context_.scene.settings.fidelity).all_points) reduceToFour(manifold);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
   block.n = manifold.n_W;

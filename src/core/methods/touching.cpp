@@ -52,8 +52,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
       if (law.j == kNone) led_W += velocityAt(bodies.twist[j], law.r_j);
       if (law.i == kNone) led_W -= velocityAt(bodies.twist[i], law.r_i);
       law.drive = law.frame.transpose() * led_W;
-      out.points.push_back({k, found.feature, found.separation, length, fallSpeed(gravity, length), found.p_W,
-                            law.drive});
+      out.points.push_back(
+          {k, found.feature, found.separation, length, fallSpeed(gravity, length), found.p_W, law.drive});
       out.law.push_back(law);
     }
   }

@@ -16,8 +16,8 @@ struct TouchingPoint {
   double length;          ///< the smaller one of the pair, m
   double push;            ///< speed at which overlap may be taken away, m/s
   Vec3 p_W;
-  Vec3 led;                       ///< velocity of j against i that led sides add, in the frame of its law, m/s
-  Vec3 force_W{0.0, 0.0, 0.0};    ///< on j, N: what is expected of it next
+  Vec3 led;                     ///< velocity of j against i that led sides add, in the frame of its law, m/s
+  Vec3 force_W{0.0, 0.0, 0.0};  ///< on j, N: what is expected of it next
   Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far
 };
 
@@ -31,9 +31,9 @@ struct Touching {
   void inherit(const Touching& other);
 };
 
-/// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept when
-/// they can close within a step. `slot` is, by body, its place in the Coulomb problem, kNone for those that forces
-/// do not move.
+/// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept
+/// when they can close within a step. `slot` is, by body, its place in the Coulomb problem, kNone for those
+/// that forces do not move.
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
                       double time);
 
