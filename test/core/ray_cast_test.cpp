@@ -57,6 +57,18 @@ Real reach(const Cone& cone, const Vec& n) {
                   cone.radius * std::hypot(n.x(), n.y()) - 0.25L * cone.height * n.z());
 }
 
+Real outside(const ConvexHull& hull, const Vec& p) {
+  Real most = -std::numeric_limits<Real>::infinity();
+  for (const Polyhedron::Face& face : hull.polyhedron->faces)
+    most = std::max(most, face.normal.cast<Real>().dot(p) - face.offset);
+  return most;
+}
+Real reach(const ConvexHull& hull, const Vec& n) {
+  Real most = -std::numeric_limits<Real>::infinity();
+  for (const Vec3& vertex : hull.polyhedron->vertices) most = std::max(most, n.dot(vertex.cast<Real>()));
+  return most;
+}
+
 // The least of a convex function, and where.
 struct Least {
   Real t, value;
@@ -183,6 +195,21 @@ Cylinder anyCylinder(Random& random) {
   const double size = anySize(random);
   return {size, size * anyRatio(random)};
 }
+// One of a few hulls of 4 to 40 points.
+ConvexHull anyHull(Random& random) {
+  static const std::vector<ConvexHull> hulls = [] {
+    Random shapes(73);
+    std::vector<ConvexHull> made;
+    for (int k = 0; k < 60; ++k) {
+      std::vector<Vec3> points(static_cast<std::size_t>(4 + shapes.below(37)));
+      const double size = anySize(shapes);
+      for (Vec3& point : points) point = size * shapes.inCube(1.0).cwiseProduct(Vec3(1.0, 0.5, 0.2));
+      made.push_back(makeHull(points, "points").hull);
+    }
+    return made;
+  }();
+  return hulls[static_cast<std::size_t>(random.below(60))];
+}
 Cone anyCone(Random& random) {
   const double size = anySize(random);
   return {size, size * anyRatio(random)};
@@ -208,6 +235,10 @@ TEST(RayCast, EntersAConeWhereItsSurfaceIs) {
   checkShape<Cone>(68, anyCone, castOnShape<Cone>);
 }
 
+TEST(RayCast, EntersAHullWhereItsSurfaceIs) {
+  checkShape<ConvexHull>(71, anyHull, castOnShape<ConvexHull>);
+}
+
 TEST(RayCast, EntersAPlaneWhereItsSurfaceIs) {
   Random random(63);
   for (int k = 0; k < 100000; ++k) {
@@ -227,6 +258,7 @@ TEST(RayCast, EntersAPlaneWhereItsSurfaceIs) {
 TEST(RayCast, SupportFunctionsAloneGiveTheSame) {
   checkShape<Sphere>(64, anySphere, castOnSupport<Sphere>);
   checkShape<Box>(65, anyBox, castOnSupport<Box>);
+  checkShape<ConvexHull>(72, anyHull, castOnSupport<ConvexHull>);
 }
 
 }  // namespace
