@@ -201,6 +201,27 @@ class ServicesTest(unittest.TestCase):
         call('step', n=60)
         self.assertAlmostEqual(body('ball').twist.linear.y, 0.5, delta=1e-9)
 
+    # --- the dial
+
+    def test_the_dial_turns_without_a_jump_and_says_what_changed(self):
+        call('step', n=240)
+        pose = body('crate').pose
+        for fidelity in ('preview', 'accurate', 'reference', 'interactive'):
+            answer = call('set_fidelity', fidelity=fidelity)
+            self.assertTrue(any('contacts.solve' in line and fidelity in line for line in answer.changes), answer)
+            self.assertEqual(body('crate').pose, pose)
+            self.assertEqual(self.status.fresh().fidelity, fidelity)
+
+    def test_the_status_certifies_what_rests(self):
+        call('set_fidelity', fidelity='reference')
+        call('step', n=240)
+        islands = self.status.fresh().certificates
+        self.assertGreater(len(islands), 0)
+        for island in islands:
+            self.assertGreater(island.contacts, 0)
+            self.assertTrue(island.converged)
+            self.assertLess(max(island.signorini, island.coulomb, island.dissipation), 1e-11)
+
     # --- questions
 
     def test_a_ray_meets_the_bodies_on_it_in_order(self):
