@@ -91,6 +91,7 @@ class Stepper {
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
+    CoulombResult first, second;  // of its kicks
     double slip_left =
         1.0;  // the least share of its sliding speed that a point has kept; <= 0: it has stopped
   };
@@ -112,6 +113,8 @@ class Stepper {
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;
+  IslandCertificate& islandCertificate() const;
+  void certify(const CoulombResult& result) const;
   Movers movers() const;
   void addLoad(Movers& movers, double seconds) const;
   void setTwists(const Movers& movers);
@@ -229,15 +232,23 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
   }
   const CoulombResult result = solveCoulomb(problem, tolerance_);
+  islandCertificate().iterations += static_cast<std::uint32_t>(result.iterations);
+  return result;
+}
+
+IslandCertificate& Stepper::islandCertificate() const {
+  return step_.islands[step_.island[batch_.bodies.front()]].certificate;
+}
+
+// Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
+void Stepper::certify(const CoulombResult& result) const {
   IslandCertificate solved;
   solved.method = nameOf(result.solver);
-  solved.iterations = static_cast<std::uint32_t>(result.iterations);
   solved.signorini = result.signorini;
   solved.coulomb = result.coulomb;
   solved.dissipation = result.dissipation;
   solved.converged = result.converged;
-  certificate::add(step_.islands[step_.island[batch_.bodies.front()]].certificate, solved);
-  return result;
+  certificate::add(islandCertificate(), solved);
 }
 
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
@@ -301,7 +312,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
 void Stepper::settle() {
   Movers after = movers();
   Touching touching = touching_;
-  kickAtInstant(touching, after, 0.0, Friction::Free);
+  certify(kickAtInstant(touching, after, 0.0, Friction::Free));
   setTwists(after);
   for (std::size_t k = 0; k < touching_.points.size(); ++k)
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
@@ -403,14 +414,13 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Segment segment;
-  CoulombResult first;
   std::vector<double> curvature(slip.size(), 0.0);
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.size(); ++k)
       kick.points[k].drive[2] =
           touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
     kick.bodies = loaded;
-    first = solve(kick);
+    segment.first = solve(kick);
     drift(kick.bodies, tau);
     segment.touching = find(now_ + tau);
     if (corrections == corrections_ || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
@@ -422,7 +432,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   Movers after = movers();
   addLoad(after, 0.5 * tau);
   Touching aimed = later;
-  const CoulombResult second = kickAtInstant(aimed, after, 0.5 * tau, friction);
+  segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   setTwists(after);
   const bool expected = asExpected(later, aimed.law, 0.5 * tau);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
@@ -432,7 +442,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
   }
-  if (friction == Friction::Free || (first.converged && second.converged))
+  if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
     segment.slip_left = slipLeft(slip, later, after, friction);
   segment.end = motions();
   restore(start);
@@ -461,8 +471,7 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
 
 bool Stepper::run() {
   const std::vector<BodyMotion> start = motions();
-  IslandCertificate& certificate = step_.islands[step_.island[batch_.bodies.front()]].certificate;
-  const IslandCertificate certified = certificate;
+  const IslandCertificate certified = islandCertificate();
   touching_ = find(now_);
   expectLastForces(step_.contacts, touching_);
   double turn = 0.0;
@@ -486,9 +495,11 @@ bool Stepper::run() {
       cuts_ -= points;
       cutAtStop(tau, segment);
     }
-    if (promoted_ && !certificate.converged) {
+    certify(segment.first);
+    certify(segment.second);
+    if (promoted_ && !islandCertificate().converged) {
       restore(start);
-      certificate = certified;
+      islandCertificate() = certified;
       return false;
     }
     restore(segment.end);
