@@ -54,12 +54,19 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
   }
 }
 
+// Whether an island is advanced by sub-steps of its own.
+bool isHasty(const Context& context, const Island& island) {
+  const int sub_steps = settingsOf(context.scene.settings.fidelity).sub_steps;
+  return soft_step::subStep(context, island.pairs) < context.step.h() / sub_steps;
+}
+
 // What is left of the step. Islands that no impact has cut are advanced together, by method.
 void finish(Context& context) {
   StepStore& step = context.step;
   IslandBatch flyers, touching;
   for (Island& island : step.islands) {
-    if (island.time > step.t0 || (island.exact && !island.pairs.empty())) {
+    const bool alone = !island.pairs.empty() && (island.exact || isHasty(context, island));
+    if (island.time > step.t0 || alone) {
       bringTo(context, island, step.t1);
     } else {
       IslandBatch& batch = island.pairs.empty() ? flyers : touching;

@@ -255,7 +255,8 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   bodies.traits[i].held = old.held;
   bodies.traits[i].frozen = old.frozen && !edit.kind && !edit.pose;
   bodies.refresh(i);
-  if (edit.pose || edit.shape) impl_->forgetContacts(id);
+  // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
+  if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->forgetContacts(id);
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
                            !edit.restitution && !edit.drag_coefficient && !edit.color && !old.frozen;
   impl_->edited(!only_motion);

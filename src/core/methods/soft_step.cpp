@@ -1,8 +1,9 @@
 // Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
 //
-// The interval [t0, t1] is cut into n sub-steps of length h. The narrow phase runs at the start, and again
-// for a pair that has since moved by more than a small share of its size; in between the gap s of a contact
-// point follows the motion of its bodies. A sub-step
+// The interval [t0, t1] is cut into n sub-steps of length h, which the setting says; into more of them where
+// bodies turn or travel further in one than contact points found at its start can follow.
+// The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
+// its size; in between the gap s of a contact point follows the motion of its bodies. A sub-step
 //   1. adds the loads to the velocities, and last sub-step's impulses (warm start);
 //   2. solves each contact once with a soft constraint that also closes the position error;
 //   3. moves the bodies;
@@ -16,7 +17,7 @@
 // fraction of the sub-step rate, so that it has no unit of its own (and that of a whole sub-step also in one
 // that an impact cuts short, or a sliver of time would push as fast as it can); the steady error under a
 // force F is F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its
-// own length.
+// own length, g being what presses the pair together where that is more than gravity.
 //
 // A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h. The
 // relaxing pass leaves out the points without an impulse: by then they have moved, and what they ask for is
@@ -49,6 +50,12 @@ constexpr double kStiffness = 0.3 * kPi;
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 constexpr double kSlowTurn = 1e-6;
+// The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
+// against each other, share of their smaller length: farther, and a body is past a wall, or its far end on
+// the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one. No
+// step is cut into more than so many sub-steps.
+constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
+constexpr double kMostSubSteps = 256.0;
 
 struct Softness {
   double bias, mass, impulse;  // b, a, c
@@ -65,14 +72,14 @@ class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
       : context_(context), contacts_(context, batch), t0_(t0), dt_(t1 - t0) {
-    h_full_ = context.step.h() / settingsOf(context.scene.settings.fidelity).sub_steps;
+    h_full_ = subStep(context, batch.pairs);
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
     soft_ = softness(h_, h_full_);
   }
 
   void begin() { contacts_.find(t0_, dt_, h_); }
-  void subStep();
+  void goOn();
   void rebound();
   void store() { contacts_.store(h_, h_full_); }
   int subStepCount() const { return sub_steps_; }
@@ -88,14 +95,14 @@ class Solver {
   Context& context_;
   SolverContacts contacts_;
   double t0_, dt_;
-  double h_full_, h_;  // a sub-step when the step is not cut, and now
+  double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
   Softness soft_;
 };
 
 // --- one sub-step
 
-void Solver::subStep() {
+void Solver::goOn() {
   if (done_ > 0) contacts_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
   kick();
   warmStart();
@@ -230,13 +237,31 @@ void Solver::rebound() {
 
 }  // namespace
 
+double subStep(const Context& context, const std::vector<Index>& pairs) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  double h = step.h() / settingsOf(context.scene.settings.fidelity).sub_steps;
+  for (const Index k : pairs) {
+    const Index i = step.contacts.pairs[k].i, j = step.contacts.pairs[k].j;
+    const double length = std::min(bodies.traits[i].length, bodies.traits[j].length);
+    const double load = (step.load[j].a_W - step.load[i].a_W).norm();
+    const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + step.h() * load;
+    h = std::min(h, kMostTravel * length / speed);
+    h = std::min(h, std::sqrt(kMostFall * length / load));
+    for (const Index one : {i, j})
+      if (!std::holds_alternative<Sphere>(bodies.traits[one].shape))
+        h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
+  }
+  return std::max(h, step.h() / kMostSubSteps);
+}
+
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
   ContactClock clock(context.step);
   Solver solver(context, batch, t0, t1);
   solver.begin();
   clock.charge(kCollide);
-  for (int k = 0; k < solver.subStepCount(); ++k) solver.subStep();
+  for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
   solver.rebound();
   clock.charge(kSolve);
   solver.store();

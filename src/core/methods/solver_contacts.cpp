@@ -21,6 +21,17 @@ constexpr double kMargin = 0.01;
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kStray = 0.05;
 
+// Keeps the points open by no more than `margin`; the deepest in any case.
+void keepWithin(double margin, Manifold& manifold) {
+  const auto begin = manifold.points.begin(), end = begin + manifold.size;
+  const auto deeper = [](const ManifoldPoint& a, const ManifoldPoint& b) {
+    return a.separation < b.separation;
+  };
+  if (manifold.size > 0) margin = std::max(margin, std::min_element(begin, end, deeper)->separation);
+  const auto open = [&](const ManifoldPoint& point) { return point.separation > margin; };
+  manifold.size = static_cast<int>(std::remove_if(begin, end, open) - begin);
+}
+
 }  // namespace
 
 SolverContacts::SolverContacts(Context& context, const IslandBatch& batch)
@@ -66,6 +77,7 @@ double SolverContacts::marginOf(const SolverBlock& block, double left) const {
 }
 
 void SolverContacts::find(double now, double left, double h) {
+  h_ = h;
   const Bodies& store = context_.scene.bodies;
   const double gravity = context_.scene.settings.gravity.norm();
   for (const Index k : batch_.pairs) {
@@ -78,7 +90,8 @@ void SolverContacts::find(double now, double left, double h) {
     block.j = slotOf(pair.j);
     block.mu = pairFriction(a.material, b.material);
     block.e = pairRestitution(a.material, b.material);
-    block.push = fallSpeed(gravity, std::min(a.length, b.length));
+    const double load = (context_.step.load[pair.j].a_W - context_.step.load[pair.i].a_W).norm();
+    block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
     block.pair = k;
     findPoints(block, now, left);
     for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
@@ -95,8 +108,11 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
   const double margin = marginOf(block, left);
   Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
-  if (!settingsOf(context_.scene.settings.fidelity).all_points) reduceToFour(manifold);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
+  if (!settingsOf(context_.scene.settings.fidelity).all_points) {
+    keepWithin(marginOf(block, h_) + kStray * length, manifold);
+    reduceToFour(manifold);
+  }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
   block.stray = manifold.size > 0 ? kStray * length : margin;

@@ -87,6 +87,7 @@ class SolverContacts {
 
   Context& context_;
   const IslandBatch& batch_;
+  double h_ = 0.0;           ///< of a sub-step, s
   std::vector<Index> slot_;  ///< by body: its place in `bodies`
 };
 

@@ -1,0 +1,53 @@
+// Loads far beyond gravity, at every setting.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace rbs::test {
+namespace {
+
+class Load : public testing::TestWithParam<Fidelity> {};
+INSTANTIATE_TEST_SUITE_P(Settings, Load, testing::ValuesIn(kFidelities),
+                         [](const auto& setting) { return std::string(fidelityName(setting.param)); });
+
+TEST_P(Load, ABoxThatIsPressedOnTheFloorStaysOnIt) {
+  for (const double a : {10.0, 100.0, 1e3, 1e4, 1e5, 1e6}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+    scene.fidelity = GetParam();
+    scene.bodies.push_back(box("box", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+    scene.bodies.back().mass = 1.0;
+    World world(scene);
+    world.applyWrench(world.find("box"), Vec3(0.0, 0.0, -a), Vec3::Zero(), Vec3(0.0, 0.0, 0.5), 1.0);
+    double sunk = 0.0;
+    for (int k = 0; k < 60; ++k) {
+      world.step();
+      sunk = std::max(sunk, 0.5 - stateOf(world, "box").pose.p_WB.z());
+    }
+    EXPECT_LT(sunk, 0.12) << a << " m/s²";
+  }
+}
+
+TEST_P(Load, ABodyThatIsMadeLightUnderALoadIsNotShotAway) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(box("under", Vec3(1.0, 1.0, 0.4), Vec3(0.0, 0.0, 0.2)));
+  scene.bodies.push_back(box("over", Vec3(1.0, 1.0, 1.0), Vec3(0.6, 0.0, 0.9)));
+  scene.bodies[1].mass = 100.0;
+  scene.bodies[2].mass = 5000.0;
+  World world(scene);
+  advance(world, 0.3);  // the upper box tips, and the lower one rises at its other end
+  BodyEdit edit;
+  edit.mass = 0.1;
+  world.editBody(world.find("under"), edit);
+  double fastest = 0.0;
+  for (int k = 0; k < 30; ++k) {
+    world.step();
+    fastest = std::max(fastest, stateOf(world, "under").twist.v_WB.norm());
+  }
+  EXPECT_LT(fastest, 10.0);
+}
+
+}  // namespace
+}  // namespace rbs::test
