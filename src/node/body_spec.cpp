@@ -54,20 +54,6 @@ PlacedHull hullFrom(const Spec& spec, const std::string& path) {
   return makeHull(points, path + ".points");
 }
 
-/// Gives the body its shape, and leads its pose from the frame that the request means to B.
-void setShape(const Spec& spec, const std::string& path, BodyDef& body) {
-  if (spec.shape == "hull") {
-    const PlacedHull hull = hullFrom(spec, path);
-    body.shape = hull.hull;
-    body.pose = hull.poseOfB(body.pose);
-    return;
-  }
-  if (!spec.points.empty() || !spec.mesh.empty() || spec.scale != 0.0) {
-    throw InvalidInput({{path, "points, mesh or scale", "these only with shape hull"}});
-  }
-  body.shape = makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
-}
-
 /// Pose and twist, from the axes of frame_id to those of W.
 void placeBody(const Spec& spec, const World& world, BodyDef& body) {
   const Pose X_WF = frameNamed(world, spec.frame_id);
@@ -93,7 +79,7 @@ BodyDef bodyFrom(const Spec& spec, const World& world, const std::string& path, 
   BodyDef body;
   body.name = spec.name;
   collect(problems, [&] { placeBody(spec, world, body); });
-  collect(problems, [&] { setShape(spec, path, body); });
+  collect(problems, [&] { body.shape = shapeFrom(spec, path, body.pose); });
   body.kind = spec.is_static ? BodyKind::Static : BodyKind::Dynamic;
   body.mass = unlessZero(spec.mass);
   body.density = unlessZero(spec.density);
@@ -145,6 +131,18 @@ Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
 }
 
 }  // namespace
+
+Shape shapeFrom(const Spec& spec, const std::string& path, Pose& pose) {
+  if (spec.shape == "hull") {
+    const PlacedHull hull = hullFrom(spec, path);
+    pose = hull.poseOfB(pose);
+    return hull.hull;
+  }
+  if (!spec.points.empty() || !spec.mesh.empty() || spec.scale != 0.0) {
+    throw InvalidInput({{path, "points, mesh or scale", "these only with shape hull"}});
+  }
+  return makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
+}
 
 std::vector<BodyDef> bodiesFrom(const std::vector<Spec>& specs, const World& world) {
   return bodiesFrom(specs, world, [](std::size_t i) { return "bodies[" + std::to_string(i) + "]"; });

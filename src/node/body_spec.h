@@ -12,6 +12,10 @@
 
 namespace rbs {
 
+/// The shape that a request describes. A hull's `pose` comes as that of the frame of its points and is led to
+/// that of the body; of other shapes the two are the same. Throws InvalidInput.
+Shape shapeFrom(const rigid_body_sim::BodySpec& spec, const std::string& path, Pose& pose);
+
 /// The bodies to be made, in order; those without a pose at free places above the origin. Throws
 /// InvalidInput with every problem of every body.
 std::vector<BodyDef> bodiesFrom(const std::vector<rigid_body_sim::BodySpec>& specs, const World& world);

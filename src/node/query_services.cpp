@@ -1,6 +1,7 @@
 // Services that answer questions about the world, from the last snapshot.
 #include "services.h"
 
+#include "body_spec.h"
 #include "convert.h"
 #include "names.h"
 #include "words.h"
@@ -70,8 +71,14 @@ std::string closestPoints(const Snapshot& snapshot, const rigid_body_sim::Closes
 
 std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::Request& request,
                      rigid_body_sim::Overlaps::Response& response) {
-  const Shape shape = makeShape(request.shape.empty() ? "box" : request.shape, fromMsg(request.size), "place");
-  const Pose pose = compose(frameNamed(snapshot, request.frame_id), fromMsg(request.pose));
+  rigid_body_sim::BodySpec place;
+  place.shape = request.shape;
+  place.size = request.size;
+  place.points = request.points;
+  place.mesh = request.mesh;
+  place.scale = request.scale;
+  Pose pose = compose(frameNamed(snapshot, request.frame_id), fromMsg(request.pose));
+  const Shape shape = shapeFrom(place, "place", pose);
   for (const Neighbour& neighbour : overlaps(snapshot, shape, pose, request.margin)) {
     response.bodies.push_back(nameOf(snapshot, neighbour.body));
     response.distances.push_back(neighbour.distance);

@@ -59,6 +59,8 @@ class ClientTest(unittest.TestCase):
         self.assertLess(json.loads(self.done('--json', 'closest', 'ball', 'floor'))['normal']['z'], 0.0)
         self.assertEqual(self.done('overlaps', '--at', 0, 0, 5, '--size', 0.1).split()[0], 'ball')
         self.assertIn('no body', self.done('overlaps', '--at', 0, 0, 50))
+        corner = ('--points', 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
+        self.assertEqual(self.done('overlaps', '--at', 0, 0, 5, *corner).split()[0], 'ball')
         self.assertEqual(rbs('ray', '--from', 0, 0, 0, '--along', 0, 0, 0).returncode, 1)
 
     def test_hulls_are_made_of_points_and_meshes(self):

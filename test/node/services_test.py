@@ -269,6 +269,17 @@ class ServicesTest(unittest.TestCase):
         inside = call('overlaps', pose=at(0, 0, 0.1), frame_id='ball', size=Vector3(0.01, 0, 0), shape='sphere')
         self.assertEqual(inside.bodies, ['ball'])
 
+    def test_a_place_can_be_a_hull(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        radius = body('ball').description.size.x / 2
+        # Its slanted face is in the plane x + y + z = 4, the ball's centre 1/sqrt(3) above it
+        place = dict(shape='hull', points=CORNER, scale=2.0, pose=at(-1, -1, 4), margin=1.0)
+        answer = call('overlaps', **place)
+        self.assertEqual(answer.bodies, ['ball'])
+        self.assertAlmostEqual(answer.distances[0], 1 / math.sqrt(3) - radius, delta=1e-12)
+        mesh = 'package://rigid_body_sim/scenes/meshes/dodecahedron.obj'
+        self.assertEqual(call('overlaps', shape='hull', mesh=mesh, pose=at(0, 0, 5)).bodies, ['ball'])
+
     def test_questions_change_nothing(self):
         before = self.status.fresh().hash
         call('cast_ray', direction=Vector3(0, 0, 1), all=True)
@@ -461,6 +472,9 @@ class ServicesTest(unittest.TestCase):
             (['margin', '-0.1'], 'overlaps', dict(margin=-0.1)),
             (['margin', 'nan'], 'overlaps', dict(margin=NAN)),
             (['nobody'], 'overlaps', dict(frame_id='nobody')),
+            (['points', 'mesh'], 'overlaps', dict(shape='hull')),
+            (['place', 'points', 'hull'], 'overlaps', dict(points=CORNER)),
+            (['points', 'nan'], 'overlaps', dict(shape='hull', points=CORNER[:3] + [Point(NAN, 0, 0)])),
         ]:
             faults += self.fault_of(words, service, **request)
         self.assertEqual(faults, [])
