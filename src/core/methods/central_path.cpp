@@ -77,16 +77,22 @@ CentralPath::Place& CentralPath::Place::add(double part, const Place& direction)
 CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(system), matrix_(matrix) {
   const std::size_t size = system.points().size();
   place.y = system.free();
-  // The size of the start is that of the velocities, and of the unit at least.
+  // The size of the start is that of the velocities of points that close, and of the unit at least. A point
+  // that opens faster than that does so at the start too.
+  std::vector<Vec3> free;
   double sum = 0.0;
-  for (const Point& point : system.points()) sum += system.velocity(point, place.y).squaredNorm();
+  for (const Point& point : system.points()) {
+    free.push_back(system.velocity(point, place.y));
+    if (free.back()[2] < 0.0) sum += free.back().squaredNorm();
+  }
   const double start = std::max(1.0, std::sqrt(sum / static_cast<double>(size)));
   for (std::size_t k = 0; k < size; ++k) {
-    Pairs pairs{start, start, Vec3::Zero(), Vec3::Zero()};
+    const double u_n = std::max(start, free[k][2]), r_n = start * start / u_n;
+    Pairs pairs{r_n, u_n, Vec3::Zero(), Vec3::Zero()};
     count_ += isRound(k) ? 2 : 1;
     if (isRound(k)) {
-      pairs.b[2] = system.points()[k].mu * start;
-      pairs.h[2] = start / system.points()[k].mu;
+      pairs.b[2] = system.points()[k].mu * r_n;
+      pairs.h[2] = u_n / system.points()[k].mu;
     }
     place.pairs.push_back(pairs);
   }

@@ -13,11 +13,15 @@ using namespace coulomb;
 //   a few steps of Newton from the guess, for loads that changed in size only
 //   Gauss-Seidel on a few points without loops
 //   Newton on small islands, ADMM on large ones
-//   the interior point, and its path by arc length where that turns back
+//   the interior point
+//   Newton from the best of these
+//   the interior point's path by arc length, where that turns back
 //   ADMM again, from the best of these
 // Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
+// Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives one can
+// do without: then the last resorts are left out, and the interior point as well unless every digit is asked.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
-  constexpr std::size_t kFewBodies = 4, kManyPoints = 4000;
+  constexpr std::size_t kFewBodies = 4, kSomePoints = 500, kManyPoints = 4000;
   constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
@@ -33,16 +37,20 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   };
   const bool is_warm = !best.r.isZero(0.0);
   if (!best.within(tolerance)) {
-    const bool is_large = system.points().size() > kManyPoints;
+    const std::size_t size = system.points().size();
+    const bool is_large = size > kManyPoints;
+    const bool patient = tolerance < 1e-9;
+    const bool slides = std::any_of(system.points().begin(), system.points().end(),
+                                    [](const Point& point) { return point.slides; });
     // A little more than asked, so that the same impulses pass as the guess of the next step.
     const double aim = 0.1 * tolerance, rough = std::max(aim, kFinish);
     BodyBlocks matrix(system);
-    const Impulses cold = Impulses::Zero(3, system.points().size());
+    const Impulses cold = Impulses::Zero(3, size);
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
-      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e4, aim, cap));
+      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e3, aim, cap));
     };
-    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, aim, 8));
+    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, aim, 5));
     if (!best.within(tolerance) && separable(system)) {
       finish(CoulombSolver::GaussSeidel, gaussSeidel(system, aim, 100), 10);
     }
@@ -52,15 +60,19 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     if (!best.within(tolerance) && is_large) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
     }
-    if (!best.within(tolerance)) {
-      finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), 40);
+    if (!best.within(tolerance) && (patient || !slides)) {
+      finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), patient ? 40 : 20);
     }
-    // Only who asks for every digit waits for the last resorts.
-    const bool patient = tolerance < 1e-9;
-    if (patient && !best.within(tolerance)) {
-      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, is_large ? 100 : 600), 40);
+    if (!best.within(tolerance) && !slides) {
+      consider(CoulombSolver::Newton, newton(system, matrix, best.r, 10.0, aim, 30));
     }
-    for (int round = 0; round < (is_large ? 1 : 4) && patient && !best.within(tolerance); ++round) {
+    if (!best.within(tolerance) && !slides && (patient || size <= kSomePoints)) {
+      const int cap = !patient ? 150 : is_large ? 100 : 600;
+      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, cap), patient ? 40 : 20);
+    }
+    // Only who asks for every digit waits for the last resort.
+    for (int round = 0; round < (is_large ? 1 : 4) && patient && !slides && !best.within(tolerance);
+         ++round) {
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
     }
   }

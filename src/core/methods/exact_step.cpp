@@ -127,7 +127,7 @@ class Stepper {
   IslandBatch batch_;
   std::vector<Index> slot_;  // by body: its place in the problem
   ContactClock clock_;
-  double now_, end_;
+  double now_, end_, span_;
   double tolerance_, total_mass_ = 0.0;
   int corrections_, cuts_;
   bool promoted_;      // by a setting that has another method for it
@@ -144,7 +144,8 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       slot_(bodies_.size(), kNone),
       clock_(step_),
       now_(t0),
-      end_(t1) {
+      end_(t1),
+      span_(t1 - t0) {
   std::sort(batch_.bodies.begin(), batch_.bodies.end());
   std::sort(batch_.pairs.begin(), batch_.pairs.end());
   for (std::size_t k = 0; k < batch_.bodies.size(); ++k) slot_[batch_.bodies[k]] = static_cast<Index>(k);
@@ -215,7 +216,7 @@ void Stepper::restore(const std::vector<BodyMotion>& motions) {
 
 Touching Stepper::find(double time) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, batch_.pairs, slot_, time);
+  Touching found = findTouching(context_, batch_.pairs, slot_, time, span_);
   clock_.charge(kCollide);
   return found;
 }

@@ -42,7 +42,7 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The length of a sub-step that these pairs (in step.contacts.pairs) ask for, s. At most that of the setting.
+/// The length of a sub-step that these pairs (in step.contacts.pairs) ask for, s; at most the setting's.
 double subStep(const Context& context, const std::vector<Index>& pairs);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);

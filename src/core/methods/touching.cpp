@@ -26,10 +26,10 @@ Vec3 velocityAt(const Twist& twist, const Vec3& r) {
 }  // namespace
 
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
-                      double time) {
+                      double time, double span) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  const double h = step.h(), gravity = context.scene.settings.gravity.norm();
+  const double gravity = context.scene.settings.gravity.norm();
   Touching out;
   for (const Index k : pairs) {
     if (!mayTouch(step.standing[k])) continue;
@@ -38,8 +38,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
     const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
     const double length = std::min(a.length, b.length);
     const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + surfaceSpeed(bodies, i) +
-                         surfaceSpeed(bodies, j) + 0.5 * h * (step.load[j].a_W - step.load[i].a_W).norm();
-    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, h * speed + kMargin * length);
+                         surfaceSpeed(bodies, j) + 0.5 * span * (step.load[j].a_W - step.load[i].a_W).norm();
+    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, span * speed + kMargin * length);
     const auto [t1, t2] = tangents(manifold.n_W);
     for (int p = 0; p < manifold.size; ++p) {
       const ManifoldPoint& found = manifold.points[p];
