@@ -113,6 +113,8 @@ struct Island {
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
   std::vector<Load> load;              ///< by body
+  std::vector<Vec3> airless;           ///< by body: load.a_W without the drag; empty: there is none
+  Vec3 air;                            ///< velocity of the air where there is drag, m/s
   std::vector<Bounds> bounds;          ///< by body: where it may be during the step
   Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
   Index inherited = 0;                 ///< how many of the touches come from the last step

@@ -79,6 +79,7 @@ void StepStore::begin(Index n, double from, double to) {
   t0 = from;
   t1 = to;
   load.assign(n, {});
+  airless.clear();
   bounds.resize(n);
   contacts.clear();
   inherited = 0;

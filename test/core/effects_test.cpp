@@ -29,6 +29,32 @@ TEST(Drag, SlowsASphereAsTheClosedFormSays) {
   }
 }
 
+// The classical Runge-Kutta method in long double, at tiny steps.
+TEST(Drag, ABallThrownAcrossTheWindFliesAsAnIntegrationAtTinyStepsSays) {
+  SceneDef scene = inAir(Vec3(4.0, -3.0, 0.0));
+  scene.gravity = kGravity * -Vec3::UnitZ();
+  scene.bodies.push_back(ball("ball", 0.3, Vec3(1.0, 2.0, 3.0)));
+  scene.bodies.back().mass = 0.4;
+  scene.bodies.back().twist.v_WB = {-12.0, 5.0, 9.0};
+  World world(scene);
+  using V = Eigen::Matrix<long double, 3, 1>;
+  const long double k = 1.2L * kRoundedDrag * kPi * 0.3L * 0.3L / (2.0L * 0.4L), h = 1.0L / 60.0L / 200.0L;
+  const V air(4.0L, -3.0L, 0.0L), g(0.0L, 0.0L, -static_cast<long double>(kGravity));
+  const auto slope = [&](const V& v) -> V { return g - k * (v - air).norm() * (v - air); };
+  V p(1.0L, 2.0L, 3.0L), v(-12.0L, 5.0L, 9.0L);
+  for (int step = 0; step < 120; ++step) {
+    world.step();
+    for (int part = 0; part < 200; ++part) {
+      const V k1 = slope(v), k2 = slope(v + 0.5L * h * k1), k3 = slope(v + 0.5L * h * k2),
+              k4 = slope(v + h * k3);
+      p += h * (v + h / 6.0L * (k1 + k2 + k3));
+      v += h / 6.0L * (k1 + 2.0L * (k2 + k3) + k4);
+    }
+    EXPECT_LT((stateOf(world, "ball").pose.p_WB - p.cast<double>()).norm(), 1e-11);
+    EXPECT_LT((stateOf(world, "ball").twist.v_WB - v.cast<double>()).norm(), 1e-11);
+  }
+}
+
 // A box that does not spin feels its projected area, in the direction of the air, and no torque.
 TEST(Drag, OfABoxIsThatOfItsProjectedArea) {
   const Vec3 size(0.3, 0.5, 0.9), wind(3.0, -2.0, 1.0);

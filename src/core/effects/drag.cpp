@@ -17,13 +17,16 @@
 //   (M - h/2 J) dV = h (F(V) + G),   J = dF/dV,   G all other loads.
 // For drag alone, u' = -k |u| u, this is dV = -h k u²/(1 + h k u), so u(h) = u/(1 + k u h): the exact
 // solution, which never overshoots however stiff. Its fixed point is F + G = 0: the exact terminal velocity.
-// In between it is of second order.
+// In between it is of second order: what boxes and bodies in contact get. Bodies in flight that the air does
+// not turn are integrated to rounding, by the method of Dormand and Prince (1980) with its own choice of
+// steps.
 #include "algebra.h"
 #include "effects/effects.h"
 #include "text.h"
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rbs {
@@ -42,6 +45,18 @@ Vec3 sphereAcceleration(const Vec3& u, double k, const Vec3& a_W, double h) {
   const double alpha = 1.0 + 0.5 * h * k * speed;
   const double beta = 0.5 * h * k / speed;
   return (b - beta * u.dot(b) / (alpha + beta * speed * speed) * u) / alpha;
+}
+
+double halfDensity(const SceneStore& scene, Index i) {
+  return 0.5 * scene.settings.air->density * scene.bodies.traits[i].dragCoefficient();
+}
+
+/// k of the acceleration -k |u| u of a body that is no box, 1/m.
+double dragOf(const SceneStore& scene, Index i) {
+  const Traits& t = scene.bodies.traits[i];
+  const auto* ball = std::get_if<Sphere>(&t.shape);
+  const double area = ball ? kPi * ball->radius * ball->radius : 0.25 * surfaceArea(t.shape);
+  return halfDensity(scene, i) * area / t.mass;
 }
 
 // The wrench of the air on a surface element and its derivative, added up over a box. V = (u, w).
@@ -145,19 +160,64 @@ void run(Context& context) {
   const SceneStore& scene = context.scene;
   StepStore& step = context.step;
   const double h = step.h();
-  const Vec3 air = airVelocity(scene.settings, step.t0 + 0.5 * h);
+  step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
+  step.airless.resize(step.load.size());
   for (const Index i : scene.rosters.dragged) {
-    const Traits& t = scene.bodies.traits[i];
-    const Vec3 u = scene.bodies.twist[i].v_WB - air;
-    const double half_rho_C = 0.5 * scene.settings.air->density * t.dragCoefficient();
-    if (const auto* box = std::get_if<Box>(&t.shape)) {
-      dragBox(*box, scene.bodies, i, u, half_rho_C, h, step.load[i]);
+    const Vec3 u = scene.bodies.twist[i].v_WB - step.air;
+    step.airless[i] = step.load[i].a_W;
+    if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape)) {
+      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i), h, step.load[i]);
     } else {
-      const auto* ball = std::get_if<Sphere>(&t.shape);
-      const double area = ball ? kPi * ball->radius * ball->radius : 0.25 * surfaceArea(t.shape);
-      step.load[i].a_W = sphereAcceleration(u, half_rho_C * area / t.mass, step.load[i].a_W, h);
+      step.load[i].a_W = sphereAcceleration(u, dragOf(scene, i), step.load[i].a_W, h);
     }
   }
+}
+
+std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
+                          double seconds) {
+  constexpr double kStiff = 10.0;  // k |u| t from which implicit steps are better
+  constexpr double kTolerance = 1e-14;
+  const Traits& t = context.scene.bodies.traits[i];
+  if (context.step.airless.empty() || t.dragCoefficient() == 0.0 || std::holds_alternative<Box>(t.shape))
+    return {};
+  const Vec3 b = context.step.airless[i], air = context.step.air;
+  const double k = dragOf(context.scene, i);
+  Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
+  const double scale = u.norm() + seconds * b.norm();
+  if (scale == 0.0) return Course{p_WB + seconds * v_WB, v_WB};
+  if (k * scale * seconds > kStiff) return {};
+
+  // The method of Dormand and Prince; place is the integral of u with the same weights.
+  const auto slope = [&](const Vec3& w) -> Vec3 { return b - k * w.norm() * w; };
+  double done = 0.0, h = seconds;
+  while (done < seconds) {
+    h = std::min(h, seconds - done);
+    const Vec3 k1 = slope(u);
+    const Vec3 u2 = u + h * k1 / 5.0, k2 = slope(u2);
+    const Vec3 u3 = u + h * (3.0 / 40.0 * k1 + 9.0 / 40.0 * k2), k3 = slope(u3);
+    const Vec3 u4 = u + h * (44.0 / 45.0 * k1 - 56.0 / 15.0 * k2 + 32.0 / 9.0 * k3), k4 = slope(u4);
+    const Vec3 u5 = u + h * (19372.0 / 6561.0 * k1 - 25360.0 / 2187.0 * k2 + 64448.0 / 6561.0 * k3 -
+                             212.0 / 729.0 * k4),
+               k5 = slope(u5);
+    const Vec3 u6 = u + h * (9017.0 / 3168.0 * k1 - 355.0 / 33.0 * k2 + 46732.0 / 5247.0 * k3 +
+                             49.0 / 176.0 * k4 - 5103.0 / 18656.0 * k5),
+               k6 = slope(u6);
+    const auto weigh = [](const Vec3& a, const Vec3& c, const Vec3& d, const Vec3& e, const Vec3& f) -> Vec3 {
+      return 35.0 / 384.0 * a + 500.0 / 1113.0 * c + 125.0 / 192.0 * d - 2187.0 / 6784.0 * e +
+             11.0 / 84.0 * f;
+    };
+    const Vec3 u7 = u + h * weigh(k1, k3, k4, k5, k6), k7 = slope(u7);
+    const Vec3 error = h * (71.0 / 57600.0 * k1 - 71.0 / 16695.0 * k3 + 71.0 / 1920.0 * k4 -
+                            17253.0 / 339200.0 * k5 + 22.0 / 525.0 * k6 - k7 / 40.0);
+    const double share = error.norm() / (kTolerance * scale);
+    if (share <= 1.0 || h < 1e-6 * seconds) {
+      x += h * weigh(u, u3, u4, u5, u6);
+      u = u7;
+      done = h < seconds - done ? done + h : seconds;
+    }
+    h *= std::clamp(0.9 * std::pow(std::max(share, 1e-10), -0.2), 0.2, 5.0);
+  }
+  return Course{p_WB + x + seconds * air, u + air};
 }
 
 }  // namespace drag

@@ -3,7 +3,14 @@
 
 #include "context.h"
 
+#include <optional>
+
 namespace rbs {
+
+/// Of a centre of mass.
+struct Course {
+  Vec3 p_WB, v_WB;  ///< m, m/s
+};
 
 namespace gravity {
 Need need(const Census& census);
@@ -26,6 +33,11 @@ void run(Context& context);
 namespace drag {
 Need need(const Census& census);
 void run(Context& context);
+/// Where body i of this step is and how fast, `seconds` on from (p_WB, v_WB), when nothing touches it. Empty
+/// for bodies that the air turns (boxes) or lets be, and where it stops them at once: there the mean
+/// acceleration in step.load says it.
+std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
+                          double seconds);
 }  // namespace drag
 
 /// Bodies led by a hand: their twist is set so that they reach their target.

@@ -32,8 +32,8 @@ struct Touching {
 };
 
 /// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept
-/// when they can close within a span, s. `slot` is, by body, its place in the Coulomb problem, kNone for those
-/// that forces do not move.
+/// when they can close within a span, s. `slot` is, by body, its place in the Coulomb problem, kNone for
+/// those that forces do not move.
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
                       double time, double span);
 
