@@ -22,10 +22,10 @@
 // segment. The segment is then cut where its sliding speed, with friction still against the old direction,
 // passes zero. The onset of sliding and lift-off are continuous in the force, so a step that oversees them is
 // wrong by the third power of its length. Impacts cut the segment from outside (impact_loop.h).
-#include "algebra.h"
 #include "certificate.h"
 #include "fidelity.h"
-#include "integrate.h"
+#include "methods/island_motion.h"
+#include "methods/methods.h"
 #include "methods/touching.h"
 
 #include <algorithm>
@@ -48,7 +48,6 @@ constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
 
 using Vec2 = Eigen::Vector2d;
-using Movers = std::vector<CoulombBody>;
 
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
@@ -65,19 +64,6 @@ const char* nameOf(CoulombSolver solver) {
   }
   return "admm";
 }
-
-// Of j against i, in the frame of the point.
-Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
-  Vec3 u_W = Vec3::Zero();
-  if (law.j != kNone) u_W += movers[law.j].v + movers[law.j].w.cross(law.r_j);
-  if (law.i != kNone) u_W -= movers[law.i].v + movers[law.i].w.cross(law.r_i);
-  return law.frame.transpose() * u_W + law.drive;
-}
-
-struct BodyMotion {
-  Pose pose;
-  Twist twist;
-};
 
 class Stepper {
  public:
@@ -101,7 +87,6 @@ class Stepper {
   bool takeOverlapsAway();
   void settle();
   Segment attempt(double tau, Friction friction);
-  void drift(const Movers& movers, double tau);
   std::vector<Vec2> slipNow() const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
@@ -115,108 +100,49 @@ class Stepper {
   CoulombResult solve(CoulombProblem& problem) const;
   IslandCertificate& islandCertificate() const;
   void certify(const CoulombResult& result) const;
-  Movers movers() const;
-  void addLoad(Movers& movers, double seconds) const;
-  void setTwists(const Movers& movers);
-  std::vector<BodyMotion> motions() const;
-  void restore(const std::vector<BodyMotion>& motions);
 
   Context& context_;
   StepStore& step_;
-  Bodies& bodies_;
-  IslandBatch batch_;
+  std::vector<Index> pairs_;
+  IslandMotion island_;
   std::vector<Index> slot_;  // by body: its place in the problem
   ContactClock clock_;
   double now_, end_, span_;
-  double tolerance_, total_mass_ = 0.0;
+  double tolerance_;
   int corrections_, cuts_;
   bool promoted_;      // by a setting that has another method for it
-  double load_speed_;  // the most that the load changes a velocity in a step
   double slow_;        // a slip below is none
   Touching touching_;  // now
 };
 
+std::vector<Index> sorted(std::vector<Index> list) {
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
 Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1)
     : context_(context),
       step_(context.step),
-      bodies_(context.scene.bodies),
-      batch_(batch),
-      slot_(bodies_.size(), kNone),
+      pairs_(sorted(batch.pairs)),
+      island_(context, sorted(batch.bodies)),
+      slot_(context.scene.bodies.size(), kNone),
       clock_(step_),
       now_(t0),
       end_(t1),
       span_(t1 - t0) {
-  std::sort(batch_.bodies.begin(), batch_.bodies.end());
-  std::sort(batch_.pairs.begin(), batch_.pairs.end());
-  for (std::size_t k = 0; k < batch_.bodies.size(); ++k) slot_[batch_.bodies[k]] = static_cast<Index>(k);
+  for (std::size_t k = 0; k < island_.indices().size(); ++k)
+    slot_[island_.indices()[k]] = static_cast<Index>(k);
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   tolerance_ = settings.tolerance;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
   promoted_ = settings.promotes;
-  double load = 0.0;
-  for (const Index i : batch_.bodies) {
-    total_mass_ += bodies_.traits[i].mass;
-    const Vec3 spin = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * step_.load[i].torque_W;
-    load = std::max(load, step_.load[i].a_W.norm() + spin.norm() * bodies_.traits[i].length);
-  }
-  load_speed_ = load * step_.h();
-  slow_ = std::max(kSlip, kSlipOverTolerance * tolerance_) * load_speed_;
-}
-
-// --- bodies
-
-Movers Stepper::movers() const {
-  Movers out;
-  out.reserve(batch_.bodies.size());
-  for (const Index i : batch_.bodies) {
-    const Mat3 R = bodies_.R_WB(i);
-    out.push_back({bodies_.traits[i].mass, R * bodies_.inertia[i].moments.asDiagonal() * R.transpose(),
-                   bodies_.twist[i].v_WB, bodies_.twist[i].w_WB});
-  }
-  return out;
-}
-
-void Stepper::addLoad(Movers& movers, double seconds) const {
-  for (std::size_t k = 0; k < movers.size(); ++k) {
-    const Index i = batch_.bodies[k];
-    const Load& load = step_.load[i];
-    movers[k].v += seconds * load.a_W;
-    if (!load.torque_W.isZero(0.0))
-      movers[k].w += seconds * (bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * load.torque_W);
-  }
-}
-
-void Stepper::setTwists(const Movers& movers) {
-  for (std::size_t k = 0; k < movers.size(); ++k)
-    bodies_.twist[batch_.bodies[k]] = {movers[k].v, movers[k].w};
-}
-
-void Stepper::drift(const Movers& movers, double tau) {
-  setTwists(movers);
-  for (const Index i : batch_.bodies) {
-    bodies_.pose[i].p_WB += tau * bodies_.twist[i].v_WB;
-    rotateFreely(bodies_.pose[i].q_WB, bodies_.twist[i].w_WB, bodies_.inertia[i], tau);
-  }
-}
-
-std::vector<BodyMotion> Stepper::motions() const {
-  std::vector<BodyMotion> out;
-  out.reserve(batch_.bodies.size());
-  for (const Index i : batch_.bodies) out.push_back({bodies_.pose[i], bodies_.twist[i]});
-  return out;
-}
-
-void Stepper::restore(const std::vector<BodyMotion>& motions) {
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    bodies_.pose[batch_.bodies[k]] = motions[k].pose;
-    bodies_.twist[batch_.bodies[k]] = motions[k].twist;
-  }
+  slow_ = std::max(kSlip, kSlipOverTolerance * tolerance_) * island_.loadSpeed();
 }
 
 Touching Stepper::find(double time) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, batch_.pairs, slot_, time, span_);
+  Touching found = findTouching(context_, pairs_, slot_, time, span_);
   clock_.charge(kCollide);
   return found;
 }
@@ -225,7 +151,7 @@ Touching Stepper::find(double time) {
 
 // Residuals are measured against what the load does in a step, or the fastest closing where that is more.
 CoulombResult Stepper::solve(CoulombProblem& problem) const {
-  problem.speed_unit = load_speed_;
+  problem.speed_unit = island_.loadSpeed();
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
   if (!(problem.speed_unit > 0.0)) {
@@ -238,7 +164,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
 }
 
 IslandCertificate& Stepper::islandCertificate() const {
-  return step_.islands[step_.island[batch_.bodies.front()]].certificate;
+  return step_.islands[step_.island[island_.indices().front()]].certificate;
 }
 
 // Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
@@ -255,7 +181,7 @@ void Stepper::certify(const CoulombResult& result) const {
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
 // friction and with lengths for velocities.
 bool Stepper::takeOverlapsAway() {
-  CoulombProblem problem{movers(), touching_.law, 0.0};
+  CoulombProblem problem{island_.movers(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
@@ -267,11 +193,7 @@ bool Stepper::takeOverlapsAway() {
   }
   if (problem.speed_unit == 0.0) return false;
   solveCoulomb(problem, 1e-6);
-  for (std::size_t k = 0; k < batch_.bodies.size(); ++k) {
-    Pose& pose = bodies_.pose[batch_.bodies[k]];
-    pose.p_WB += problem.bodies[k].v;
-    pose.q_WB = (rotationBy(problem.bodies[k].w) * pose.q_WB).normalized();
-  }
+  island_.displace(problem.bodies);
   return true;
 }
 
@@ -311,10 +233,10 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
 }
 
 void Stepper::settle() {
-  Movers after = movers();
+  Movers after = island_.movers();
   Touching touching = touching_;
   certify(kickAtInstant(touching, after, 0.0, Friction::Free));
-  setTwists(after);
+  island_.setTwists(after);
   for (std::size_t k = 0; k < touching_.points.size(); ++k)
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
 }
@@ -323,7 +245,7 @@ void Stepper::settle() {
 
 // The velocity of sliding at closed points; zero where they do not.
 std::vector<Vec2> Stepper::slipNow() const {
-  const Movers now = movers();
+  const Movers now = island_.movers();
   std::vector<Vec2> slip(touching_.points.size(), Vec2::Zero());
   for (std::size_t k = 0; k < slip.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
@@ -361,13 +283,13 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
   for (std::size_t k = 0; k < laws.size(); ++k)
     change =
         std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
-  return change <= kNoChange * tolerance_ * total_mass_ * load_speed_;
+  return change <= kNoChange * tolerance_ * island_.mass() * island_.loadSpeed();
 }
 
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
 void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction,
                             Touching& later) const {
-  const Movers drifted = movers();
+  const Movers drifted = island_.movers();
   const bool expected = asExpected(touching_, kick.points, 0.5 * tau);
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
@@ -403,10 +325,10 @@ double Stepper::slipLeft(const std::vector<Vec2>& slip, const Touching& later, c
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
 Stepper::Segment Stepper::attempt(double tau, Friction friction) {
-  const std::vector<BodyMotion> start = motions();
+  const std::vector<BodyMotion> start = island_.save();
   const std::vector<Vec2> slip = slipNow();
-  CoulombProblem kick{movers(), touching_.law, 0.0};
-  addLoad(kick.bodies, 0.5 * tau);
+  CoulombProblem kick{island_.movers(), touching_.law, 0.0};
+  island_.addLoad(kick.bodies, 0.5 * tau);
   const Movers loaded = kick.bodies;
   for (std::size_t k = 0; k < slip.size(); ++k) {
     CoulombPoint& law = kick.points[k];
@@ -422,19 +344,19 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
           touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
     kick.bodies = loaded;
     segment.first = solve(kick);
-    drift(kick.bodies, tau);
+    island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau);
     if (corrections == corrections_ || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
-    restore(start);
+    island_.restore(start);
   }
 
   Touching& later = segment.touching;
   aimSecondKick(kick, tau, friction, later);
-  Movers after = movers();
-  addLoad(after, 0.5 * tau);
+  Movers after = island_.movers();
+  island_.addLoad(after, 0.5 * tau);
   Touching aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
-  setTwists(after);
+  island_.setTwists(after);
   const bool expected = asExpected(later, aimed.law, 0.5 * tau);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
@@ -445,8 +367,8 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
   if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
     segment.slip_left = slipLeft(slip, later, after, friction);
-  segment.end = motions();
-  restore(start);
+  segment.end = island_.save();
+  island_.restore(start);
   return segment;
 }
 
@@ -471,14 +393,15 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
 }
 
 bool Stepper::run() {
-  const std::vector<BodyMotion> start = motions();
+  const std::vector<BodyMotion> start = island_.save();
   const IslandCertificate certified = islandCertificate();
   touching_ = find(now_);
   expectLastForces(step_.contacts, touching_);
   double turn = 0.0;
-  for (const Index i : batch_.bodies)
-    if (!std::holds_alternative<Sphere>(bodies_.traits[i].shape))
-      turn = std::max(turn, bodies_.twist[i].w_WB.norm() * (end_ - now_));
+  const Bodies& bodies = context_.scene.bodies;
+  for (const Index i : island_.indices())
+    if (!std::holds_alternative<Sphere>(bodies.traits[i].shape))
+      turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
   const double longest =
       (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
   while (end_ - now_ > 1e-12 * step_.h()) {
@@ -499,11 +422,11 @@ bool Stepper::run() {
     certify(segment.first);
     certify(segment.second);
     if (promoted_ && !islandCertificate().converged) {
-      restore(start);
+      island_.restore(start);
       islandCertificate() = certified;
       return false;
     }
-    restore(segment.end);
+    island_.restore(segment.end);
     touching_ = std::move(segment.touching);
     now_ += tau;
   }
@@ -512,7 +435,7 @@ bool Stepper::run() {
 
 void Stepper::store() {
   clock_.charge(kSolve);
-  storeTouching(touching_, batch_.pairs, step_.contacts);
+  storeTouching(touching_, pairs_, step_.contacts);
   clock_.charge(kStore);
 }
 

@@ -1,0 +1,84 @@
+#include "methods/island_motion.h"
+
+#include "algebra.h"
+#include "integrate.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rbs {
+
+Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
+  Vec3 u_W = Vec3::Zero();
+  if (law.j != kNone) u_W += movers[law.j].v + movers[law.j].w.cross(law.r_j);
+  if (law.i != kNone) u_W -= movers[law.i].v + movers[law.i].w.cross(law.r_i);
+  return law.frame.transpose() * u_W + law.drive;
+}
+
+IslandMotion::IslandMotion(Context& context, std::vector<Index> bodies)
+    : step_(context.step), bodies_(context.scene.bodies), indices_(std::move(bodies)) {
+  double load = 0.0;
+  for (const Index i : indices_) {
+    mass_ += bodies_.traits[i].mass;
+    const Vec3 spin = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * step_.load[i].torque_W;
+    load = std::max(load, step_.load[i].a_W.norm() + spin.norm() * bodies_.traits[i].length);
+  }
+  load_speed_ = load * step_.h();
+}
+
+Movers IslandMotion::movers() const {
+  Movers out;
+  out.reserve(indices_.size());
+  for (const Index i : indices_) {
+    const Mat3 R = bodies_.R_WB(i);
+    out.push_back({bodies_.traits[i].mass, R * bodies_.inertia[i].moments.asDiagonal() * R.transpose(),
+                   bodies_.twist[i].v_WB, bodies_.twist[i].w_WB});
+  }
+  return out;
+}
+
+void IslandMotion::addLoad(Movers& movers, double seconds) const {
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    const Index i = indices_[k];
+    const Load& load = step_.load[i];
+    movers[k].v += seconds * load.a_W;
+    if (!load.torque_W.isZero(0.0))
+      movers[k].w += seconds * (bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * load.torque_W);
+  }
+}
+
+void IslandMotion::setTwists(const Movers& movers) {
+  for (std::size_t k = 0; k < movers.size(); ++k) bodies_.twist[indices_[k]] = {movers[k].v, movers[k].w};
+}
+
+void IslandMotion::drift(const Movers& movers, double seconds) {
+  setTwists(movers);
+  for (const Index i : indices_) {
+    bodies_.pose[i].p_WB += seconds * bodies_.twist[i].v_WB;
+    rotateFreely(bodies_.pose[i].q_WB, bodies_.twist[i].w_WB, bodies_.inertia[i], seconds);
+  }
+}
+
+void IslandMotion::displace(const Movers& by) {
+  for (std::size_t k = 0; k < by.size(); ++k) {
+    Pose& pose = bodies_.pose[indices_[k]];
+    pose.p_WB += by[k].v;
+    pose.q_WB = (rotationBy(by[k].w) * pose.q_WB).normalized();
+  }
+}
+
+std::vector<BodyMotion> IslandMotion::save() const {
+  std::vector<BodyMotion> out;
+  out.reserve(indices_.size());
+  for (const Index i : indices_) out.push_back({bodies_.pose[i], bodies_.twist[i]});
+  return out;
+}
+
+void IslandMotion::restore(const std::vector<BodyMotion>& motions) {
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    bodies_.pose[indices_[k]] = motions[k].pose;
+    bodies_.twist[indices_[k]] = motions[k].twist;
+  }
+}
+
+}  // namespace rbs
