@@ -113,10 +113,6 @@ const std::vector<Shortfall>& knownShortfalls() {
       {"A66", "reference", "fastest body that was not held", "41 m/s",
        "a hand that moves in steps pulls faster than it moves, and what is caught between two is squeezed "
        "out"},
-      {"A69", "accurate", "weightless: angular momentum, of that of all", "1.5e-06",
-       "contacts act at the middle of a gap or overlap, which has a lever"},
-      {"A69", "reference", "weightless: angular momentum, of that of all", "1.5e-06",
-       "contacts act at the middle of a gap or overlap, which has a lever"},
       {"A75", "preview", "gained in all, of its scale: kapla", "0.0015", "one sub-step on a tall structure"},
       {"A75", "accurate", "gained in a step, of its scale: boxes_on_slope", "1.7e-07",
        "what rocks or tips gains and loses what a step of second order leaves"},

@@ -28,6 +28,8 @@
 #include "methods/methods.h"
 #include "methods/touching.h"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -179,7 +181,8 @@ void Stepper::certify(const CoulombResult& result) const {
 }
 
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
-// friction and with lengths for velocities.
+// friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
+// the two bodies, l n x (v_j - v_i), they give back in halves, by their spin.
 bool Stepper::takeOverlapsAway() {
   CoulombProblem problem{island_.movers(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
@@ -194,6 +197,15 @@ bool Stepper::takeOverlapsAway() {
   if (problem.speed_unit == 0.0) return false;
   solveCoulomb(problem, 1e-6);
   island_.displace(problem.bodies);
+  Movers bodies = island_.movers();
+  const Movers before = bodies;
+  for (const CoulombPoint& law : problem.points) {
+    if (law.i == kNone || law.j == kNone) continue;
+    const Vec3 shift_W = law.impulse[2] * law.frame.col(2);
+    const Vec3 half_W = 0.5 * shift_W.cross(before[law.j].v - before[law.i].v);
+    for (const Index body : {law.i, law.j}) bodies[body].w -= bodies[body].inertia_W.llt().solve(half_W);
+  }
+  island_.setTwists(bodies);
   return true;
 }
 

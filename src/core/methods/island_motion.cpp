@@ -61,9 +61,13 @@ void IslandMotion::drift(const Movers& movers, double seconds) {
 
 void IslandMotion::displace(const Movers& by) {
   for (std::size_t k = 0; k < by.size(); ++k) {
-    Pose& pose = bodies_.pose[indices_[k]];
+    const Index i = indices_[k];
+    Pose& pose = bodies_.pose[i];
+    const Mat3 R = bodies_.R_WB(i);
+    const Vec3 spin_W = R * bodies_.inertia[i].moments.cwiseProduct(R.transpose() * bodies_.twist[i].w_WB);
     pose.p_WB += by[k].v;
     pose.q_WB = (rotationBy(by[k].w) * pose.q_WB).normalized();
+    bodies_.twist[i].w_WB = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * spin_W;
   }
 }
 

@@ -33,7 +33,7 @@ class IslandMotion {
   void addLoad(Movers& movers, double seconds) const;
   void setTwists(const Movers& movers);
   void drift(const Movers& movers, double seconds);
-  /// Moves the bodies by the lengths and angles in v and w, and leaves their velocities.
+  /// Moves the bodies by the lengths and angles in v and w. Each keeps its velocity and angular momentum.
   void displace(const Movers& by);
   std::vector<BodyMotion> save() const;
   void restore(const std::vector<BodyMotion>& motions);
