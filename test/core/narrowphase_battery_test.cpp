@@ -42,12 +42,12 @@ Rounds roundsOf(const Pair& pair) {
         } else {
           const RelativePose X_AB(pair.X_WA, pair.X_WB);
           const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
-          const auto finish = finishOf(coreOf(a), coreOf(b), X_AB);
+          const Finish finish(coreOf(a), coreOf(b), X_AB);
           const GjkResult distance = gjk(difference, difference.centre(), finish);
           Rounds rounds{distance.iterations, 0};
           if (distance.overlap) {
             FinishFunction finish_function;
-            if constexpr (!std::is_same_v<decltype(finish), const NoFinish>) finish_function = finish;
+            if constexpr (finish.kRound) finish_function = finish;
             rounds.epa =
                 epa(std::cref(difference), distance.simplex, distance.scale, finish_function).iterations;
           }
@@ -146,17 +146,17 @@ std::string nameOf(const testing::TestParamInfo<Kind>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Narrowphase, Battery,
                          testing::Values(Kind{"sphere", "sphere", 1e-12}, Kind{"sphere", "box", 1e-12},
-                                         Kind{"cylinder", "sphere", 1e-10}, Kind{"cone", "sphere", 1e-10}),
+                                         Kind{"cylinder", "sphere", 1e-10}, Kind{"cone", "sphere", 1e-10},
+                                         Kind{"box", "box", 1e-12}, Kind{"capsule", "capsule", 1e-12},
+                                         Kind{"capsule", "box", 1e-12}, Kind{"hull", "box", 1e-10}),
                          nameOf);
 
 // Of these a hundred thousand pairs hold some that miss a figure: docs/collision.md says how many.
-INSTANTIATE_TEST_SUITE_P(
-    Fewer, Battery,
-    testing::Values(Kind{"box", "box", 1e-12, 10000}, Kind{"capsule", "capsule", 1e-12, 10000},
-                    Kind{"capsule", "box", 1e-12, 10000}, Kind{"capsule", "hull", 1e-10, 10000},
-                    Kind{"hull", "box", 1e-10, 10000}, Kind{"cylinder", "box", 1e-10, 3000},
-                    Kind{"cone", "cylinder", 1e-10, 3000}),
-    nameOf);
+INSTANTIATE_TEST_SUITE_P(Fewer, Battery,
+                         testing::Values(Kind{"capsule", "hull", 1e-10, 20000},
+                                         Kind{"cylinder", "box", 1e-10, 3000},
+                                         Kind{"cone", "cylinder", 1e-10, 3000}),
+                         nameOf);
 
 // To be enabled as they pass.
 INSTANTIATE_TEST_SUITE_P(DISABLED_Narrowphase, Battery,

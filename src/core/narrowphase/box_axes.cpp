@@ -11,8 +11,8 @@ namespace rbs {
 
 namespace {
 
-// The components of the cross product of edges so nearly parallel (sine below 1e-4) have lost digits.
-constexpr double kParallel = 1e-8;
+// The components of the cross product of edges so nearly parallel (sine below 0.1) have lost digits.
+constexpr double kParallel = 1e-2;
 // Edges are parallel when no digit is left.
 constexpr double kNoSine = 1e-15;
 constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();

@@ -21,7 +21,7 @@ constexpr double kAligned = 1e-3;
 // How far a point may overhang the reference face, as a fraction of its half edge, before it is clipped.
 constexpr double kOverhang = 1e-5;
 // Below this fraction of the size, the difference of two witness points has lost its direction.
-constexpr double kNear = 1e-6;
+constexpr double kNear = 4e-7;
 
 // A corner of the clipped face: place along the reference face's edges, height over it, and the edge that
 // starts here: 0 to 3 of the incident face, 4 to 7 a side of the reference face.

@@ -11,6 +11,7 @@ namespace rbs {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // An edge of the outline of a solid of revolution in the half-plane of the distance from the axis and the
 // height along it, with its outward unit normal.
@@ -70,15 +71,48 @@ ConvexGap sphereAgainst(const std::array<Edge, count>& outline, double radius, c
   return gap;
 }
 
-// The nearest points of two segments of half lengths u and v (as vectors) about 0 and p.
-struct Nearest {
+// Points of two segments of half lengths u and v (as vectors) about 0 and p.
+struct Points {
   Vec3 on_u, on_v;
   Vec3 apart;  // on_v - on_u, with what rounding leaves along the segments taken out
 };
 
-void keepNearer(Nearest& best, const Nearest& other) {
-  if (other.apart.squaredNorm() < best.apart.squaredNorm()) best = other;
-}
+// The nearest points, and their direction; or another that proves more: where two pairs of points are equally
+// near but for rounding, their directions may still differ.
+class Nearest {
+ public:
+  Nearest(const Vec3& u, const Vec3& v, const Vec3& p)
+      : u_(u), v_(v), p_(p), rounding_(kEpsilon * (u.norm() + v.norm() + 4.0 * p.norm())) {}
+
+  void consider(const Points& points) {
+    consider(points, points.apart.norm() < distance_ ? -rounding_ : rounding_);
+  }
+  /// Where the lines are nearest between the ends of both segments: nothing is nearer, whatever rounding
+  /// says.
+  void considerCrossing(const Points& points) { consider(points, -8.0 * rounding_); }
+  /// Of unit length.
+  void consider(const Vec3& n) { consider(n, rounding_); }
+  double distance() const { return distance_; }
+  const Vec3& n() const { return n_; }
+  Vec3 sum() const { return points_.on_u + points_.on_v; }
+
+ private:
+  void consider(const Points& points, double advantage) {
+    const double length = points.apart.norm();
+    if (length > 0.0) consider(points.apart / length, advantage);
+    if (length < distance_) distance_ = length, points_ = points;
+  }
+  void consider(const Vec3& n, double advantage) {
+    const double separation = n.dot(p_) - std::abs(n.dot(u_)) - std::abs(n.dot(v_));
+    if (separation > separation_ + advantage) separation_ = separation, n_ = n;
+  }
+
+  Vec3 u_, v_, p_, n_ = Vec3::UnitX();
+  Points points_{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  double rounding_;
+  double distance_ = std::numeric_limits<double>::infinity();
+  double separation_ = -std::numeric_limits<double>::infinity();
+};
 
 // From the end at `end` to the point of the segment of half length `half` about `centre`.
 Vec3 nearestOn(const Vec3& centre, const Vec3& half, const Vec3& end) {
@@ -117,36 +151,34 @@ ConvexGap convexGap(const Sphere& a, const Cone& b, const RelativePose& X_AB) {
 ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB) {
   const Vec3 u(0.0, 0.0, a.half_length), v = b.half_length * X_AB.R_AB.col(2);
   const Vec3& p = X_AB.p_AB;
-  Nearest best{u, p, Vec3::Constant(std::numeric_limits<double>::infinity())};
+  Nearest nearest(u, v, p);
   for (const double sign : {1.0, -1.0}) {
     const Vec3 end_u = sign * u, end_v = p + sign * v;
     const Vec3 on_v = nearestOn(p, v, end_u), on_u = nearestOn(Vec3::Zero(), u, end_v);
-    keepNearer(best, {end_u, on_v, on_v - end_u});
-    keepNearer(best, {on_u, end_v, end_v - on_u});
+    nearest.consider({end_u, on_v, on_v - end_u});
+    nearest.consider({on_u, end_v, end_v - on_u});
   }
 
-  Vec3 n =
-      X_AB.R_AB.col(0) - X_AB.R_AB(2, 0) * Vec3::UnitZ();  // for axes that meet: across the first at least
-  n = n.norm() > 0.5 ? n.normalized() : Vec3(Vec3::UnitX());
   const Vec3 across(v.x(), v.y(), 0.0);
   const double width = across.norm();
+  Vec3 n = Vec3::UnitX();  // at right angles to both, for axes that meet
   if (width > 0.0) {
     const Vec3 q = across / width;
-    const Vec3 n_lines(-q.y(), q.x(), 0.0);
+    n = Vec3(-q.y(), q.x(), 0.0);
     const double y = -q.dot(p), t = y / width, s = p.z() + t * v.z();
     if (std::abs(t) < 1.0 && std::abs(s) < a.half_length) {
       const Vec3 apart = Vec3(p.x(), p.y(), 0.0) + y * q;
       // Their normal is known better than what lies between them where the segments are wider than apart.
       const bool wide = apart.squaredNorm() < width * width;
-      keepNearer(best, {Vec3(0.0, 0.0, s), p + t * v, wide ? Vec3(n_lines.dot(apart) * n_lines) : apart});
+      nearest.considerCrossing({Vec3(0.0, 0.0, s), p + t * v, wide ? Vec3(n.dot(apart) * n) : apart});
     }
-    n = n_lines;
   }
-  const double distance = best.apart.norm();
+  nearest.consider(n);
+  nearest.consider(-n);
   ConvexGap gap;
-  gap.n_A = distance > 0.0 ? Vec3(best.apart / distance) : n;
-  gap.distance = distance - a.radius - b.radius;
-  gap.middle_A = 0.5 * (best.on_u + best.on_v + (a.radius - b.radius) * gap.n_A);
+  gap.n_A = nearest.n();
+  gap.distance = nearest.distance() - a.radius - b.radius;
+  gap.middle_A = 0.5 * (nearest.sum() + (a.radius - b.radius) * gap.n_A);
   return gap;
 }
 

@@ -31,7 +31,7 @@ ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB
 template <class ShapeA, class ShapeB>
 ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) {
   const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
-  const auto finish = finishOf(coreOf(a), coreOf(b), X_AB);
+  const Finish finish(coreOf(a), coreOf(b), X_AB);
   const GjkResult distance = gjk(difference, difference.centre(), finish);
   Vec3 on_a, on_b;
   ConvexGap gap;
@@ -41,15 +41,15 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) 
   const bool proved = distance.upper - distance.lower <= kProved * distance.scale;
   if (!distance.overlap &&
       (distance.finished || distance.upper > (proved ? kTouching : kNear) * distance.scale)) {
-    gap.n_A = distance.finished ? distance.n : Vec3(distance.v / -distance.upper);
+    gap.n_A = distance.n;
     gap.distance = distance.finished ? distance.lower : distance.upper;
     on_a = distance.simplex.witnessA(), on_b = distance.simplex.witnessB();
   } else {
     EpaResult depth = [&] {
-      if constexpr (std::is_same_v<decltype(finish), const NoFinish>)
-        return epa(std::cref(difference), distance.simplex, distance.scale);
-      else
+      if constexpr (finish.kRound)
         return epa(std::cref(difference), distance.simplex, distance.scale, std::cref(finish));
+      else
+        return epa(std::cref(difference), distance.simplex, distance.scale);
     }();
     if (!distance.n.isZero(0.0)) {
       const double upper = distance.n.dot(difference(distance.n).w);

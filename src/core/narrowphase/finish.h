@@ -69,10 +69,12 @@ Features featuresAt(const Flat& /*core*/, const Vec3& d, const Vec3* points, int
 template <class Core>
 inline constexpr bool isRound = std::is_same_v<Core, CylinderCore> || std::is_same_v<Core, ConeCore>;
 
-/// Finishes directions of the difference of two cores of which one is round.
+/// Finishes directions of the difference of two cores.
 template <class CoreA, class CoreB>
 class Finish {
  public:
+  static constexpr bool kRound = isRound<CoreA> || isRound<CoreB>;
+
   Finish(const CoreA& a, const CoreB& b, const RelativePose& X_AB) : a_(a), b_(b), X_AB_(X_AB) {}
 
   /// The direction near n (unit, in A's frame, from A to B) of the largest separation, given points of the
@@ -115,14 +117,5 @@ class Finish {
   CoreB b_;
   RelativePose X_AB_;
 };
-
-/// A Finish where a core is round, else NoFinish.
-template <class CoreA, class CoreB>
-auto finishOf(const CoreA& a, const CoreB& b, const RelativePose& X_AB) {
-  if constexpr (isRound<CoreA> || isRound<CoreB>)
-    return Finish<CoreA, CoreB>(a, b, X_AB);
-  else
-    return NoFinish();
-}
 
 }  // namespace rbs

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 
 namespace rbs {
 
@@ -22,7 +21,7 @@ struct GjkResult {
   double upper = 0.0;     ///< |v|: the distance, at most
   double lower =
       -std::numeric_limits<double>::infinity();  ///< the distance, at least; 0 where the sets overlap
-  Vec3 n = Vec3::Zero();  ///< unit, from A to B: the best of the finished directions; 0 if there is none
+  Vec3 n = Vec3::Zero();  ///< unit, from A to B: that of v, or another that proves more; 0 if there is none
   bool finished = false;  ///< n proves `lower`: it is the direction of features, known to rounding
   bool overlap = false;   ///< the origin is inside A - B, or nearer than rounding can tell
   double scale = 0.0;     ///< largest coordinate met, m: the unit of rounding
@@ -39,12 +38,16 @@ struct Finished {
   Simplex nearest;
 };
 
-/// For shapes that have nothing to finish.
-struct NoFinish {};
+/// For sets whose features nobody knows.
+struct NoFinish {
+  static constexpr bool kRound = false;
+  Finished operator()(const Vec3& n, const SupportPoint* /*points*/, int /*size*/) const { return {n, {}}; }
+};
 
 /// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any
 /// will do, and those that an earlier call on nearly the same pair ended with save most of the work. `finish`
 /// turns a direction into a better one nearby (finish.h); such a direction is taken where it proves more.
+/// Round sets need it all along, others only where the last v does not prove its length.
 template <class Support, class Finish = NoFinish>
 GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {}) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
@@ -54,9 +57,20 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
   int stalls = 0;
   bool trusted = true;  // the last finished direction led on
   double along = -std::numeric_limits<double>::infinity();
+  double proved = -std::numeric_limits<double>::infinity();  // by best_v
+  Vec3 best_v = Vec3::Zero();
   GjkResult result;
   const auto measure = [&](const SupportPoint& p) {
     result.scale = std::max({result.scale, p.a.cwiseAbs().maxCoeff(), p.b.cwiseAbs().maxCoeff()});
+  };
+  // Corners this near to each other may hide a better direction in a distance that is known to rounding.
+  constexpr double kCorner = 1e-6;
+  const auto nearCorner = [&](const Vec3& w) {
+    if (Finish::kRound) return false;
+    for (int i = 0; i < result.simplex.size; ++i)
+      if (const double d = (result.simplex.points[i].w - w).norm(); d > 0.0 && d < kCorner * result.scale)
+        return !result.simplex.contains(w);
+    return false;
   };
   result.simplex = start;
   for (int i = 0; i < start.size; ++i) measure(start.points[i]);
@@ -71,8 +85,9 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
       break;
     }
     SupportPoint p;
-    bool known = true;  // p is a corner of the simplex
-    if constexpr (!std::is_same_v<Finish, NoFinish>) {
+    bool known = true;    // p is a corner of the simplex
+    bool gained = false;  // `lower` has grown by more than rounding
+    if constexpr (Finish::kRound) {
       if (trusted && result.upper - along <= kFeatures * std::max(result.scale, result.upper)) {
         Finished finished =
             finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size);
@@ -96,9 +111,11 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
       p = support(-result.v);
       measure(p);
       along = result.v.dot(p.w) / result.upper;
+      gained = along > result.lower + rounding;
       if (along > result.lower + (result.finished ? rounding : 0.0))
         result.lower = along, result.finished = false;
-      if (result.upper - result.lower <= rounding || result.simplex.contains(p.w)) break;
+      if (along > proved + rounding) proved = along, best_v = result.v;
+      if (result.upper - result.lower <= rounding ? !nearCorner(p.w) : result.simplex.contains(p.w)) break;
     }
 
     Simplex simplex = result.simplex;
@@ -110,16 +127,17 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     // A step may leave v in place and still turn it, so that the next one gets on. One that rounding throws
     // back is not taken.
     if (simplex.size < 4 && !(length < result.upper) &&
-        (++stalls > kStalls || length > result.upper + rounding))
+        ((!gained && ++stalls > kStalls) || length > result.upper + rounding))
       break;
     result.simplex = simplex;
     result.v = v;
     result.upper = length;
     result.overlap = simplex.size == 4;
   }
-  if constexpr (!std::is_same_v<Finish, NoFinish>) {
+  if (!result.overlap && result.upper > 0.0) {
     const double rounding = kRounding * result.scale;
-    if (!result.overlap && !result.finished && result.upper > 0.0) {
+    const bool last = best_v.isZero(0.0) || along >= proved - rounding;
+    if ((Finish::kRound || !last) && !result.finished) {
       const Vec3 n = finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size).n;
       const double separation = -n.dot(support(n).w);
       if (separation >= result.lower - rounding)
@@ -127,6 +145,8 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     }
     // A direction that does not prove the distance is not that of the nearest features.
     if (result.upper - result.lower > 16.0 * rounding) result.finished = false;
+    // Where several points are nearest but for rounding, the last v may be wrong and an earlier one right.
+    if (!result.finished) result.n = -(last ? result.v : best_v).normalized();
   }
   // Sets that nothing proves apart overlap.
   if (!(result.lower > 0.0)) result.overlap = true;

@@ -110,11 +110,15 @@ Nearest ofTetrahedron(const Points& s) {
     const double v = sign * volume;
     return {Vec3::Zero(), 0.0, 4, {0, 1, 2, 3}, {c0 / v, c1 / v, c2 / v, c3 / v}};
   }
+  // Of faces that tie but for rounding, one with the newest corner: that came because it is nearer.
   Nearest best;
-  if (flat || !(c3 > unsure)) keepNearer(best, ofTriangle(s, 0, 1, 2));
   if (flat || !(c2 > unsure)) keepNearer(best, ofTriangle(s, 0, 1, 3));
   if (flat || !(c1 > unsure)) keepNearer(best, ofTriangle(s, 0, 2, 3));
   if (flat || !(c0 > unsure)) keepNearer(best, ofTriangle(s, 1, 2, 3));
+  if (flat || !(c3 > unsure)) {
+    const Nearest old = ofTriangle(s, 0, 1, 2);
+    if (old.squared < (1.0 - kFlat) * best.squared) best = old;
+  }
   return best;
 }
 
