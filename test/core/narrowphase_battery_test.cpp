@@ -100,9 +100,10 @@ TEST_P(Battery, AgreesWithTheOracle) {
     EXPECT_LT(epa_rounds.rbegin()->first, kEpaIterations);
   }
   std::printf(
-      "%s-%s: apart %d, overlapping %d; distance %.1e depth %.1e normal %.1e along %.1e symmetry %.1e\n",
+      "%s-%s: apart %d, overlapping %d; distance %.1e depth %.1e normal %.1e along %.1e symmetry %.1e; "
+      "normals undecided %d\n",
       kind.a, kind.b, worst.apart, worst.overlapping, worst.distance, worst.depth, worst.normal, worst.along,
-      worst.symmetry);
+      worst.symmetry, worst.undecided);
   for (const auto* rounds : {&gjk_rounds, &epa_rounds}) {
     std::printf("%s", rounds == &gjk_rounds ? "  GJK" : "  EPA");
     for (const auto& [number, count] : *rounds) std::printf(" %d:%d", number, count);

@@ -10,6 +10,7 @@ namespace rbs::oracle {
 struct Worst {
   double distance = 0, depth = 0, normal = 0, along = 0, symmetry = 0;
   int apart = 0, overlapping = 0;
+  int undecided = 0;  ///< normals that look off by more than asked, but by no more than the oracle may be
 };
 
 /// A direction in which the two shapes are apart, and how far off the true normal it may be at most: with d
@@ -99,7 +100,10 @@ inline std::string faultOf(const Pair& pair, double depth_tolerance, Worst& wors
     double angle = static_cast<double>((judged.truth.n - found.n_W.cast<Real>()).norm());
     if (angle > 1e-9 && core_gap > 0.0) {
       const Normal normal = normalNear(pair, judged.truth.n, judged.truth.gap + judged.radius);
-      angle = static_cast<double>((normal.n - found.n_W.cast<Real>()).norm() - normal.uncertainty);
+      angle = static_cast<double>((normal.n - found.n_W.cast<Real>()).norm());
+      const bool off = angle > 1e-9;
+      angle -= static_cast<double>(normal.uncertainty);
+      if (off && angle <= 1e-9) ++worst.undecided;
     }
     worst.normal = std::max(worst.normal, angle);
     if (angle > 1e-9) return "normal: off by " + number(angle) + "; " + values;
