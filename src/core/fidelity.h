@@ -11,6 +11,7 @@ struct FidelitySettings {
   int sub_steps;     ///< of the soft step
   bool all_points;   ///< solves every point of a manifold, else the four that span most of it
   double tolerance;  ///< of the exact step: residuals in impulse and velocity, fractions of their units
+  double aim;        ///< likewise: where a few iterations more reach it
   int corrections;   ///< of the exact step: solves that the curvature of a drift may ask for anew
   int cuts;          ///< likewise: contact points, summed over the times that stops of sliding may cut a step
   /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in
@@ -23,15 +24,15 @@ struct FidelitySettings {
 constexpr FidelitySettings settingsOf(Fidelity fidelity) {
   switch (fidelity) {
     case Fidelity::Preview:
-      return {false, false, 1, false, 1e-6, 0, 0, 0.5, 1e-6, 1e-3};
+      return {false, false, 1, false, 1e-6, 1e-6, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Interactive:
-      return {false, true, 8, true, 1e-9, 0, 0, 0.5, 1e-6, 1e-3};
+      return {false, true, 8, true, 1e-9, 1e-9, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Accurate:
-      return {true, false, 8, true, 1e-6, 1, 400, 1e-5, 1e-12, 1e-6};
+      return {true, false, 8, true, 1e-6, 1e-9, 1, 400, 1e-5, 1e-12, 1e-6};
     case Fidelity::Reference:
       break;
   }
-  return {true, false, 8, true, 1e-12, 4, 10000, 1e-7, 1e-12, 1e-6};
+  return {true, false, 8, true, 1e-12, 1e-12, 4, 10000, 1e-7, 1e-12, 1e-6};
 }
 
 }  // namespace rbs

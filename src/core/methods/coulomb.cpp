@@ -20,8 +20,9 @@ using namespace coulomb;
 // Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
 // Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives one can
 // do without: then the last resorts are left out, and the interior point as well unless every digit is asked.
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
   constexpr std::size_t kFewBodies = 4, kSomePoints = 500, kManyPoints = 4000;
+  constexpr double kGuess = 10.0;   // a guess may miss the aim by so much, or rounding would unsettle rest
   constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
@@ -36,26 +37,26 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
     solver = of;
   };
   const bool is_warm = !best.r.isZero(0.0);
-  if (!best.within(tolerance)) {
+  if (!best.within(std::min(tolerance, kGuess * aim))) {
     const std::size_t size = system.points().size();
     const bool is_large = size > kManyPoints;
     const bool patient = tolerance < 1e-9;
     const bool slides = std::any_of(system.points().begin(), system.points().end(),
                                     [](const Point& point) { return point.slides; });
     // A little more than asked, so that the same impulses pass as the guess of the next step.
-    const double aim = 0.1 * tolerance, rough = std::max(aim, kFinish);
+    const double target = 0.1 * aim, rough = std::max(0.1 * tolerance, kFinish);
     BodyBlocks matrix(system);
     const Impulses cold = Impulses::Zero(3, size);
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
-      if (!best.within(tolerance)) consider(of, newton(system, matrix, answer.r, 1e3, aim, cap));
+      if (!best.within(aim)) consider(of, newton(system, matrix, answer.r, 1e3, target, cap, tolerance));
     };
-    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, aim, 5));
-    if (!best.within(tolerance) && separable(system)) {
-      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, aim, 100), 10);
+    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, target, 5, tolerance));
+    if (!best.within(aim) && separable(system)) {
+      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, target, 100), 10);
     }
-    if (!best.within(tolerance) && problem.bodies.size() <= kFewBodies) {
-      consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, aim, 20));
+    if (!best.within(aim) && problem.bodies.size() <= kFewBodies) {
+      consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, target, 20, tolerance));
     }
     if (!best.within(tolerance) && is_large) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
@@ -64,7 +65,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), patient ? 40 : 20);
     }
     if (!best.within(tolerance) && !slides) {
-      consider(CoulombSolver::Newton, newton(system, matrix, best.r, 10.0, aim, 30));
+      consider(CoulombSolver::Newton, newton(system, matrix, best.r, 10.0, target, 30, tolerance));
     }
     if (!best.within(tolerance) && !slides && (patient || size <= kSomePoints)) {
       const int cap = !patient ? 150 : is_large ? 100 : 600;

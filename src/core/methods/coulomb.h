@@ -65,6 +65,10 @@ struct CoulombResult {
 /// residuals reached, never by time. Velocities are those of the impulses returned, also where nothing
 /// converged: then it is the iterate with the smallest residuals.
 /// @param tolerance of the residuals, a fraction of the units, > 0
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance);
+/// @param aim a smaller tolerance, for which only a few iterations more are made
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim);
+inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
+  return solveCoulomb(problem, tolerance, tolerance);
+}
 
 }  // namespace rbs

@@ -29,7 +29,6 @@ namespace {
 
 constexpr double kMostStiffness = 1e10;
 constexpr double kLeastStiffness = 1e-2;
-constexpr double kEnough = 10.0;  // tolerances: an answer within them is not worked on where that is slow
 constexpr int kMostSteps = 10;    // of Newton in a round
 constexpr int kMostHalvings = 8;  // of a step
 
@@ -98,7 +97,7 @@ class Round {
 }  // namespace
 
 Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, double stiffness,
-              double tolerance, int cap) {
+              double tolerance, int cap, double enough) {
   Answer best{start, system.residuals(start), 0};
   Impulses r = start;
   double last = best.residuals.beyond_rounding;
@@ -127,7 +126,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, d
     if (now < best.residuals.beyond_rounding) {
       best.r = next;
       best.residuals = residuals;
-      if (now <= tolerance || (now <= kEnough * tolerance && now > 0.1 * last)) break;
+      if (now <= tolerance || (now <= enough && now > 0.1 * last)) break;
     }
     if (!found) {
       stiffness *= 0.1;

@@ -42,8 +42,8 @@ namespace {
 // curvature beyond kCurved is given back to the first kick.
 constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
-constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
-// Forces that change by less than this many tolerances are as expected.
+constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
+// Forces that change by less than this many times what solves aim at are as expected.
 constexpr double kNoChange = 4.0;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
@@ -110,7 +110,7 @@ class Stepper {
   std::vector<Index> slot_;  // by body: its place in the problem
   ContactClock clock_;
   double now_, end_, span_;
-  double tolerance_;
+  double tolerance_, aim_;
   int corrections_, cuts_;
   bool promoted_;      // by a setting that has another method for it
   double slow_;        // a slip below is none
@@ -136,10 +136,11 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
     slot_[island_.indices()[k]] = static_cast<Index>(k);
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   tolerance_ = settings.tolerance;
+  aim_ = settings.aim;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
   promoted_ = settings.promotes;
-  slow_ = std::max(kSlip, kSlipOverTolerance * tolerance_) * island_.loadSpeed();
+  slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
 }
 
 Touching Stepper::find(double time) {
@@ -160,7 +161,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
     return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
   }
-  const CoulombResult result = solveCoulomb(problem, tolerance_);
+  const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
   islandCertificate().iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }
@@ -286,16 +287,16 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
   return matters;
 }
 
-// Whether impulses are those of the forces expected but for a few tolerances. Such a change makes good what
-// the guesses of earlier kicks have left; were it expected again, the next kicks would make good the
-// opposite, for ever.
+// Whether impulses are those of the forces expected but for a few times what solves aim at. Such a change
+// makes good what the guesses of earlier kicks have left; were it expected again, the next kicks would make
+// good the opposite, for ever.
 bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
                          double seconds) const {
   double change = 0.0;
   for (std::size_t k = 0; k < laws.size(); ++k)
     change =
         std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
-  return change <= kNoChange * tolerance_ * island_.mass() * island_.loadSpeed();
+  return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
 }
 
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
