@@ -10,8 +10,10 @@
 #include "narrowphase/patch.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
+#include <type_traits>
 
 namespace rbs {
 
@@ -66,6 +68,31 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) 
   return gap;
 }
 
+/// An order of poses that knows nothing of which shape is called A.
+inline bool comesBefore(const Pose& x, const Pose& y) {
+  const auto coordinates = [](const Pose& pose) {
+    const Vec3& p = pose.p_WB;
+    const Quat& q = pose.q_WB;
+    return std::array{p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()};
+  };
+  return coordinates(x) < coordinates(y);
+}
+
+/// Two shapes of one kind are measured in the order of their poses, so that the gap is the same number
+/// whichever of them is A. For two kinds the order of the kinds does that (collide.cpp).
+template <class ShapeA, class ShapeB>
+ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
+  if constexpr (std::is_same_v<ShapeA, ShapeB>) {
+    if (comesBefore(X_WB, X_WA)) {
+      const RelativePose X_BA(X_WB, X_WA);
+      const ConvexGap gap = convexGap(b, a, X_BA);
+      const Mat3 R_AB = X_BA.R_AB.transpose();
+      return {gap.distance, R_AB * -gap.n_A, R_AB * (gap.middle_A - X_BA.p_AB)};
+    }
+  }
+  return convexGap(a, b, RelativePose(X_WA, X_WB));
+}
+
 /// The gap whose points lie half of it to either side of `middle_W`.
 inline Gap spanAbout(const Vec3& middle_W, double distance, const Vec3& n_W) {
   return {distance, n_W, middle_W - 0.5 * distance * n_W, middle_W + 0.5 * distance * n_W};
@@ -73,14 +100,14 @@ inline Gap spanAbout(const Vec3& middle_W, double distance, const Vec3& n_W) {
 
 template <class ShapeA, class ShapeB>
 Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
-  const ConvexGap gap = convexGap(a, b, RelativePose(X_WA, X_WB));
+  const ConvexGap gap = convexGap(a, X_WA, b, X_WB);
   return spanAbout(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, X_WA.q_WB * gap.n_A);
 }
 
 template <class ShapeA, class ShapeB>
 Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
   const RelativePose X_AB(X_WA, X_WB);
-  const ConvexGap gap = convexGap(a, b, X_AB);
+  const ConvexGap gap = convexGap(a, X_WA, b, X_WB);
   Manifold manifold;
   manifold.n_W = X_WA.q_WB * gap.n_A;
   if (gap.distance > margin) return manifold;

@@ -11,6 +11,7 @@
 #include "narrowphase/epa.h"
 
 #include "algebra.h"
+#include "narrowphase/depth_proof.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +28,10 @@ constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
 constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
 // A round side whose directions tie would be tessellated without end. After so many rounds, and within this
 // fraction of the size, the direction of each face left is finished instead.
-constexpr int kTessellating = 192;
+constexpr int kTessellating = 512;
 constexpr double kCoarse = 1e-3;
+// Of the depth: the interval at which the features that meet are known well enough to ask for a proof.
+constexpr double kFeatures = 0.05;
 // Of the size: how well the points of a finished direction span the depth.
 constexpr double kSpanned = 1e-9;
 // Of the size: what the least distance may seem to shrink by as the polytope grows.
@@ -230,25 +233,57 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   result.upper = std::numeric_limits<double>::infinity();
   result.lower = -std::numeric_limits<double>::infinity();
   Face best{};
-  bool tessellating = false;
-  double given_up = std::numeric_limits<double>::infinity();
+  bool tessellating = false, best_is_finished = false;
+  double least = result.lower;  // distance of the whole polytope
+  // The least distances of the faces given up, and of those that proved enough.
+  double given_up = std::numeric_limits<double>::infinity(), proved = given_up;
+  // Whether the direction near that of a face proves that none it leaves open, those within
+  // acos(distance / upper) of its normal, is shallower than `upper`. A better direction is kept.
+  const auto closes = [&](const Face& face) {
+    const std::array<SupportPoint, 3> corners{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
+                                              polytope.point(face.corner[2])};
+    Finished finished = finish(face.n, corners.data(), 3);
+    if (finished.nearest.size == 0) return false;
+    const double depth = finished.n.dot(support(finished.n).w);
+    const Vec3 touching = reduceToNearest(finished.nearest);
+    if ((touching - depth * finished.n).norm() > kClosed * scale) return false;
+    if (depth < result.upper + (best_is_finished ? 0.0 : kRounding * scale)) {
+      result.upper = depth, result.n = finished.n;
+      result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
+      best_is_finished = true;
+    }
+    const double open = std::acos(std::min(face.distance / result.upper, 1.0));
+    const double turned = 2.0 * std::asin(std::min(0.5 * (face.n - finished.n).norm(), 1.0));
+    return open + turned < EIGEN_PI && provesDepth(finished, depth, open + turned, kClosed * scale);
+  };
   for (; result.iterations < kEpaIterations; ++result.iterations) {
     const Face* nearest = polytope.nearestFace();
-    if (nearest == nullptr) break;
+    if (nearest == nullptr) {
+      result.lower = std::max(result.lower, std::min(result.upper, given_up));
+      break;
+    }
     const Face face = *nearest;
     // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose
     // its shape.
-    if (result.lower > 0.0 && face.distance < result.lower - kBroken * scale) break;
+    if (least > 0.0 && face.distance < least - kBroken * scale) break;
     const SupportPoint p = support(face.n);
     const double upper = face.n.dot(p.w);
     result.lower = std::max(result.lower, std::min(face.distance, given_up));
-    if (upper < result.upper) {
+    least = std::max(least, std::min({face.distance, given_up, proved}));
+    if (upper < result.upper - (best_is_finished ? kRounding * scale : 0.0)) {
       result.upper = upper;
-      best = face;
+      best = face, best_is_finished = false;
       result.n = face.n;
       setWitnesses(polytope, face, result);
     }
     if (result.upper - face.distance <= kClosed * scale) break;
+    if (finish && face.distance > 0.0 && result.upper - face.distance <= kFeatures * result.upper) {
+      if (closes(face)) {
+        proved = std::min(proved, face.distance);
+        polytope.giveUpNearest();
+        continue;
+      }
+    }
     tessellating =
         finish && result.iterations >= kTessellating && result.upper - face.distance <= kCoarse * scale;
     if (tessellating) break;
@@ -257,6 +292,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
       polytope.giveUpNearest();
     }
   }
+  result.lower = std::min(result.lower, result.upper);
   if (!finish) return result;
   const auto take = [&](const Face& face, const Vec3& direction) {
     const std::array<SupportPoint, 3> corners{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
@@ -276,7 +312,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
       result.a += n.dot(p.a - result.a) * n, result.b += n.dot(p.b - result.b) * n;
     }
   };
-  if (std::isfinite(result.upper)) take(best, result.n);
+  if (std::isfinite(result.upper) && !best_is_finished) take(best, result.n);
   for (const Face* face = polytope.nearestFace(); tessellating && face && face->distance < result.upper;
        face = polytope.nearestFace()) {
     take(*face, face->n);

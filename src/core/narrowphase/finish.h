@@ -100,7 +100,10 @@ class Finish {
         if ((i == 0 && j == 0) || along > most) most = along, best = found;
       }
     }
-    Finished finished{best.n, {}};
+    Finished finished;
+    finished.n = best.n;
+    if (isRound<CoreA>) finished.axis_a = Vec3::UnitZ();
+    if (isRound<CoreB>) finished.axis_b = X_AB_.R_AB.col(2);
     for (int k = 0; k < best.size; ++k)
       finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k],
                             X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)});

@@ -31,17 +31,21 @@ struct GjkResult {
 
 inline constexpr int kGjkIterations = 128;
 
-/// What finishing a direction gives: the direction (unit, from A to B), and points of A - B that span what is
-/// nearest along it, none where that is not known.
+/// What finishing a direction gives: the direction (unit, from A to B), points of A - B that span what is
+/// nearest along it, none where that is not known, and the axis through the origin of each shape's frame
+/// about which it is a solid of revolution (unit, in A's frame), 0 where it is none.
 struct Finished {
   Vec3 n;
   Simplex nearest;
+  Vec3 axis_a = Vec3::Zero(), axis_b = Vec3::Zero();
 };
 
 /// For sets whose features nobody knows.
 struct NoFinish {
   static constexpr bool kRound = false;
-  Finished operator()(const Vec3& n, const SupportPoint* /*points*/, int /*size*/) const { return {n, {}}; }
+  Finished operator()(const Vec3& n, const SupportPoint* /*points*/, int /*size*/) const {
+    return {n, {}, Vec3::Zero(), Vec3::Zero()};
+  }
 };
 
 /// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any

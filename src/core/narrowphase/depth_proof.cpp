@@ -1,0 +1,85 @@
+#include "narrowphase/depth_proof.h"
+
+#include "algebra.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+// A quadratic form on the plane of two unit vectors p and q.
+struct Form {
+  double pp = 0.0, pq = 0.0, qq = 0.0;
+
+  void add(double weight, const Vec3& u, const Vec3& p, const Vec3& q) {
+    const double up = u.dot(p), uq = u.dot(q);
+    pp += weight * up * up, pq += weight * up * uq, qq += weight * uq * uq;
+  }
+  double least() const { return 0.5 * (pp + qq - std::hypot(pp - qq, 2.0 * pq)); }
+};
+
+// The least 1 / sin^3 of the angle to `axis` within `angle` of n; 0 for no axis.
+double spread(const Vec3& n, const Vec3& axis, double angle) {
+  if (axis.isZero(0.0)) return 0.0;
+  const double tilt = std::atan2(n.cross(axis).norm(), std::abs(n.dot(axis))) + angle;
+  if (tilt >= 0.5 * EIGEN_PI) return 1.0;
+  const double sine = std::sin(tilt);
+  return 1.0 / (sine * sine * sine);
+}
+
+// From the nearest point of a triangle to its boundary.
+double marginOf(const Simplex& triangle) {
+  const Vec3 &p = triangle.points[0].w, &q = triangle.points[1].w, &r = triangle.points[2].w;
+  const double a = (r - q).norm(), b = (p - r).norm(), c = (q - p).norm(),
+               area2 = (q - p).cross(r - p).norm();
+  return area2 * std::min({triangle.weight[0] / a, triangle.weight[1] / b, triangle.weight[2] / c});
+}
+
+}  // namespace
+
+bool provesDepth(const Finished& finished, double depth, double angle, double rounding) {
+  const Simplex& nearest = finished.nearest;
+  const Vec3& n = finished.n;
+  for (int k = 0; k < nearest.size; ++k)
+    if (n.dot(nearest.points[k].w) < depth - rounding) return false;
+  const double turn = std::tan(0.5 * angle);
+  if (nearest.size == 3) return marginOf(nearest) >= turn * depth;
+  if (nearest.size != 1 && nearest.size != 2) return false;
+  const double bend_a = spread(n, finished.axis_a, angle), bend_b = spread(n, finished.axis_b, angle);
+  const auto form = [&](double radius_a, double radius_b, const Vec3& p, const Vec3& q) {
+    Form form;
+    form.add(radius_a * bend_a, finished.axis_a, p, q);
+    form.add(radius_b * bend_b, finished.axis_b, p, q);
+    return form;
+  };
+  std::array<double, 2> radius_a, radius_b;
+  for (int k = 0; k < nearest.size; ++k) {
+    radius_a[k] = nearest.points[k].a.head<2>().norm();
+    radius_b[k] = nearest.points[k].b_B.head<2>().norm();
+  }
+  if (nearest.size == 1) {
+    const auto [p, q] = tangents(n);
+    return form(radius_a[0], radius_b[0], p, q).least() >= depth - rounding;
+  }
+  Vec3 p = nearest.points[1].w - nearest.points[0].w;
+  p -= n.dot(p) * n;
+  const double length = p.norm();
+  if (!(length > 0.0)) return false;
+  p /= length;
+  const Vec3 q = n.cross(p);
+  const double reach = length * std::min(nearest.weight[0], nearest.weight[1]);
+
+  const Form least = form(std::min(radius_a[0], radius_a[1]), std::min(radius_b[0], radius_b[1]), p, q);
+  if (least.pp >= depth - rounding && reach >= turn * (least.pp + 2.0 * std::abs(least.pq))) return true;
+  const auto mean = [&](const std::array<double, 2>& radius) {
+    return nearest.weight[0] * radius[0] + nearest.weight[1] * radius[1];
+  };
+  const Form weighted = form(mean(radius_a), mean(radius_b), p, q);
+  const double sine = depth * turn / reach;
+  return sine < 1.0 &&
+         weighted.pp * (1.0 - sine * sine) - 2.0 * std::abs(weighted.pq) * sine >= depth - rounding;
+}
+
+}  // namespace rbs
