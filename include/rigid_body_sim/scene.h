@@ -4,6 +4,7 @@
 // optional is an effect that is not there.
 #pragma once
 
+#include "rigid_body_sim/effect.h"
 #include "rigid_body_sim/shape.h"
 #include "rigid_body_sim/types.h"
 
@@ -23,6 +24,11 @@ struct Material {
   double restitution = 0.0;
   /// Dimensionless, >= 0. Empty means defaultDragCoefficient(): 0.47 (sphere, capsule) or 1.05.
   std::optional<double> drag_coefficient;
+  /// What resists rolling and spinning on the spot, >= 0, as shares of a lever arm: a pair under the normal force
+  /// N resists rolling with a torque of up to (c_a + c_b) R N and spinning with up to (s_a + s_b) R N, where
+  /// 1/R = 1/R_a + 1/R_b; R_a is the radius of a sphere, capsule, cylinder or cone, and infinite for other
+  /// shapes. A pair without a round body does not roll and feels neither. 0: none.
+  double rolling_resistance = 0.0, torsional_resistance = 0.0;
 };
 
 enum class BodyKind {
@@ -75,6 +81,13 @@ struct Wind {
   double gust = 0.0;
 };
 
+/// Still water, or any other fluid, that fills all space below a level. Bodies feel its weight (Archimedes) and its
+/// drag; it is not moved by them, and the mass it would add to theirs is neglected.
+struct Fluid {
+  double density = 1000.0;  ///< kg/m³, > 0
+  double level = 0.0;       ///< z of its surface in W, m
+};
+
 /// How finely contacts are solved: the dial from fast to exact.
 enum class Fidelity {
   Preview,      ///< soft contacts, one sub-step: thousands of bodies on a laptop
@@ -108,6 +121,8 @@ struct SceneDef {
   std::uint64_t seed = 1;    ///< of gusts and scattered bodies
   std::optional<Air> air;    ///< empty: no drag
   std::optional<Wind> wind;  ///< empty: air at rest; given without air is refused
+  std::optional<Fluid> fluid;  ///< empty: no buoyancy
+  EffectOverrides effects;     ///< empty: every effect is detected
   View view;
   std::vector<BodyDef> bodies;  ///< in canonical order
 };
@@ -123,6 +138,7 @@ struct Limits {
   static constexpr double max_spin = 1e6;                         ///< rad/s
   static constexpr double max_friction = 1e9;
   static constexpr double max_drag = 1e6;
+  static constexpr double max_resistance = 1e6;
   static constexpr double max_wind = 1e4;                   ///< m/s
   static constexpr double max_gravity = 1e7;                ///< m/s²
   static constexpr double max_impulse = 1e15;               ///< N s, or N, or N m

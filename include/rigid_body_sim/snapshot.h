@@ -46,7 +46,9 @@ struct StageInfo {
   std::string name;      ///< "forces.wind"
   bool active = false;   ///< whether the scene needs it
   std::string reason;    ///< in words and numbers, for and against
-  double seconds = 0.0;  ///< spent in the last step; 0 for one that did not run
+  std::uint64_t items = 0;  ///< what it worked on in the last step
+  std::string unit;         ///< what its items are: "bodies", "pairs", "points"; empty if they are not counted
+  double seconds = 0.0;     ///< spent in the last step; 0 for one that did not run, or that is part of another
 };
 
 /// Trouble at run time, with its remedy.

@@ -21,7 +21,7 @@ struct BodyEdit {
   std::optional<BodyKind> kind;   ///< dynamic to static or kinematic stops the body, unless `twist` is given
   std::optional<double> mass;     ///< kg; the density follows. At most one of mass and density
   std::optional<double> density;  ///< kg/m³; the mass follows
-  std::optional<double> friction, restitution, drag_coefficient;
+  std::optional<double> friction, restitution, drag_coefficient, rolling_resistance, torsional_resistance;
   std::optional<Color> color;
 };
 
@@ -49,6 +49,13 @@ struct SavedState {
     bool exact = false;  ///< solved by the exact step, which a fast setting then keeps for longer
   };
   std::vector<Contact> contacts;
+  /// Where the attitude of a body is counted from whose spin is constant (see World::snapshot()).
+  struct Attitude {
+    std::uint32_t body = 0;              ///< its index in the scene
+    double since = 0.0;                  ///< s
+    Quat q_WB = Quat::Identity();        ///< then
+  };
+  std::vector<Attitude> attitudes;
 };
 
 class World {
@@ -84,6 +91,8 @@ class World {
   void setAir(const std::optional<Air>& air);     ///< taking air away takes the wind with it
   void setWind(const std::optional<Wind>& wind);  ///< needs air
   void setFidelity(Fidelity fidelity);
+  void setFluid(const std::optional<Fluid>& fluid);  ///< empty takes it away
+  void setEffects(const EffectOverrides& effects);   ///< replaces all overrides; those not in it are detected
 
   // --- time
   /// Advances by the scene's step. Never throws: trouble is in the report.

@@ -1,5 +1,7 @@
 #include "bodies.h"
 
+#include "algebra.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,6 +27,7 @@ void Bodies::append(BodyId new_id, const BodyDef& def) {
   // A quaternion that is of unit length to rounding stays as it is, so that a saved state is read back bit
   // for bit.
   if (std::abs(def.pose.q_WB.squaredNorm() - 1.0) > 1e-14) pose.back().q_WB.normalize();
+  since.push_back(0.0);
   twist.push_back(def.twist);
   Traits t;
   t.shape = def.shape;
@@ -44,7 +47,7 @@ void Bodies::append(BodyId new_id, const BodyDef& def) {
 
 void Bodies::erase(Index i) {
   const auto drop = [i](auto& column) { column.erase(column.begin() + i); };
-  drop(id), drop(pose), drop(twist), drop(inertia), drop(traits), drop(name), drop(color);
+  drop(id), drop(pose), drop(since), drop(twist), drop(inertia), drop(traits), drop(name), drop(color);
 }
 
 void Bodies::refresh(Index i) {
@@ -80,12 +83,24 @@ BodyDescription Bodies::describe(Index i) const {
   return d;
 }
 
-BodyDef Bodies::define(Index i) const {
+Pose Bodies::poseNow(Index i, double time) const {
+  Pose now = pose[i];
+  if (inertia[i].unturned && time != since[i] && !twist[i].w_WB.isZero(0.0))
+    now.q_WB = (rotationBy((time - since[i]) * twist[i].w_WB) * now.q_WB).normalized();
+  return now;
+}
+
+void Bodies::bringAttitude(Index i, double time) {
+  pose[i] = poseNow(i, time);
+  since[i] = time;
+}
+
+BodyDef Bodies::define(Index i, double time) const {
   const Traits& t = traits[i];
   BodyDef def;
   def.name = name[i];
   def.shape = t.shape;
-  def.pose = pose[i];
+  def.pose = poseNow(i, time);
   def.twist = twist[i];
   def.kind = t.frozen ? BodyKind::Static : t.kind;
   if (t.mass > 0.0) def.mass = t.mass;

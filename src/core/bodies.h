@@ -22,7 +22,12 @@ struct Inertia {
   double inv_mass = 0.0;            ///< 1/kg
   Vec3 inv_moments = Vec3::Zero();  ///< about the axes of B, 1/(kg m²)
   Vec3 moments = Vec3::Zero();      ///< about the axes of B, kg m²; also for bodies that do not move
-  bool isotropic = true;            ///< all moments equal: no gyroscopic torque, ever
+  bool isotropic = true;            ///< all moments equal
+  bool gyroscopic = false;          ///< its spin changes without torque
+  /// Nothing turns it: inv_moments are zero, its spin is constant.
+  bool steady = false;
+  /// Steady, and nothing in a step asks for its attitude, which is evaluated when it is read.
+  bool unturned = false;
 
   /// I_W^-1 for a body at attitude R_WB.
   Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
@@ -47,7 +52,8 @@ struct Traits {
 
 struct Bodies {
   std::vector<BodyId> id;
-  std::vector<Pose> pose;
+  std::vector<Pose> pose;  ///< q_WB of a body that is `unturned`: as it was at `since`
+  std::vector<double> since;  ///< s
   std::vector<Twist> twist;
   std::vector<Inertia> inertia;
   std::vector<Traits> traits;
@@ -62,11 +68,16 @@ struct Bodies {
   void erase(Index i);                             ///< keeps the order
   void clear() { *this = Bodies{}; }
 
-  /// To be called when shape, mass, kind, hold or quarantine of body i changed.
+  /// To be called when shape, mass, kind, hold or quarantine of body i changed; then the census is to be taken.
   void refresh(Index i);
 
+  /// Its pose now, at `time`.
+  Pose poseNow(Index i, double time) const;
+  /// Makes `time` the time that the attitude of an unturned body is counted from.
+  void bringAttitude(Index i, double time);
+
   BodyDescription describe(Index i) const;
-  BodyDef define(Index i) const;
+  BodyDef define(Index i, double time) const;
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
 };
 

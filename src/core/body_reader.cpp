@@ -113,6 +113,8 @@ void readBody(Fields& fields, FileProblems& problems, BodyDef& body) {
   fields.read("friction", body.material.friction);
   fields.read("restitution", body.material.restitution);
   fields.read("drag_coefficient", body.material.drag_coefficient);
+  fields.read("rolling_resistance", body.material.rolling_resistance);
+  fields.read("torsional_resistance", body.material.torsional_resistance);
   fields.read("color", body.color);
   fields.read("group", body.group);
   fields.read("mask", body.mask);

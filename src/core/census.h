@@ -7,6 +7,7 @@
 #include "bodies.h"
 #include "rigid_body_sim/scene.h"
 
+#include <array>
 #include <string>
 
 namespace rbs {
@@ -15,29 +16,36 @@ struct Census {
   Index bodies = 0;
   Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
   Index led = 0;              ///< kinematic or held
-  Index collidable = 0;       ///< with a mask that is not 0
+  Index collidable = 0;       ///< with another body that they may meet
+  std::array<Index, std::variant_size_v<Shape>> shapes{};  ///< of those, by shape
+  Index ballistic = 0;        ///< moved by gravity alone, and never meeting another
   Index asymmetric = 0;       ///< moved by forces, with principal moments that differ
-  Index rough = 0;            ///< friction > 0
-  Index bouncy = 0;           ///< restitution > 0
+  Index rough = 0;            ///< collidable, friction > 0
+  Index bouncy = 0;           ///< collidable, restitution > 0
+  Index rolling = 0;          ///< collidable, with rolling or torsional resistance > 0
   Index dragged = 0;          ///< moved by forces, with a drag coefficient > 0
+  Index turned = 0;           ///< moved by forces, with something that may turn them
   Index grabs = 0, holds = 0, wrenches = 0;
-  double gravity = 0.0;      ///< magnitude, m/s²
-  double air_density = 0.0;  ///< kg/m³; 0 without air
+  double gravity = 0.0;        ///< magnitude, m/s²
+  double air_density = 0.0;    ///< kg/m³; 0 without air
+  double fluid_density = 0.0;  ///< kg/m³; 0 without a fluid
+  double fluid_level = 0.0;    ///< m
   bool wind = false;
   Fidelity fidelity = Fidelity::Interactive;
+  EffectOverrides overrides;
 
   friend bool operator==(const Census& a, const Census& b);
 };
-
-struct SceneStore;
-struct Rosters;
-Census takeCensus(const SceneStore& scene);
-Rosters takeRosters(const Bodies& bodies);
 
 /// Whether a stage is needed, and why, in words and numbers.
 struct Need {
   bool active;
   std::string reason;
 };
+
+struct SceneStore;
+/// Goes through the bodies once: remakes the dense lists, decides the effects and what each body feels of them.
+/// Returns the census.
+Census takeCensus(SceneStore& scene);
 
 }  // namespace rbs

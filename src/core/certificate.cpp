@@ -5,13 +5,9 @@
 #include <cmath>
 #include <string_view>
 
-namespace rbs::certificate {
+namespace rbs {
 
-namespace {
-
-// Within the limits of what an edit may ask for: beyond them a body is lost, and a saved state could not be
-// read.
-bool sound(const Pose& pose, const Twist& twist) {
+bool withinLimits(const Pose& pose, const Twist& twist) {
   const auto within = [](const Vec3& v, double limit) {
     return v.allFinite() && v.cwiseAbs().maxCoeff() <= limit;
   };
@@ -19,9 +15,11 @@ bool sound(const Pose& pose, const Twist& twist) {
          within(twist.v_WB, Limits::max_speed) && within(twist.w_WB, Limits::max_spin);
 }
 
-void freeze(Context& context, Index i) {
+void freeze(Context& context, Index i, const Pose& before, const Twist& twist_before) {
   Bodies& bodies = context.scene.bodies;
-  bodies.pose[i] = context.step.before[i];
+  bodies.pose[i] = before;
+  bodies.twist[i] = twist_before;
+  bodies.bringAttitude(i, context.step.t0);
   bodies.twist[i] = {};
   bodies.traits[i].frozen = true;
   bodies.refresh(i);
@@ -32,13 +30,17 @@ void freeze(Context& context, Index i) {
            "with less speed, or shorten the step"});
 }
 
+namespace certificate {
+
+namespace {
+
 // Kinetic and potential energy of a body.
 double energyOf(const Context& context, Index i, const Pose& pose, const Twist& twist) {
   const Bodies& bodies = context.scene.bodies;
   const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
   return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() +
                 w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
-         bodies.traits[i].mass * context.scene.settings.gravity.dot(pose.p_WB);
+         bodies.traits[i].mass * context.scene.gravity_W.dot(pose.p_WB);
 }
 
 // From the dearest to the cheapest.
@@ -85,17 +87,18 @@ void add(IslandCertificate& certificate, const IslandCertificate& solve) {
 }
 
 Need need(const Census& c) {
-  if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
+  if (c.moved_by_forces == c.ballistic && c.led == 0) return {false, "no body can leave its parabola"};
   return {true, "every step is checked"};
 }
 
 void run(Context& context) {
   const Bodies& bodies = context.scene.bodies;
+  StepStore& step = context.step;
   for (const std::vector<Index>* roster : {&context.scene.rosters.movers, &context.scene.rosters.led})
     for (const Index i : *roster)
-      if (!sound(bodies.pose[i], bodies.twist[i])) freeze(context, i);
+      if (!withinLimits(bodies.pose[i], bodies.twist[i]))
+        freeze(context, i, step.before[i], step.twist_before[i]);
 
-  StepStore& step = context.step;
   for (const ContactPair& pair : step.contacts.pairs) {
     if (pair.first < step.inherited) continue;
     step.report.contacts += pair.size;
@@ -106,4 +109,5 @@ void run(Context& context) {
   certifyIslands(context);
 }
 
-}  // namespace rbs::certificate
+}  // namespace certificate
+}  // namespace rbs

@@ -39,9 +39,4 @@ struct Contacts {
   void clear() { pairs.clear(), touches.clear(); }
 };
 
-/// Coulomb coefficient of a pair: the geometric mean.
-double pairFriction(const Material& a, const Material& b);
-/// Newton's coefficient of a pair: the larger.
-double pairRestitution(const Material& a, const Material& b);
-
 }  // namespace rbs

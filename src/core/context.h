@@ -11,6 +11,7 @@
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
 
+#include <array>
 #include <vector>
 
 namespace rbs {
@@ -34,11 +35,24 @@ struct HandHold {
 
 /// Dense lists of bodies, one for each kind of work; remade when the census is taken.
 struct Rosters {
-  std::vector<Index> movers;      ///< moved by forces
+  std::vector<Index> ballistic;   ///< moved by forces, that feel gravity alone and can meet nobody
+  std::vector<Index> tumbling;    ///< ballistic, with an attitude that is carried along
+  std::vector<Index> movers;      ///< moved by forces, all others
   std::vector<Index> led;         ///< kinematic or held
+  std::vector<Index> buoyant;     ///< movers in a scene with a fluid
   std::vector<Index> dragged;     ///< movers with a drag coefficient > 0
-  std::vector<Index> collidable;  ///< with a mask that is not 0, planes left out
-  std::vector<Index> planes;      ///< collidable planes
+  std::vector<Index> collidable;  ///< that may meet another, planes left out
+  std::vector<Index> planes;      ///< that may meet another
+};
+
+/// Which effects a scene simulates.
+class ActiveEffects {
+ public:
+  bool operator[](Effect effect) const { return on_[static_cast<std::size_t>(effect)]; }
+  void set(Effect effect, bool on) { on_[static_cast<std::size_t>(effect)] = on; }
+
+ private:
+  std::array<bool, kEffects.size()> on_{};
 };
 
 /// How the broad phase sorts. What it finds does not depend on it, only how fast.
@@ -52,6 +66,9 @@ struct Sweep {
 struct SceneStore {
   SceneDef settings;  ///< its `bodies` are empty: they live in the store below
   Bodies bodies;
+  ActiveEffects effects;
+  Vec3 gravity_W = Vec3::Zero();   ///< as simulated: zero when gravity is off, m/s²
+  double ballistic_until = 0.0;    ///< no ballistic body leaves the limits before this time, s
   Rosters rosters;
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
@@ -60,6 +77,11 @@ struct SceneStore {
   Sweep sweep;        ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
+
+  /// Coulomb coefficient of a pair: the geometric mean; 0 when friction is off.
+  double frictionOf(Index i, Index j) const;
+  /// Newton's coefficient of a pair: the larger; 0 when restitution is off.
+  double restitutionOf(Index i, Index j) const;
 };
 
 /// Where a body may be, as its intervals along x, y, z and d = (1, 1, 1)/sqrt(3), m.
@@ -112,9 +134,10 @@ struct Island {
 
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
-  std::vector<Load> load;              ///< by body
+  std::vector<Load> load;              ///< by body; those of ballistic bodies are not filled in
   std::vector<Vec3> airless;           ///< by body: load.a_W without the drag; empty: there is none
   Vec3 air;                            ///< velocity of the air where there is drag, m/s
+  std::vector<double> submerged;       ///< by body: share of its volume in the fluid; empty without a fluid
   std::vector<Bounds> bounds;          ///< by body: where it may be during the step
   Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
   Index inherited = 0;                 ///< how many of the touches come from the last step
@@ -129,8 +152,9 @@ struct StepStore {
   std::vector<Twist> twist_before;      ///< by body, at t0
   StepReport report;
 
-  /// Empties the store for a step from t0 to t1 of n bodies.
-  void begin(Index n, double from, double to);
+  /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene, or
+  /// for none when all that move are ballistic.
+  void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
   /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.
   double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
@@ -143,6 +167,12 @@ struct Context {
   StepStore& step;
   const Census& census;
 };
+
+/// Whether a body's state is within what an edit may ask for: beyond it a body is lost, and a saved state could
+/// not be read.
+bool withinLimits(const Pose& pose, const Twist& twist);
+/// Puts a body back to where it was at the start of the step and makes it static, with a warning.
+void freeze(Context& context, Index i, const Pose& before, const Twist& twist_before);
 
 /// Speed scale of a body of length L: what it gains by falling its own length, m/s. Without gravity
 /// the gravity of the Earth stands in, so that the scale is never zero.

@@ -43,7 +43,7 @@ class ImpactLoop {
       const PendingImpact impact = queue_.top();
       queue_.pop();
       if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
-      const bool lossy = impacts::restitution(context_, impact.i, impact.j) < 1.0;
+      const bool lossy = context_.scene.restitutionOf(impact.i, impact.j) < 1.0;
       std::uint64_t& budget = lossy ? lossy_budget_ : elastic_budget_;
       if (budget == 0) {
         overBudget(impact);
@@ -116,7 +116,7 @@ class ImpactLoop {
   // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
   bool isCollapsing(const PendingImpact& impact) {
     constexpr int kMeetings = 6;
-    if (impacts::restitution(context_, impact.i, impact.j) >= 1.0) return false;
+    if (context_.scene.restitutionOf(impact.i, impact.j) >= 1.0) return false;
     Meetings& met = meetings_[{impact.i, impact.j}];
     if (impact.time - met.last > settingsOf(context_.scene.settings.fidelity).no_time * step_.h())
       met.count = 0;
@@ -209,7 +209,7 @@ class ImpactLoop {
       return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
-    if (standing == Standing::Contact && impacts::restitution(context_, i, j) == 0.0) return;
+    if (standing == Standing::Contact && context_.scene.restitutionOf(i, j) == 0.0) return;
     const impacts::Outlook outlook = impacts::foretell(context_, i, j, std::max(from, step_.timeOf(j)));
     if (outlook.impact) {
       queue_.push(*outlook.impact);

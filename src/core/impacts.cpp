@@ -11,11 +11,6 @@
 
 namespace rbs::impacts {
 
-double restitution(const Context& context, Index i, Index j) {
-  const Bodies& bodies = context.scene.bodies;
-  return pairRestitution(bodies.traits[i].material, bodies.traits[j].material);
-}
-
 namespace {
 
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
@@ -79,21 +74,15 @@ struct Meeting {
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
-  if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.settings.gravity.norm());
+  if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
-  const double unseen = restitution(context, i, j) < 1.0
+  const double unseen = context.scene.restitutionOf(i, j) < 1.0
                             ? settings.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
                             : 0.0;
   return std::max(settings.slowest_impact * step.h() * a, unseen);
 }
 
 }  // namespace
-
-Need need(const Census& c) {
-  if (c.collidable < 2) return {false, "fewer than two bodies can collide"};
-  if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
-  return {true, count(c.collidable, "body", "bodies") + " can collide"};
-}
 
 // A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
 // another, to find when it comes back, would cost more than it is worth within a step. Of spheres and planes
@@ -131,7 +120,7 @@ bool isFree(const Context& context, Index i) {
   if (!bodies.traits[i].moved_by_forces()) return true;
   if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
   if (step.island[i] != kNone && step.islands[step.island[i]].contact) return false;
-  return bodies.inertia[i].isotropic || bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
+  return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic || bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
 }
 
 void find(Context& context) {
@@ -148,7 +137,7 @@ void find(Context& context) {
   }
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-    if (step.standing[k] == Standing::Contact && restitution(context, i, j) == 0.0) continue;
+    if (step.standing[k] == Standing::Contact && context.scene.restitutionOf(i, j) == 0.0) continue;
     const Outlook outlook = foretell(context, i, j, step.t0);
     if (outlook.impact) {
       step.impacts.push_back(*outlook.impact);
@@ -165,10 +154,8 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
   const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
   const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
   if (speed <= 0.0) return Outcome::Miss;
-  const Material& a = bodies.traits[i].material;
-  const Material& b = bodies.traits[j].material;
-  const double e = pairRestitution(a, b);
-  collideBodies(meeting.a, meeting.b, meeting.manifold, pairFriction(a, b), e);
+  const double e = context.scene.restitutionOf(i, j);
+  collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
   bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;

@@ -8,8 +8,6 @@
 
 namespace rbs::impacts {
 
-Need need(const Census& census);
-
 /// Finds the pairs that will impact during the step, and takes them out of the contact solve
 /// (Standing::Awaited), as those that will not even touch (Standing::Apart).
 void find(Context& context);
@@ -24,9 +22,6 @@ Outlook foretell(const Context& context, Index i, Index j, double from);
 /// Whether a body's course is known: nothing carries it now, and its attitude does not change by more than a
 /// turn at constant velocity.
 bool isFree(const Context& context, Index i);
-
-/// Coefficient of restitution of a pair. Where it is 0, a pair in contact is left to the contact solver.
-double restitution(const Context& context, Index i, Index j);
 
 enum class Outcome {
   Rebound,  ///< the bodies part

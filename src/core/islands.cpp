@@ -1,6 +1,7 @@
 #include "islands.h"
 
 #include "algebra.h"
+#include "effects/rolling.h"
 #include "fidelity.h"
 #include "impact_loop.h"
 #include "methods/methods.h"
@@ -90,14 +91,29 @@ void moveLedBodies(Context& context) {
 
 }  // namespace
 
+// What the exact step has no law for: rolling resistance, and bodies that are not to turn.
+bool needsSoftStep(const Context& context, const Island& island) {
+  const SceneStore& scene = context.scene;
+  if (!scene.effects[Effect::Rotation])
+    for (const Index i : island.bodies)
+      if (!scene.bodies.inertia[i].unturned) return true;
+  if (!scene.effects[Effect::Rolling]) return false;
+  return std::any_of(island.pairs.begin(), island.pairs.end(), [&](Index k) {
+    const ContactPair& pair = context.step.contacts.pairs[k];
+    return rolling::resists(scene, pair.i, pair.j);
+  });
+}
+
 void bringTo(Context& context, Island& island, double time) {
   advanceBatch(context, {island.bodies, island.pairs}, island.exact, island.time, time);
   island.time = std::max(island.time, time);
 }
 
 Need need(const Census& c) {
-  if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
-  return {true, count(c.moved_by_forces, "body is", "bodies are") + " moved by forces"};
+  const Index movers = c.moved_by_forces - c.ballistic;
+  if (movers == 0 && c.led == 0) return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
+  return {true, count(movers, "body", "bodies") + " that may meet others or feel more than gravity" +
+                    (c.led > 0 ? ", " + count(c.led, "body is", "bodies are") + " led" : "")};
 }
 
 void link(Context& context) {
@@ -130,8 +146,8 @@ void link(Context& context) {
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   for (Island& island : step.islands)
-    island.exact =
-        settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island));
+    island.exact = !needsSoftStep(context, island) && (settings.exact || (settings.promotes && !island.pairs.empty() &&
+                                                                          isPromoted(context, island)));
 }
 
 void advance(Context& context) {

@@ -5,9 +5,11 @@
 // touches, the soft step or the exact step for bodies in contact.
 #include "pipeline.h"
 
+#include "ballistic.h"
 #include "broadphase/sweep_and_prune.h"
 #include "certificate.h"
 #include "effects/effects.h"
+#include "effects/rolling.h"
 #include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
@@ -21,41 +23,59 @@ namespace rbs {
 
 namespace {
 
+/// What a stage worked on in the last step.
+struct Items {
+  std::uint64_t count;
+  const char* unit;
+};
+
+template <Effect kEffect>
+Need needOf(const Census& census) {
+  return effects::need(kEffect, census);
+}
+
+template <auto kRoster>
+Items bodiesOn(const SceneStore& scene, const StepStore&) {
+  return {(scene.rosters.*kRoster).size(), "bodies"};
+}
+Items candidates(const SceneStore&, const StepStore& step) {
+  return {step.contacts.pairs.size(), "pairs"};
+}
+Items points(const SceneStore&, const StepStore& step) {
+  return {step.report.contacts, "points"};
+}
+
 struct Stage {
   const char* name;
   Need (*need)(const Census&);
   void (*run)(Context&);
+  Items (*items)(const SceneStore&, const StepStore&);
 };
 
 constexpr std::array kStages{
-    Stage{"hands.hold", holds::need, holds::run},
-    Stage{"forces.gravity", gravity::need, gravity::run},
-    Stage{"forces.wrench", wrenches::need, wrenches::run},
-    Stage{"forces.grab", grabs::need, grabs::run},
-    Stage{"forces.drag", drag::need, drag::run},
-    Stage{"broadphase.pairs", sweep_and_prune::need, sweep_and_prune::run},
-    Stage{"impacts.find", impacts::need, impacts::find},
-    Stage{"islands.link", islands::need, islands::link},
-    Stage{"islands.advance", islands::need, islands::advance},
-    Stage{"certificate", certificate::need, certificate::run},
+    Stage{"hands.hold", holds::need, holds::run,
+          [](const SceneStore& scene, const StepStore&) { return Items{scene.holds.size(), "bodies"}; }},
+    Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
+    Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
+          }},
+    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, bodiesOn<&Rosters::buoyant>},
+    Stage{"forces.wrench", wrenches::need, wrenches::run,
+          [](const SceneStore& scene, const StepStore&) { return Items{scene.wrenches.size(), "wrenches"}; }},
+    Stage{"forces.grab", grabs::need, grabs::run,
+          [](const SceneStore& scene, const StepStore&) { return Items{scene.grabs.size(), "bodies"}; }},
+    Stage{"forces.drag", needOf<Effect::Drag>, drag::run, bodiesOn<&Rosters::dragged>},
+    Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
+          bodiesOn<&Rosters::collidable>},
+    Stage{"impacts.find", needOf<Effect::Impacts>, impacts::find, candidates},
+    Stage{"islands.link", islands::need, islands::link,
+          [](const SceneStore&, const StepStore& step) { return Items{step.islands.size(), "islands"}; }},
+    Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
+    Stage{"certificate", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
 };
 
-// Parts of the methods that a scene may do without; they are chosen row by row inside islands.advance.
-struct Part {
-  const char* name;
-  Need (*need)(const Census&);
-};
-
-Need needFriction(const Census& c) {
-  if (c.rough < 2) return {false, "fewer than two bodies have friction above 0"};
-  return {true, count(c.rough, "body has", "bodies have") + " friction above 0"};
-}
-
-Need needGyroscopic(const Census& c) {
-  if (c.asymmetric == 0) return {false, "no body has principal moments that differ"};
-  return {true, count(c.asymmetric, "body has", "bodies have") + " principal moments that differ"};
-}
-
+// Parts of islands.advance that a scene may do without. The first three are timed (methods.h).
 std::string contactLaw(Fidelity fidelity) {
   const FidelitySettings settings = settingsOf(fidelity);
   const std::string name = std::string(fidelityName(fidelity)) + ": ";
@@ -64,9 +84,58 @@ std::string contactLaw(Fidelity fidelity) {
          (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
 }
 
+Need needSolver(const Census& census) {
+  const Need contacts = needOf<Effect::Collision>(census);
+  return {contacts.active, contacts.active ? contactLaw(census.fidelity) : contacts.reason};
+}
+
+struct Part {
+  const char* name;
+  Need (*need)(const Census&);
+  Items (*items)(const SceneStore&, const StepStore&);
+};
+
+Items frictionPairs(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
+    n += i != kNone && j != kNone && scene.frictionOf(i, j) > 0.0;
+  }
+  return {n, "pairs"};
+}
+Items rollingPairs(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
+    n += i != kNone && j != kNone && rolling::resists(scene, i, j);
+  }
+  return {n, "pairs"};
+}
+Items impactCount(const SceneStore&, const StepStore& step) {
+  return {step.report.impacts, "impacts"};
+}
+template <bool Inertia::*kFlag>
+Items bodiesThat(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const Inertia& inertia : scene.bodies.inertia) n += inertia.*kFlag;
+  return {n, "bodies"};
+}
+Items turnedBodies(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    n += scene.bodies.traits[i].moved_by_forces() && !scene.bodies.inertia[i].unturned;
+  return {n, "bodies"};
+}
+
 constexpr std::array kParts{
-    Part{"rotation.gyroscopic", needGyroscopic},
-    Part{"contacts.friction", needFriction},
+    Part{kContactRowNames[kCollide], needOf<Effect::Collision>, candidates},
+    Part{kContactRowNames[kSolve], needSolver, points},
+    Part{kContactRowNames[kStore], needOf<Effect::Collision>, points},
+    Part{"contacts.friction", needOf<Effect::Friction>, frictionPairs},
+    Part{"contacts.rolling", needOf<Effect::Rolling>, rollingPairs},
+    Part{"contacts.restitution", needOf<Effect::Restitution>, impactCount},
+    Part{"rotation.turn", needOf<Effect::Rotation>, turnedBodies},
+    Part{"rotation.gyroscopic", needOf<Effect::Gyroscopic>, bodiesThat<&Inertia::gyroscopic>},
 };
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -75,11 +144,14 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-void StepStore::begin(Index n, double from, double to) {
+void StepStore::begin(const SceneStore& scene, double from, double to) {
+  const bool ballistic_only = scene.rosters.movers.empty() && scene.rosters.led.empty();
+  const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
   t0 = from;
   t1 = to;
   load.assign(n, {});
   airless.clear();
+  submerged.clear();
   bounds.resize(n);
   contacts.clear();
   inherited = 0;
@@ -90,6 +162,8 @@ void StepStore::begin(Index n, double from, double to) {
   islands.clear();
   island.assign(n, kNone);
   contact_seconds.assign(kContactRows, 0.0);
+  before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
+  twist_before.assign(scene.bodies.twist.begin(), scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
   report = {};
 }
 
@@ -98,7 +172,7 @@ void Pipeline::filter(const Census& census) {
   for (std::size_t row = 0; row < kStages.size(); ++row)
     if (kStages[row].need(census).active) active_.push_back(row);
   seconds_.assign(kStages.size(), 0.0);
-  contact_seconds_.clear();
+  contact_seconds_.assign(kContactRows, 0.0);
 }
 
 void Pipeline::run(Context& context) {
@@ -112,22 +186,19 @@ void Pipeline::run(Context& context) {
   context.step.report.seconds = secondsSince(step_start);
 }
 
-std::vector<StageInfo> Pipeline::describe(const Census& census) const {
+std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore& scene,
+                                          const StepStore& step) const {
   std::vector<StageInfo> rows;
+  const auto add = [&](const auto& row, double seconds) {
+    const Need need = row.need(census);
+    const Items items = need.active ? row.items(scene, step) : Items{0, ""};
+    rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds});
+  };
   for (std::size_t row = 0; row < kStages.size(); ++row) {
-    const Need need = kStages[row].need(census);
-    rows.push_back({kStages[row].name, need.active, need.reason, seconds_.empty() ? 0.0 : seconds_[row]});
+    add(kStages[row], seconds_[row]);
     if (kStages[row].run != islands::advance) continue;
-    const Need contact = sweep_and_prune::need(census);
-    for (std::size_t k = 0; k < kContactRows; ++k) {
-      const double seconds = k < contact_seconds_.size() ? contact_seconds_[k] : 0.0;
-      const std::string reason = k == kSolve && contact.active ? contactLaw(census.fidelity) : contact.reason;
-      rows.push_back({kContactRowNames[k], contact.active, reason, seconds});
-    }
-    for (const Part& part : kParts) {
-      const Need inner = part.need(census);
-      rows.push_back({part.name, inner.active, inner.reason, 0.0});
-    }
+    for (std::size_t part = 0; part < kParts.size(); ++part)
+      add(kParts[part], part < kContactRows ? contact_seconds_[part] : 0.0);
   }
   return rows;
 }

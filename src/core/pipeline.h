@@ -15,7 +15,7 @@ class Pipeline {
   /// Runs one step and times every stage.
   void run(Context& context);
   /// All stages, also those that do not run, with their reasons and their times in the last step.
-  std::vector<StageInfo> describe(const Census& census) const;
+  std::vector<StageInfo> describe(const Census& census, const SceneStore& scene, const StepStore& step) const;
 
  private:
   std::vector<std::size_t> active_;      // rows of the table

@@ -64,7 +64,7 @@ bool isPromoted(const Context& context, const Island& island) {
   const Stiffness& bounds = was_exact ? kStay : kEnter;
   if (touching.empty()) touching = island.pairs;  // nothing is known yet of bodies that have just been made
   if (island.pairs.size() > bounds.pairs) return false;
-  const double gravity = context.scene.settings.gravity.norm();
+  const double gravity = context.scene.gravity_W.norm();
   for (const Index i : island.bodies) {
     const Traits& t = bodies.traits[i];
     const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();

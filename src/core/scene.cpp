@@ -131,6 +131,8 @@ void checkMaterial(const Material& material, const std::string& path, Faults& fa
   if (material.drag_coefficient) {
     faults.number(path + ".drag_coefficient", *material.drag_coefficient, 0.0, Limits::max_drag);
   }
+  faults.number(path + ".rolling_resistance", material.rolling_resistance, 0.0, Limits::max_resistance);
+  faults.number(path + ".torsional_resistance", material.torsional_resistance, 0.0, Limits::max_resistance);
 }
 
 void checkColor(const Color& color, const std::string& path, Faults& faults) {
@@ -152,6 +154,10 @@ void checkSurroundings(const SceneDef& scene, Faults& faults) {
     if (!scene.air) faults.add("wind", vectorText(scene.wind->velocity), "only together with air");
     faults.vector("wind.velocity", scene.wind->velocity, Limits::max_wind, "m/s");
     faults.number("wind.gust", scene.wind->gust, 0.0, Limits::max_wind, "m/s");
+  }
+  if (scene.fluid) {
+    faults.number("fluid.density", scene.fluid->density, Limits::min_density, Limits::max_density, "kg/m³");
+    faults.number("fluid.level", scene.fluid->level, -Limits::max_position, Limits::max_position, "m");
   }
   faults.vector("view.eye", scene.view.eye, Limits::max_position, "m from the origin");
   faults.vector("view.target", scene.view.target, Limits::max_position, "m from the origin");
@@ -228,6 +234,41 @@ Fidelity fidelityNamed(const std::string& name) {
   for (const Fidelity fidelity : kFidelities)
     if (name == fidelityName(fidelity)) return fidelity;
   throw InvalidInput({{"fidelity", "'" + name + "'", "preview, interactive, accurate or reference"}});
+}
+
+const char* effectName(Effect effect) {
+  switch (effect) {
+    case Effect::Gravity:
+      return "gravity";
+    case Effect::Buoyancy:
+      return "buoyancy";
+    case Effect::Drag:
+      return "drag";
+    case Effect::Collision:
+      return "collision";
+    case Effect::Impacts:
+      return "impacts";
+    case Effect::Friction:
+      return "friction";
+    case Effect::Rolling:
+      return "rolling";
+    case Effect::Restitution:
+      return "restitution";
+    case Effect::Gyroscopic:
+      return "gyroscopic";
+    case Effect::Rotation:
+      return "rotation";
+  }
+  return "";
+}
+
+Effect effectNamed(const std::string& name) {
+  std::string names;
+  for (const Effect effect : kEffects) {
+    if (name == effectName(effect)) return effect;
+    names += (names.empty() ? "" : ", ") + std::string(effectName(effect));
+  }
+  throw InvalidInput({{"effect", "'" + name + "'", names}});
 }
 
 std::vector<Problem> validate(const BodyDef& body, const std::string& path) {

@@ -31,6 +31,16 @@ void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
     wind.read("velocity", scene.wind->velocity);
     wind.read("gust", scene.wind->gust);
   });
+  readGroup(top, "fluid", problems, [&](Fields& fluid) {
+    scene.fluid.emplace();
+    fluid.read("density", scene.fluid->density);
+    fluid.read("level", scene.fluid->level);
+  });
+  readGroup(top, "effects", problems, [&](Fields& effects) {
+    for (const Effect effect : kEffects)
+      if (const auto choice = effects.choose(effectName(effect), {"off", "on", "auto"}); choice && *choice < 2)
+        scene.effects[effect] = *choice == 1;
+  });
   readGroup(top, "view", problems, [&](Fields& view) {
     view.read("eye", scene.view.eye);
     view.read("target", scene.view.target);
@@ -72,6 +82,13 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
       p.require("normal", "the normal force", point.normal);
       p.require("tangent", "the friction force, [x, y, z]", point.tangent_W);
     });
+  });
+  readItems(fields, "attitudes", problems, [&](Fields& item) {
+    SavedState::Attitude& attitude = state.attitudes.emplace_back();
+    if (item.require("body", "the index of a body", attitude.body) && attitude.body >= bodies)
+      item.report("body", std::to_string(attitude.body), "the index of a body, below " + std::to_string(bodies));
+    item.require("since", "the time it holds for", attitude.since);
+    item.require("orientation", "the orientation then, [x, y, z, w]", attitude.q_WB);
   });
   return state;
 }

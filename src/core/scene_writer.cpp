@@ -113,6 +113,8 @@ std::string bodyText(const BodyDef& body) {
       .addUnless(usual.material.friction, "friction", body.material.friction)
       .addUnless(usual.material.restitution, "restitution", body.material.restitution)
       .addGiven("drag_coefficient", body.material.drag_coefficient)
+      .addUnless(usual.material.rolling_resistance, "rolling_resistance", body.material.rolling_resistance)
+      .addUnless(usual.material.torsional_resistance, "torsional_resistance", body.material.torsional_resistance)
       .addGiven("color", body.color);
   if (body.group != usual.group) line.add("group", text(body.group));
   if (body.mask != usual.mask) line.add("mask", text(body.mask));
@@ -139,6 +141,15 @@ std::string stateText(const SavedState& state) {
   std::string result = "state:\n  time: " + text(state.time) + "\n  steps: " + text(state.steps) + "\n";
   if (!state.contacts.empty()) result += "  contacts:\n";
   for (const SavedState::Contact& contact : state.contacts) result += "    - " + contactText(contact) + "\n";
+  if (!state.attitudes.empty()) result += "  attitudes:\n";
+  for (const SavedState::Attitude& attitude : state.attitudes)
+    result += "    - " +
+              Line()
+                  .add("body", text(attitude.body))
+                  .add("since", text(attitude.since))
+                  .add("orientation", text(attitude.q_WB))
+                  .close() +
+              "\n";
   return result;
 }
 
@@ -151,6 +162,16 @@ std::string headText(const SceneDef& scene) {
     result += "wind: " +
               Line().add("velocity", text(scene.wind->velocity)).add("gust", text(scene.wind->gust)).close() +
               "\n";
+  }
+  if (scene.fluid) {
+    result += "fluid: " +
+              Line().add("density", text(scene.fluid->density)).add("level", text(scene.fluid->level)).close() +
+              "\n";
+  }
+  if (!scene.effects.empty()) {
+    Line line;
+    for (const auto& [effect, on] : scene.effects) line.add(effectName(effect), on ? "on" : "off");
+    result += "effects: " + line.close() + "\n";
   }
   return result +
          "view: " + Line().add("eye", text(scene.view.eye)).add("target", text(scene.view.target)).close() +

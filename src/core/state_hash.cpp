@@ -33,6 +33,7 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
   hash.add(bodies.name[i]);
   hash.add(bodies.pose[i]);
+  if (bodies.inertia[i].unturned && !bodies.twist[i].w_WB.isZero(0.0)) hash.add(bodies.since[i]);
   hash.add(bodies.twist[i].v_WB);
   hash.add(bodies.twist[i].w_WB);
   hash.add(t.shape.index());
@@ -46,6 +47,8 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
   hash.add(t.material.friction);
   hash.add(t.material.restitution);
   hash.add(t.dragCoefficient());
+  hash.add(t.material.rolling_resistance);
+  hash.add(t.material.torsional_resistance);
   hash.add(t.group);
   hash.add(t.mask);
 }
@@ -58,6 +61,9 @@ void addSettings(Hash& hash, const SceneDef& settings) {
   hash.add(settings.air ? settings.air->density : -1.0);
   hash.add(settings.wind ? settings.wind->velocity : Vec3::Zero().eval());
   hash.add(settings.wind ? settings.wind->gust : -1.0);
+  hash.add(settings.fluid ? settings.fluid->density : -1.0);
+  hash.add(settings.fluid ? settings.fluid->level : 0.0);
+  for (const auto& [effect, on] : settings.effects) hash.add(static_cast<int>(effect)), hash.add(on);
 }
 
 }  // namespace

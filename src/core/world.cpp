@@ -45,15 +45,9 @@ struct World::Impl {
   }
 
   void recount() {
-    Rosters rosters = takeRosters(scene.bodies);
-    if (rosters.collidable != scene.rosters.collidable) {
-      scene.sweep = {};
-      scene.sweep.order = rosters.collidable;
-    }
-    scene.rosters = std::move(rosters);
-    const Census now = takeCensus(scene);
+    Census now = takeCensus(scene);
     if (now == census) return;
-    census = now;
+    census = std::move(now);
     pipeline.filter(census);
   }
 
@@ -165,10 +159,26 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
     throwIfAny(problems);
     std::sort(contacts.pairs.begin(), contacts.pairs.end(),
               [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
+    for (const SavedState::Attitude& attitude : saved->attitudes) {
+      const double norm = attitude.q_WB.norm();
+      if (attitude.body >= bodies.size() || !(attitude.since >= 0.0 && attitude.since <= saved->time) ||
+          !(std::abs(norm - 1.0) < 1e-9))
+        problems.push_back({"state.attitudes", std::to_string(attitude.body),
+                            "the index of a body, a time up to state.time and a quaternion of norm 1"});
+    }
+    throwIfAny(problems);
     impl_->scene.time = saved->time;
     impl_->scene.steps = saved->steps;
   }
   impl_->edited(true);
+  if (saved) {
+    Bodies& store = impl_->scene.bodies;
+    for (const SavedState::Attitude& attitude : saved->attitudes) {
+      if (!store.inertia[attitude.body].unturned) continue;
+      store.pose[attitude.body].q_WB = attitude.q_WB;
+      store.since[attitude.body] = attitude.since;
+    }
+  }
   impl_->pipeline.filter(impl_->census);
 }
 
@@ -225,7 +235,7 @@ void World::clear() {
 void World::editBody(BodyId id, const BodyEdit& edit) {
   const Index i = impl_->require(id);
   Bodies& bodies = impl_->scene.bodies;
-  BodyDef def = bodies.define(i);
+  BodyDef def = bodies.define(i, impl_->scene.time);
   if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
   if (edit.shape) def.shape = *edit.shape;
   if (edit.pose) def.pose = *edit.pose;
@@ -242,12 +252,15 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.friction) def.material.friction = *edit.friction;
   if (edit.restitution) def.material.restitution = *edit.restitution;
   if (edit.drag_coefficient) def.material.drag_coefficient = *edit.drag_coefficient;
+  if (edit.rolling_resistance) def.material.rolling_resistance = *edit.rolling_resistance;
+  if (edit.torsional_resistance) def.material.torsional_resistance = *edit.torsional_resistance;
   if (edit.color) def.color = *edit.color;
   throwIfAny(validate(def, "body"));
 
   Bodies fresh;
   fresh.append(id, def);
   bodies.pose[i] = fresh.pose[0];
+  bodies.since[i] = impl_->scene.time;
   bodies.twist[i] = fresh.twist[0];
   bodies.color[i] = fresh.color[0];
   const Traits old = bodies.traits[i];
@@ -258,7 +271,8 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
   if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->forgetContacts(id);
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
-                           !edit.restitution && !edit.drag_coefficient && !edit.color && !old.frozen;
+                           !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
+                           !edit.torsional_resistance && !edit.color && !old.frozen;
   impl_->edited(!only_motion);
 }
 
@@ -304,12 +318,15 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   throwIfAny(problems);
   Twist twist = bodies.twist[i];
   twist.v_WB += bodies.inertia[i].inv_mass * impulse_W;
-  twist.w_WB += bodies.inertia[i].inverseW(bodies.R_WB(i)) * (point_W - bodies.pose[i].p_WB).cross(impulse_W);
+  const Pose pose = bodies.poseNow(i, impl_->scene.time);
+  const Vec3 couple_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
+  twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(couple_B));
   if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
       twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
     throw InvalidInput({{"impulse", textOf(impulse_W),
                          "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
                              text(Limits::max_spin) + " rad/s"}});
+  bodies.bringAttitude(i, impl_->scene.time);
   bodies.twist[i] = twist;
   impl_->edited(false);
 }
@@ -425,14 +442,24 @@ void World::setFidelity(Fidelity fidelity) {
   impl_->edited(false);
 }
 
+void World::setFluid(const std::optional<Fluid>& fluid) {
+  SceneDef settings = impl_->scene.settings;
+  settings.fluid = fluid;
+  impl_->scene.settings = checked(std::move(settings));
+  impl_->edited(false);
+}
+
+void World::setEffects(const EffectOverrides& effects) {
+  impl_->scene.settings.effects = effects;
+  impl_->edited(false);
+}
+
 // --- time
 
 const StepReport& World::step() {
   Impl& w = *impl_;
   const double h = w.scene.settings.step;
-  w.step.begin(w.scene.bodies.size(), w.scene.time, w.scene.time + h);
-  w.step.before = w.scene.bodies.pose;
-  w.step.twist_before = w.scene.bodies.twist;
+  w.step.begin(w.scene, w.scene.time, w.scene.time + h);
   Context context{w.scene, w.step, w.census};
   w.pipeline.run(context);
   w.keepContacts();
@@ -462,7 +489,7 @@ const SceneDef& World::scene() const {
   return impl_->scene.settings;
 }
 std::vector<StageInfo> World::pipeline() const {
-  return impl_->pipeline.describe(impl_->census);
+  return impl_->pipeline.describe(impl_->census, impl_->scene, impl_->step);
 }
 std::uint64_t World::stateHash() const {
   return rbs::stateHash(impl_->scene);
@@ -471,7 +498,7 @@ std::uint64_t World::stateHash() const {
 SceneDef World::capture() const {
   SceneDef scene = impl_->scene.settings;
   for (Index i = 0; i < impl_->scene.bodies.size(); ++i)
-    scene.bodies.push_back(impl_->scene.bodies.define(i));
+    scene.bodies.push_back(impl_->scene.bodies.define(i, impl_->scene.time));
   return scene;
 }
 
@@ -490,12 +517,15 @@ SavedState World::captureState() const {
     }
     state.contacts.push_back(std::move(contact));
   }
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
+      state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
   return state;
 }
 
 Totals World::totals() const {
   const Bodies& bodies = impl_->scene.bodies;
-  const Vec3& gravity = impl_->scene.settings.gravity;
+  const Vec3& gravity = impl_->scene.gravity_W;
   Totals sum;
   for (Index i = 0; i < bodies.size(); ++i) {
     const Traits& t = bodies.traits[i];
@@ -530,7 +560,7 @@ Snapshot World::snapshot() const {
   s.bodies = w.descriptions;
   s.states.reserve(bodies.size());
   for (Index i = 0; i < bodies.size(); ++i)
-    s.states.push_back({bodies.id[i], bodies.pose[i], bodies.twist[i]});
+    s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});
   for (const ContactPair& pair : w.scene.contacts.pairs) {
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
       const Touch& touch = w.scene.contacts.touches[t];

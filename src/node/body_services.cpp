@@ -98,7 +98,7 @@ std::string move(World& world, const MoveBody::Request& request, MoveBody::Respo
 
 bool isEmpty(const BodyEdit& edit) {
   return !edit.twist && !edit.kind && !edit.mass && !edit.density && !edit.friction && !edit.restitution &&
-         !edit.drag_coefficient && !edit.color;
+         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color;
 }
 
 std::string set(World& world, const SetBody::Request& request, SetBody::Response&) {

@@ -73,6 +73,14 @@ void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, B
   });
   collect(problems,
           [&] { material.drag_coefficient = oneOrNone(msg.drag_coefficient, path + ".drag_coefficient"); });
+  collect(problems, [&] {
+    material.rolling_resistance =
+        oneOrNone(msg.rolling_resistance, path + ".rolling_resistance").value_or(material.rolling_resistance);
+  });
+  collect(problems, [&] {
+    material.torsional_resistance = oneOrNone(msg.torsional_resistance, path + ".torsional_resistance")
+                                        .value_or(material.torsional_resistance);
+  });
 }
 
 BodyDef bodyFrom(const Spec& spec, const World& world, const std::string& path, std::vector<Problem>& problems) {
@@ -171,6 +179,12 @@ BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request) {
   collect(problems, [&] { edit.restitution = oneOrNone(material.restitution, "material.restitution"); });
   collect(problems,
           [&] { edit.drag_coefficient = oneOrNone(material.drag_coefficient, "material.drag_coefficient"); });
+  collect(problems, [&] {
+    edit.rolling_resistance = oneOrNone(material.rolling_resistance, "material.rolling_resistance");
+  });
+  collect(problems, [&] {
+    edit.torsional_resistance = oneOrNone(material.torsional_resistance, "material.torsional_resistance");
+  });
   throwIfAny(problems);
   return edit;
 }

@@ -80,6 +80,8 @@ rigid_body_sim::Material toMsg(const Material& material, const Shape& shape) {
   msg.friction = {material.friction};
   msg.restitution = {material.restitution};
   msg.drag_coefficient = {material.drag_coefficient.value_or(defaultDragCoefficient(shape))};
+  msg.rolling_resistance = {material.rolling_resistance};
+  msg.torsional_resistance = {material.torsional_resistance};
   return msg;
 }
 

@@ -55,6 +55,11 @@ void EventPublisher::compareSurroundings(const Snapshot& before, const Snapshot&
 
 void EventPublisher::compareRun(const Snapshot& before, const Snapshot& now) {
   if (before.paused != now.paused) send(now.paused ? "paused" : "resumed", "", words("at ", now.time, " s"));
+  for (std::size_t k = 0; k < now.pipeline.size() && k < before.pipeline.size(); ++k) {
+    const StageInfo& stage = now.pipeline[k];
+    if (stage.active != before.pipeline[k].active)
+      ROS_INFO_STREAM_NAMED("pipeline", stage.name << (stage.active ? " on: " : " off: ") << stage.reason);
+  }
   for (const Warning& warning : now.report.warnings) {
     if (!contains(before.report.warnings, warning)) send("warning", "", warning.kind + ": " + warning.text);
   }

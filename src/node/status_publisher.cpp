@@ -24,6 +24,8 @@ rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
   msg.name = stage.name;
   msg.active = stage.active;
   msg.reason = stage.reason;
+  msg.items = stage.items;
+  msg.unit = stage.unit;
   msg.seconds = stage.seconds;
   return msg;
 }

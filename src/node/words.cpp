@@ -16,6 +16,9 @@ std::string describe(const BodyDescription& body) {
     text += words(", mass ", body.mass, " kg");
   }
   text += words(", friction ", body.material.friction, ", restitution ", body.material.restitution);
+  if (body.material.rolling_resistance > 0.0) text += words(", rolling resistance ", body.material.rolling_resistance);
+  if (body.material.torsional_resistance > 0.0)
+    text += words(", torsional resistance ", body.material.torsional_resistance);
   return body.frozen ? text + ", frozen" : text;
 }
 

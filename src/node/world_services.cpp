@@ -3,20 +3,25 @@
 
 #include "convert.h"
 #include "names.h"
+#include "rigid_body_sim/neglect.h"
 #include "words.h"
 
 #include <rigid_body_sim/GetBody.h>
 #include <rigid_body_sim/ListBodies.h>
+#include <rigid_body_sim/SetEffects.h>
 #include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetGravity.h>
 #include <rigid_body_sim/SetWind.h>
 #include <std_srvs/SetBool.h>
+
+#include <set>
 
 namespace rbs {
 namespace {
 
 using rigid_body_sim::GetBody;
 using rigid_body_sim::ListBodies;
+using rigid_body_sim::SetEffects;
 using rigid_body_sim::SetFidelity;
 using rigid_body_sim::SetGravity;
 using rigid_body_sim::SetWind;
@@ -71,17 +76,75 @@ std::string setGravity(World& world, const SetGravity::Request& request, SetGrav
   return words("gravity is ", inWords(world.scene().gravity), " m/s²");
 }
 
+/// The stages that an edit has switched, or given another reason, in words.
+std::vector<std::string> changes(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after) {
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;
+    lines.push_back(words(after[k].name, after[k].active ? " on: " : " off: ", after[k].reason));
+  }
+  return lines;
+}
+
 std::string setFidelity(World& world, const SetFidelity::Request& request, SetFidelity::Response& response) {
   const Fidelity fidelity = fidelityNamed(request.fidelity);
   const std::vector<StageInfo> before = world.pipeline();
   const bool same = world.scene().fidelity == fidelity;
   world.setFidelity(fidelity);
-  const std::vector<StageInfo> after = world.pipeline();
-  for (std::size_t k = 0; k < after.size(); ++k) {
-    if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;
-    response.changes.push_back(words(after[k].name, after[k].active ? " on: " : " off: ", after[k].reason));
-  }
+  response.changes = changes(before, world.pipeline());
   return words("fidelity ", same ? "stays " : "is ", request.fidelity);
+}
+
+/// The overrides that a request leaves. Throws InvalidInput for an unknown effect, or one named twice.
+EffectOverrides overridden(EffectOverrides effects, const SetEffects::Request& request) {
+  std::set<Effect> named;
+  const auto take = [&](const std::vector<std::string>& names) {
+    std::vector<Effect> list;
+    for (const std::string& name : names) {
+      list.push_back(effectNamed(name));
+      if (!named.insert(list.back()).second) throw InvalidInput({{"effect", "'" + name + "' twice", "each effect once"}});
+    }
+    return list;
+  };
+  const auto on = take(request.force_on), off = take(request.force_off), detect = take(request.detect);
+  for (const Effect effect : on) effects[effect] = true;
+  for (const Effect effect : off) effects[effect] = false;
+  for (const Effect effect : detect) effects.erase(effect);
+  return effects;
+}
+
+std::string describe(const EffectOverrides& effects) {
+  if (effects.empty()) return "all effects are detected";
+  std::string on, off;
+  for (const auto& [effect, is_on] : effects) {
+    std::string& list = is_on ? on : off;
+    list += words(list.empty() ? "" : ", ", effectName(effect));
+  }
+  return words(on.empty() ? "" : "forced on: ", on, on.empty() || off.empty() ? "" : "; ",
+               off.empty() ? "" : "forced off: ", off);
+}
+
+// What is neglected is measured on a copy, on the thread of the service: the simulation goes on meanwhile.
+std::string setEffects(Simulator& simulator, const SetEffects::Request& request, SetEffects::Response& response) {
+  std::string message;
+  SceneDef scene;
+  SavedState state;
+  simulator.edit([&](World& world) {
+    const EffectOverrides effects = overridden(world.scene().effects, request);
+    const std::vector<StageInfo> before = world.pipeline();
+    world.setEffects(effects);
+    response.changes = changes(before, world.pipeline());
+    message = describe(effects);
+    if (request.force_off.empty()) return;
+    scene = world.capture();
+    state = world.captureState();
+  });
+  for (const std::string& name : request.force_off) {
+    const auto neglect = measureNeglect(scene, state, {{effectNamed(name), false}});
+    response.neglected.push_back(
+        words("without ", name, ": ", neglect ? rbs::describe(*neglect) : "the scene is too large to tell"));
+  }
+  return message;
 }
 
 std::string getBody(const Snapshot& snapshot, const GetBody::Request& request, GetBody::Response& response) {
@@ -107,6 +170,9 @@ void Services::offerSurroundings() {
   offerEdit<SetWind>("set_wind", setWind);
   offerEdit<SetGravity>("set_gravity", setGravity);
   offerEdit<SetFidelity>("set_fidelity", setFidelity);
+  offer<SetEffects>("set_effects", [this](const SetEffects::Request& request, SetEffects::Response& response) {
+    return setEffects(simulator_, request, response);
+  });
 }
 
 void Services::offerReading() {

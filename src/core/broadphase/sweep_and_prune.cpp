@@ -130,12 +130,6 @@ void inheritTouches(const Contacts& last, StepStore& step) {
 
 }  // namespace
 
-Need need(const Census& c) {
-  if (c.collidable < 2) return {false, "fewer than two bodies can collide"};
-  if (c.moved_by_forces == 0 && c.led == 0) return {false, "nothing moves"};
-  return {true, std::to_string(c.collidable) + " bodies can collide"};
-}
-
 bool mayCollide(const Traits& a, const Traits& b) {
   return (a.moved_by_forces() || b.moved_by_forces()) && (a.group & b.mask) && (b.group & a.mask);
 }

@@ -47,16 +47,30 @@ Vec3 sphereAcceleration(const Vec3& u, double k, const Vec3& a_W, double h) {
   return (b - beta * u.dot(b) / (alpha + beta * speed * speed) * u) / alpha;
 }
 
-double halfDensity(const SceneStore& scene, Index i) {
-  return 0.5 * scene.settings.air->density * scene.bodies.traits[i].dragCoefficient();
+// What a body moves through: air, or a mean of air and fluid, weighted by the volume in each.
+struct Medium {
+  double density;
+  Vec3 v_W;
+};
+
+Medium mediumOf(const Context& context, Index i) {
+  const SceneDef& settings = context.scene.settings;
+  const double wet = context.step.submerged.empty() ? 0.0 : context.step.submerged[i];
+  const double air = settings.air ? (1.0 - wet) * settings.air->density : 0.0;
+  const double density = wet > 0.0 ? air + wet * settings.fluid->density : air;
+  return {density, density > air ? Vec3(air / density * context.step.air) : context.step.air};
+}
+
+double halfDensity(const SceneStore& scene, Index i, const Medium& medium) {
+  return 0.5 * medium.density * scene.bodies.traits[i].dragCoefficient();
 }
 
 /// k of the acceleration -k |u| u of a body that is no box, 1/m.
-double dragOf(const SceneStore& scene, Index i) {
+double dragOf(const SceneStore& scene, Index i, const Medium& medium) {
   const Traits& t = scene.bodies.traits[i];
   const auto* ball = std::get_if<Sphere>(&t.shape);
   const double area = ball ? kPi * ball->radius * ball->radius : 0.25 * surfaceArea(t.shape);
-  return halfDensity(scene, i) * area / t.mass;
+  return halfDensity(scene, i, medium) * area / t.mass;
 }
 
 // The wrench of the air on a surface element and its derivative, added up over a box. V = (u, w).
@@ -120,39 +134,15 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
 
 }  // namespace
 
-// Eight waves for each horizontal component, with periods from 0.7 s to 9 s and phases from the seed: a
-// closed form in time, so that a gust is the same whatever the step. Each wave of amplitude A has variance
-// A²/2; A = gust sqrt(2/8) gives the standard deviation asked for.
-Vec3 airVelocity(const SceneDef& settings, double time) {
-  if (!settings.wind) return Vec3::Zero();
-  const Wind& wind = *settings.wind;
-  Vec3 u = wind.velocity;
-  if (wind.gust == 0.0) return u;
-  std::uint64_t state = settings.seed;
-  const auto uniform = [&state] {  // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014)
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  };
-  constexpr int kWaves = 8;
-  for (int axis = 0; axis < 2; ++axis) {
-    for (int k = 0; k < kWaves; ++k) {
-      const double period = 0.7 * std::pow(9.0 / 0.7, (k + uniform()) / kWaves);
-      const double phase = 2.0 * kPi * uniform();
-      u[axis] += wind.gust * std::sqrt(2.0 / kWaves) * std::sin(2.0 * kPi * time / period + phase);
-    }
-  }
-  return u;
-}
-
 namespace drag {
 
 Need need(const Census& c) {
-  if (c.air_density == 0.0) return {false, "the scene has no air"};
+  if (c.air_density == 0.0 && c.fluid_density == 0.0) return {false, "the scene has neither air nor a fluid"};
   if (c.dragged == 0) return {false, "no body that forces move has a drag coefficient above 0"};
-  return {true, std::string(c.wind ? "wind" : "still air") + " of " + text(c.air_density) + " kg/m³ on " +
-                    count(c.dragged, "body", "bodies")};
+  std::string medium;
+  if (c.air_density > 0.0) medium = std::string(c.wind ? "wind" : "still air") + " of " + text(c.air_density) + " kg/m³";
+  if (c.fluid_density > 0.0) medium += (medium.empty() ? "" : " and ") + std::string("a fluid of ") + text(c.fluid_density) + " kg/m³";
+  return {true, medium + " on " + count(c.dragged, "body", "bodies")};
 }
 
 // Runs after the other loads: the implicit step sees them all. The gust is taken at the middle of the step.
@@ -163,12 +153,13 @@ void run(Context& context) {
   step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
   step.airless.resize(step.load.size());
   for (const Index i : scene.rosters.dragged) {
-    const Vec3 u = scene.bodies.twist[i].v_WB - step.air;
+    const Medium medium = mediumOf(context, i);
+    const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
     step.airless[i] = step.load[i].a_W;
     if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape)) {
-      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i), h, step.load[i]);
+      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, step.load[i]);
     } else {
-      step.load[i].a_W = sphereAcceleration(u, dragOf(scene, i), step.load[i].a_W, h);
+      step.load[i].a_W = sphereAcceleration(u, dragOf(scene, i, medium), step.load[i].a_W, h);
     }
   }
 }
@@ -180,8 +171,9 @@ std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, con
   const Traits& t = context.scene.bodies.traits[i];
   if (context.step.airless.empty() || t.dragCoefficient() == 0.0 || std::holds_alternative<Box>(t.shape))
     return {};
-  const Vec3 b = context.step.airless[i], air = context.step.air;
-  const double k = dragOf(context.scene, i);
+  const Medium medium = mediumOf(context, i);
+  const Vec3 b = context.step.airless[i], air = medium.v_W;
+  const double k = dragOf(context.scene, i, medium);
   Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
   const double scale = u.norm() + seconds * b.norm();
   if (scale == 0.0) return Course{p_WB + seconds * v_WB, v_WB};

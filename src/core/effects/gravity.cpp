@@ -9,9 +9,9 @@ Need need(const Census& c) {
   return {true, text(c.gravity) + " m/s² on " + count(c.moved_by_forces, "body", "bodies")};
 }
 
+// Ballistic bodies feel it in their flight.
 void run(Context& context) {
-  for (const Index i : context.scene.rosters.movers)
-    context.step.load[i].a_W += context.scene.settings.gravity;
+  for (const Index i : context.scene.rosters.movers) context.step.load[i].a_W += context.scene.gravity_W;
 }
 
 }  // namespace rbs::gravity

@@ -1,6 +1,7 @@
 // Flight: bodies that nothing touches, over any length of time: in closed form, or to rounding where the air
 // slows them.
 #include "effects/effects.h"
+#include "effects_built.h"
 #include "integrate.h"
 #include "methods/methods.h"
 
@@ -10,7 +11,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   Bodies& bodies = context.scene.bodies;
   for (const Index i : batch.bodies) {
     const Load& load = context.step.load[i];
-    const auto course = drag::fly(context, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, t1 - t0);
+    std::optional<Course> course;
+    if constexpr (built::drag) course = drag::fly(context, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, t1 - t0);
     fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, t1 - t0);
     if (course) bodies.pose[i].p_WB = course->p_WB, bodies.twist[i].v_WB = course->v_WB;
   }

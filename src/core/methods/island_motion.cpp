@@ -48,7 +48,10 @@ void IslandMotion::addLoad(Movers& movers, double seconds) const {
 }
 
 void IslandMotion::setTwists(const Movers& movers) {
-  for (std::size_t k = 0; k < movers.size(); ++k) bodies_.twist[indices_[k]] = {movers[k].v, movers[k].w};
+  for (std::size_t k = 0; k < movers.size(); ++k) {
+    bodies_.twist[indices_[k]].v_WB = movers[k].v;
+    if (!bodies_.inertia[indices_[k]].steady) bodies_.twist[indices_[k]].w_WB = movers[k].w;
+  }
 }
 
 void IslandMotion::drift(const Movers& movers, double seconds) {
@@ -63,9 +66,10 @@ void IslandMotion::displace(const Movers& by) {
   for (std::size_t k = 0; k < by.size(); ++k) {
     const Index i = indices_[k];
     Pose& pose = bodies_.pose[i];
+    pose.p_WB += by[k].v;
+    if (bodies_.inertia[i].steady) continue;
     const Mat3 R = bodies_.R_WB(i);
     const Vec3 spin_W = R * bodies_.inertia[i].moments.cwiseProduct(R.transpose() * bodies_.twist[i].w_WB);
-    pose.p_WB += by[k].v;
     pose.q_WB = (rotationBy(by[k].w) * pose.q_WB).normalized();
     bodies_.twist[i].w_WB = bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * spin_W;
   }

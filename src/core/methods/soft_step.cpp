@@ -31,8 +31,12 @@
 // Restitution. Impacts that were not resolved at their time (impacts.h) rebound at the end: a point that came
 // at a speed u0 worth a rebound and was pushed leaves at e u0 (Newton's law, a pass over the points).
 //
-// A body that no impulse touched in a sub-step has moved under its load alone and takes the exact parabola.
+// A body that no impulse pushed in a sub-step has moved under its load alone and takes the exact parabola. A
+// push takes that away by degrees, so that none, however small, makes a jump; one of a hundredth of the load does so
+// in full.
 #include "algebra.h"
+#include "effects/rolling.h"
+#include "effects_built.h"
 #include "fidelity.h"
 #include "integrate.h"
 #include "methods/solver_contacts.h"
@@ -48,6 +52,8 @@ namespace {
 // energy as it lands (from 0.35 pi).
 constexpr double kStiffness = 0.3 * kPi;
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
+// Share of its load that a body must be pushed with to take the straight path of a contact.
+constexpr double kPushed = 0.01;
 // A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 constexpr double kSlowTurn = 1e-6;
 // The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
@@ -78,7 +84,11 @@ class Solver {
     soft_ = softness(h_, h_full_);
   }
 
-  void begin() { contacts_.find(t0_, dt_, h_); }
+  void begin() {
+    contacts_.find(t0_, dt_, h_);
+    if (built::rolling && context_.scene.effects[Effect::Rolling])
+      rolling_ = rolling::find(context_.scene, contacts_);
+  }
   void goOn();
   void rebound();
   void store() { contacts_.store(h_, h_full_); }
@@ -94,6 +104,7 @@ class Solver {
 
   Context& context_;
   SolverContacts contacts_;
+  std::vector<rolling::Row> rolling_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
@@ -106,19 +117,24 @@ void Solver::goOn() {
   if (done_ > 0) contacts_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
   kick();
   warmStart();
+  if (!rolling_.empty()) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
   solve<true>();
   drift();
   solve<false>();
+  if (!rolling_.empty()) {  // their bounds are the normal forces as they are now
+    rolling::solve(contacts_, rolling_);
+    solve<false>();
+  }
   for (SolverPoint& point : contacts_.points) point.sum_n += point.l_n, point.sum_t += point.l_t;
   ++done_;
 }
 
 void Solver::kick() {
   for (SolverBody& s : contacts_.bodies) {
-    s.touched = false;
     if (s.inv_mass == 0.0) continue;
     const Load& load = context_.step.load[s.body];
     s.v += h_ * load.a_W;
+    s.v_free = s.v;
     s.w += h_ * (s.inv_inertia_W * load.torque_W);
   }
 }
@@ -128,7 +144,6 @@ void Solver::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const
   i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
   j.v += j.inv_mass * impulse;
   j.w += j.inv_inertia_W * point.r_j.cross(impulse);
-  i.touched = j.touched = true;
 }
 
 void Solver::warmStart() {
@@ -151,7 +166,7 @@ void Solver::solve() {
       return j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
     };
 
-    if (block.mu > 0.0) {
+    if (built::friction && block.rough) {
       for (int k = block.first; k < block.first + block.size; ++k) {
         SolverPoint& point = contacts_.points[k];
         const double limit = block.mu * point.l_n;
@@ -203,12 +218,15 @@ void Solver::drift() {
     }
     const Inertia& inertia = bodies.inertia[s.body];
     Vec3 step = h_ * s.v;
-    if (!s.touched) step -= 0.5 * h_ * h_ * context_.step.load[s.body].a_W;
+    const Vec3 fall = h_ * context_.step.load[s.body].a_W;
+    const double push = (s.v - s.v_free).norm(), enough = kPushed * fall.norm();
+    if (push < enough) step -= 0.5 * h_ * (1.0 - push / enough) * fall;
     s.moved += step;
     s.turned += h_ * s.w;
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
-    if (inertia.isotropic || s.w.norm() * h_ < kSlowTurn) {
+    if (inertia.unturned) continue;
+    if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSlowTurn) {
       q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
     } else {
       rotateFreely(q_WB, s.w, inertia, h_);
@@ -219,7 +237,7 @@ void Solver::drift() {
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
 void Solver::rebound() {
-  const double slowest = 0.5 * context_.step.h() * context_.scene.settings.gravity.norm();
+  const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
   for (const SolverBlock& block : contacts_.blocks) {
     SolverBody& i = contacts_.bodies[block.i];
     SolverBody& j = contacts_.bodies[block.j];
@@ -262,7 +280,7 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   solver.begin();
   clock.charge(kCollide);
   for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
-  solver.rebound();
+  if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
   clock.charge(kSolve);
   solver.store();
   clock.charge(kStore);

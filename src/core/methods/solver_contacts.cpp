@@ -45,6 +45,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   SolverBody s;
   s.v = store.twist[i].v_WB;
   s.w = store.twist[i].w_WB;
+  s.v_free = s.v;
   s.moved.setZero();
   s.turned.setZero();
   s.inv_mass = store.inertia[i].inv_mass;
@@ -79,7 +80,10 @@ double SolverContacts::marginOf(const SolverBlock& block, double left) const {
 void SolverContacts::find(double now, double left, double h) {
   h_ = h;
   const Bodies& store = context_.scene.bodies;
-  const double gravity = context_.scene.settings.gravity.norm();
+  const double gravity = context_.scene.gravity_W.norm();
+  const EffectOverrides& overrides = context_.scene.settings.effects;
+  const auto forced = overrides.find(Effect::Friction);
+  const bool friction_forced = forced != overrides.end() && forced->second;
   for (const Index k : batch_.pairs) {
     if (!mayTouch(context_.step.standing[k])) continue;
     const ContactPair& pair = context_.step.contacts.pairs[k];
@@ -88,8 +92,9 @@ void SolverContacts::find(double now, double left, double h) {
     SolverBlock block;
     block.i = slotOf(pair.i);
     block.j = slotOf(pair.j);
-    block.mu = pairFriction(a.material, b.material);
-    block.e = pairRestitution(a.material, b.material);
+    block.mu = context_.scene.frictionOf(pair.i, pair.j);
+    block.rough = block.mu > 0.0 || friction_forced;
+    block.e = context_.scene.restitutionOf(pair.i, pair.j);
     const double load = (context_.step.load[pair.j].a_W - context_.step.load[pair.i].a_W).norm();
     block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
     block.pair = k;
@@ -140,7 +145,7 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
                         lever_j * j.inv_inertia_W * lever_j;
   point.mass_n = 1.0 / block.n.dot(response * block.n);
   point.u_0 = normalVelocity(block, point);
-  if (block.mu == 0.0) return;
+  if (!block.rough) return;
   Eigen::Matrix<double, 3, 2> T;
   T << block.t1, block.t2;
   const Eigen::Matrix2d S = T.transpose() * response * T;
@@ -261,7 +266,7 @@ void SolverContacts::store(double h, double h_full) {
 // How far the points of a block are from the law of contact after the last sub-step.
 void SolverContacts::certify(const SolverBlock& block) const {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-  const double gravity = context_.scene.settings.gravity.norm();
+  const double gravity = context_.scene.gravity_W.norm();
   const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
   IslandCertificate solved;
   solved.method = "soft_step";

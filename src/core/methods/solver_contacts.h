@@ -12,10 +12,10 @@ namespace rbs {
 /// A body as the solver moves it.
 struct SolverBody {
   Vec3 v, w;           // m/s, rad/s
+  Vec3 v_free;         // after this sub-step's load, before its impulses
   Vec3 moved, turned;  // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
-  bool touched = false;  // by an impulse in this sub-step
   bool round;            // its surface does not turn with it: a sphere
   double reach;          // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
@@ -45,6 +45,7 @@ struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
   double mu, e;
+  bool rough;                                 // its friction is solved for
   double push;                                // largest speed of separation, m/s
   Index pair;                                 // in step.contacts.pairs
   int first, size;                            // in SolverContacts::points

@@ -29,7 +29,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
                       double time, double span) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  const double gravity = context.scene.settings.gravity.norm();
+  const double gravity = context.scene.gravity_W.norm();
   Touching out;
   for (const Index k : pairs) {
     if (!mayTouch(step.standing[k])) continue;
@@ -47,7 +47,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
       law.i = slot[i], law.j = slot[j];
       law.r_i = found.p_W - X_i.p_WB, law.r_j = found.p_W - X_j.p_WB;
       law.frame << t1, t2, manifold.n_W;
-      law.mu = pairFriction(a.material, b.material);
+      law.mu = context.scene.frictionOf(i, j);
       Vec3 led_W = Vec3::Zero();
       if (law.j == kNone) led_W += velocityAt(bodies.twist[j], law.r_j);
       if (law.i == kNone) led_W -= velocityAt(bodies.twist[i], law.r_i);

@@ -1,0 +1,35 @@
+// The wind: what drag measures velocities against.
+#include "algebra.h"
+#include "effects/effects.h"
+
+#include <cmath>
+
+namespace rbs {
+
+// Eight waves for each horizontal component, with periods from 0.7 s to 9 s and phases from the seed: a
+// closed form in time, so that a gust is the same whatever the step. Each wave of amplitude A has variance
+// A²/2; A = gust sqrt(2/8) gives the standard deviation asked for.
+Vec3 airVelocity(const SceneDef& settings, double time) {
+  if (!settings.wind) return Vec3::Zero();
+  const Wind& wind = *settings.wind;
+  Vec3 u = wind.velocity;
+  if (wind.gust == 0.0) return u;
+  std::uint64_t state = settings.seed;
+  const auto uniform = [&state] {  // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014)
+    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+  };
+  constexpr int kWaves = 8;
+  for (int axis = 0; axis < 2; ++axis) {
+    for (int k = 0; k < kWaves; ++k) {
+      const double period = 0.7 * std::pow(9.0 / 0.7, (k + uniform()) / kWaves);
+      const double phase = 2.0 * kPi * uniform();
+      u[axis] += wind.gust * std::sqrt(2.0 / kWaves) * std::sin(2.0 * kPi * time / period + phase);
+    }
+  }
+  return u;
+}
+
+}  // namespace rbs
