@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,7 @@ struct Snapshot {
   StepReport report;
   Totals totals;
   AirState air;
+  std::optional<Fluid> fluid;
   Vec3 gravity = Vec3::Zero();
   Fidelity fidelity = Fidelity::Interactive;
   View view;

@@ -577,6 +577,7 @@ Snapshot World::snapshot() const {
   if (settings.air) s.air.density = settings.air->density;
   if (settings.wind) s.air.mean = settings.wind->velocity, s.air.gust = settings.wind->gust;
   s.air.velocity = airVelocity(settings, w.scene.time);
+  s.fluid = settings.fluid;
   s.gravity = settings.gravity;
   s.fidelity = settings.fidelity;
   s.view = settings.view;

@@ -93,6 +93,18 @@ std::vector<Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pos
   return markers;
 }
 
+Marker waterMarker(const Fluid& fluid, const View& view) {
+  const double side = squareSide(view);
+  Marker marker;
+  marker.header.frame_id = kWorldFrame;
+  marker.ns = "fluid";
+  marker.type = Marker::CUBE;
+  marker.pose = toMsg(Pose{Vec3(view.target.x(), view.target.y(), fluid.level), Quat::Identity()});
+  marker.scale = toMsg(Vec3(side, side, 1e-4 * side));
+  marker.color = toMsg(Color{0.15f, 0.4f, 0.65f, 0.55f});
+  return marker;
+}
+
 Marker removalOf(const Marker& marker) {
   Marker removal;
   removal.header.frame_id = marker.header.frame_id;

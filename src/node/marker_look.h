@@ -30,6 +30,9 @@ double drawnSize(const MarkerLook& look);
 /// stay the same while the body lives.
 std::vector<visualization_msgs::Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pose);
 
+/// The surface of a fluid, as wide as a scene with this view needs it, in the namespace "fluid".
+visualization_msgs::Marker waterMarker(const Fluid& fluid, const View& view);
+
 /// The message that takes this marker away.
 visualization_msgs::Marker removalOf(const visualization_msgs::Marker& marker);
 

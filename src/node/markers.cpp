@@ -42,6 +42,7 @@ void MarkerPublisher::greet(const ros::SingleSubscriberPublisher& newcomer) {
   std::lock_guard<std::mutex> lock(mutex_);
   MarkerArray all;
   for (const Shown& shown : shown_) append(shown.markers, all);
+  if (water_) all.markers.push_back(*water_);
   newcomer.publish(all);
 }
 
@@ -49,12 +50,14 @@ void MarkerPublisher::publish(const Snapshot& snapshot) {
   std::lock_guard<std::mutex> lock(mutex_);
   if (publisher_.getNumSubscribers() == 0) {
     shown_.clear();
+    water_.reset();
     described_.reset();
     return;
   }
   if (!isTime(snapshot)) return;
   MarkerArray removals, news;
   if (snapshot.bodies != described_) follow(snapshot, removals, news);
+  flood(snapshot, removals, news);
   move(snapshot, news);
   // Two messages, since RViz warns of a marker that one message both takes away and adds.
   for (const MarkerArray& message : {removals, news}) {
@@ -87,6 +90,18 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
     looks.push_back(lookOf(body, frame, is_mesh, snapshot.view));
   }
   return looks;
+}
+
+// The surface of the fluid: a square about the scene, under what looks at it.
+void MarkerPublisher::flood(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
+  std::optional<Marker> water;
+  if (snapshot.fluid) water = waterMarker(*snapshot.fluid, snapshot.view);
+  if (water_ && (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
+    if (!water) removals.markers.push_back(removalOf(*water_));
+    water_.reset();
+  }
+  if (water && !water_) news.markers.push_back(*water);
+  water_ = water;
 }
 
 // A marker of the same (ns, id) in the same frame takes the place of the old one and needs no DELETE. RViz

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,12 +45,15 @@ class MarkerPublisher {
   std::vector<MarkerLook> looksOf(const Snapshot& snapshot) const;
   void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
               visualization_msgs::MarkerArray& news);
+  void flood(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
+             visualization_msgs::MarkerArray& news);
   void move(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
 
   const TfMode tf_;
   const std::string tf_prefix_;
   std::mutex mutex_;
   std::vector<Shown> shown_;                                       ///< in the order of described_
+  std::optional<visualization_msgs::Marker> water_;                ///< as the subscribers know it
   std::shared_ptr<const std::vector<BodyDescription>> described_;  ///< what shown_ shows
   ros::WallTime sent_;
   ros::Publisher publisher_;

@@ -46,6 +46,33 @@ class ClientTest(unittest.TestCase):
         self.done('delete', 'top')
         self.assertNotIn('top', self.done('list'))
 
+    def test_effects_are_forced_and_detected_again(self):
+        self.assertIn('forced off: friction', self.done('effects', '--off', 'friction'))
+        self.assertIn('contacts.friction', self.done('status'))
+        self.assertIn('all effects are detected', self.done('effects', '--auto', 'friction'))
+        self.assertNotEqual(rbs('effects', '--off', 'magnetism').returncode, 0)
+
+    def test_a_scene_file_is_explained_without_running_it(self):
+        explain = roslib.packages.find_node('rigid_body_sim', 'explain')[0]
+
+        def run(*arguments):
+            return subprocess.run([explain, *arguments], capture_output=True, text=True, timeout=60)
+
+        text = run(SMALL).stdout
+        self.assertIn('forces.gravity', text)
+        self.assertIn('9.81 m/s² on 2 bodies', text)
+        stages = {stage['name']: stage for stage in json.loads(run(SMALL, '--json').stdout)['stages']}
+        self.assertFalse(stages['forces.drag']['active'])
+        self.assertIn('air', stages['forces.drag']['reason'])
+        answer = json.loads(run('windy_day', '--json', '--steps', '3', '--off', 'drag').stdout)
+        stages = {stage['name']: stage for stage in answer['stages']}
+        self.assertIn('forced off', stages['forces.drag']['reason'])
+        self.assertGreater(stages['islands.advance']['seconds_per_step'], 0.0)
+        self.assertIn('without drag: in 0.25', answer['neglected'][0])
+        for wrong in (['nowhere'], [SMALL, '--on', 'magnetism'], [SMALL, '--fidelity', 'best'], []):
+            refused = run(*wrong)
+            self.assertEqual(refused.returncode, 2, wrong)
+
     def test_questions_are_answered(self):
         self.done('move', 'ball', '--at', 0, 0, 5)
         ray = ('ray', '--from', 0, 0, 9, '--along', 0, 0, -1)

@@ -212,6 +212,25 @@ class ServicesTest(unittest.TestCase):
             self.assertEqual(body('crate').pose, pose)
             self.assertEqual(self.status.fresh().fidelity, fidelity)
 
+    def test_effects_are_forced_and_say_what_that_neglects(self):
+        call('move_body', name='ball', pose=at(0, 0, 5))
+        pose = body('ball').pose
+        answer = call('set_effects', force_off=['gravity'])
+        self.assertEqual(answer.message, 'forced off: gravity')
+        self.assertTrue(any(line.startswith('forces.gravity off: forced off, neglecting: 9.81') for line in answer.changes))
+        self.assertIn("moves 'ball' by", answer.neglected[0])
+        self.assertAlmostEqual(float(answer.neglected[0].split(' by ')[1].split(' m')[0]), 0.5 * 9.81 * 0.25 ** 2, delta=1e-3)
+        self.assertEqual(body('ball').pose, pose)
+        call('step', n=10)
+        self.assertEqual(body('ball').pose, pose)
+        stage = next(stage for stage in self.status.fresh().pipeline if stage.name == 'forces.gravity')
+        self.assertFalse(stage.active)
+        answer = call('set_effects', force_on=['buoyancy'], detect=['gravity'])
+        self.assertEqual(answer.message, 'forced on: buoyancy')
+        self.assertTrue(any(line.startswith('forces.buoyancy on: forced on, although the scene has no fluid')
+                            for line in answer.changes))
+        self.assertEqual(call('set_effects', detect=['buoyancy']).message, 'all effects are detected')
+
     def test_the_status_certifies_what_rests(self):
         call('set_fidelity', fidelity='reference')
         call('step', n=240)
@@ -450,6 +469,8 @@ class ServicesTest(unittest.TestCase):
             (['velocity'], 'set_wind', dict(velocity=v(NAN, 0, 0))),
             (['gust'], 'set_wind', dict(gust=-1.0)),
             (['gravity'], 'set_gravity', dict(gravity=v(0, 0, NAN))),
+            (['effect', 'magnetism', 'gravity', 'drag'], 'set_effects', dict(force_on=['magnetism'])),
+            (['drag', 'twice'], 'set_effects', dict(force_on=['drag'], force_off=['drag'])),
             (['fidelity', 'best', 'accurate'], 'set_fidelity', dict(fidelity='best')),
             (['speed', '-1'], 'set_speed', dict(factor=-1.0)),
             (['speed', 'nan'], 'set_speed', dict(factor=NAN)),
