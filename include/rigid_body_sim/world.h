@@ -56,6 +56,13 @@ struct SavedState {
     Quat q_WB = Quat::Identity();        ///< then
   };
   std::vector<Attitude> attitudes;
+  /// A body at rest, in a scene whose bodies may sleep.
+  struct Rest {
+    std::uint32_t body = 0;                    ///< its index in the scene
+    std::uint32_t steps = 0;                   ///< for how many it has been
+    std::optional<std::uint32_t> asleep_with;  ///< index of the first body of the group that it sleeps with
+  };
+  std::vector<Rest> rest;
 };
 
 class World {

@@ -39,13 +39,16 @@ struct Traits {
   BodyKind kind = BodyKind::Dynamic;
   bool held = false;     ///< led by a hand: kinematic until released
   bool frozen = false;   ///< quarantined: static for good
+  bool asleep = false;   ///< at rest and left out of the step (sleep.h)
   double mass = 0.0;     ///< kg, whatever the kind
   double density = 0.0;  ///< kg/m³
   Material material;
   double bounding_radius = 0.0, length = 0.0;  ///< m, of the shape
   std::uint32_t group = 1, mask = 0xffffffffu;
 
-  bool moved_by_forces() const { return kind == BodyKind::Dynamic && !held && !frozen; }
+  /// By forces, now or once it wakes.
+  bool movable() const { return kind == BodyKind::Dynamic && !held && !frozen; }
+  bool moved_by_forces() const { return movable() && !asleep; }
   bool led() const { return !frozen && (held || kind == BodyKind::Kinematic); }
   double dragCoefficient() const;
 };

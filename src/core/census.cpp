@@ -13,7 +13,7 @@ namespace rbs {
 namespace {
 
 auto fields(const Census& c) {
-  return std::tie(c.bodies, c.moved_by_forces, c.led, c.collidable, c.shapes, c.ballistic, c.asymmetric,
+  return std::tie(c.bodies, c.moved_by_forces, c.led, c.asleep, c.collidable, c.shapes, c.ballistic, c.asymmetric,
                   c.rough, c.bouncy, c.rolling, c.dragged, c.turned, c.grabs, c.holds, c.wrenches, c.gravity,
                   c.air_density, c.fluid_density, c.fluid_level, c.wind, c.fidelity, c.overrides);
 }
@@ -25,7 +25,7 @@ std::vector<char> partnered(const Bodies& bodies) {
   std::map<Layer, Index> sizes;
   const auto layerOf = [&](Index i) {
     const Traits& t = bodies.traits[i];
-    return Layer(t.group, t.mask, t.moved_by_forces());
+    return Layer(t.group, t.mask, t.movable());
   };
   for (Index i = 0; i < bodies.size(); ++i) ++sizes[layerOf(i)];
   std::map<Layer, bool> has_partner;
@@ -108,6 +108,7 @@ Census countContents(const SceneStore& scene, const BodyEffects& body) {
     const bool moved = t.moved_by_forces();
     c.moved_by_forces += moved;
     c.led += t.led();
+    c.asleep += t.asleep;
     c.asymmetric += moved && !scene.bodies.inertia[i].isotropic;
     c.dragged += moved && t.dragCoefficient() > 0.0;
     if (!body.mayMeet(i)) continue;
@@ -180,7 +181,7 @@ Census takeCensus(SceneStore& scene) {
     }
     scene.effects.set(effect, effects::need(effect, c).active);
   }
-  scene.gravity_W = scene.effects[Effect::Gravity] ? scene.settings.gravity : Vec3::Zero().eval();
+  scene.gravity_W = effects::isNeglected(Effect::Gravity, c) ? Vec3::Zero().eval() : scene.settings.gravity;
   const BodyEffects body(scene);
   for (Index i = 0; i < c.bodies; ++i) setRotation(scene, body, i);
   Rosters rosters = listBodies(scene, body);

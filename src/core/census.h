@@ -16,6 +16,7 @@ struct Census {
   Index bodies = 0;
   Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
   Index led = 0;              ///< kinematic or held
+  Index asleep = 0;
   Index collidable = 0;       ///< with another body that they may meet
   std::array<Index, std::variant_size_v<Shape>> shapes{};  ///< of those, by shape
   Index ballistic = 0;        ///< moved by gravity alone, and never meeting another

@@ -63,6 +63,11 @@ struct Sweep {
   bool fresh = true;         ///< the axis has yet to be chosen
 };
 
+/// How long a body has been at rest, and which group it sleeps with.
+struct Rest {
+  std::uint32_t steps = 0, group = 0;
+};
+
 struct SceneStore {
   SceneDef settings;  ///< its `bodies` are empty: they live in the store below
   Bodies bodies;
@@ -73,7 +78,8 @@ struct SceneStore {
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
   std::vector<HandHold> holds;
-  Contacts contacts;  ///< of the last step
+  Contacts contacts;  ///< of the last step, and those of bodies asleep
+  std::vector<Rest> rest;  ///< by body; empty unless some rest
   Sweep sweep;        ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
@@ -148,6 +154,8 @@ struct StepStore {
   std::vector<Island> islands;
   std::vector<Index> island;            ///< by body: its place in `islands`; kNone if it is no mover
   std::vector<double> contact_seconds;  ///< by row of the contact method's table
+  std::vector<Index> woken;               ///< bodies that must not sleep on
+  std::vector<std::vector<Index>> to_bed;  ///< groups that sleep from the next step on
   std::vector<Pose> before;             ///< by body: pose at t0, for the body that must be put back
   std::vector<Twist> twist_before;      ///< by body, at t0
   StepReport report;

@@ -14,6 +14,7 @@
 #include "impacts.h"
 #include "islands.h"
 #include "methods/methods.h"
+#include "sleep.h"
 #include "text.h"
 
 #include <array>
@@ -45,6 +46,12 @@ Items points(const SceneStore&, const StepStore& step) {
   return {step.report.contacts, "points"};
 }
 
+std::uint64_t asleep(const SceneStore& scene) {
+  std::uint64_t n = 0;
+  for (const Traits& t : scene.bodies.traits) n += t.asleep;
+  return n;
+}
+
 struct Stage {
   const char* name;
   Need (*need)(const Census&);
@@ -55,7 +62,6 @@ struct Stage {
 constexpr std::array kStages{
     Stage{"hands.hold", holds::need, holds::run,
           [](const SceneStore& scene, const StepStore&) { return Items{scene.holds.size(), "bodies"}; }},
-    Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
     Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
@@ -68,11 +74,15 @@ constexpr std::array kStages{
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, bodiesOn<&Rosters::dragged>},
     Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
           bodiesOn<&Rosters::collidable>},
+    Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
+          [](const SceneStore& scene, const StepStore&) { return Items{asleep(scene), "asleep"}; }},
     Stage{"impacts.find", needOf<Effect::Impacts>, impacts::find, candidates},
+    Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
     Stage{"islands.link", islands::need, islands::link,
           [](const SceneStore&, const StepStore& step) { return Items{step.islands.size(), "islands"}; }},
     Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
     Stage{"certificate", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
+    Stage{"sleep.settle", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
 };
 
 // Parts of islands.advance that a scene may do without. The first three are timed (methods.h).
@@ -145,7 +155,8 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 }  // namespace
 
 void StepStore::begin(const SceneStore& scene, double from, double to) {
-  const bool ballistic_only = scene.rosters.movers.empty() && scene.rosters.led.empty();
+  const bool ballistic_only =
+      scene.rosters.movers.empty() && scene.rosters.led.empty() && scene.rosters.collidable.empty();
   const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
   t0 = from;
   t1 = to;
@@ -161,6 +172,8 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   stamp.assign(n, 0);
   islands.clear();
   island.assign(n, kNone);
+  woken.clear();
+  to_bed.clear();
   contact_seconds.assign(kContactRows, 0.0);
   before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
   twist_before.assign(scene.bodies.twist.begin(), scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
@@ -181,6 +194,7 @@ void Pipeline::run(Context& context) {
     const auto start = std::chrono::steady_clock::now();
     kStages[row].run(context);
     seconds_[row] = secondsSince(start);
+    if (!context.step.woken.empty()) return;  // to be begun again
   }
   contact_seconds_ = context.step.contact_seconds;
   context.step.report.seconds = secondsSince(step_start);

@@ -12,7 +12,8 @@ namespace rbs {
 class Pipeline {
  public:
   void filter(const Census& census);
-  /// Runs one step and times every stage.
+  /// Runs one step and times every stage. It ends early, before anything has moved, when bodies are to be woken
+  /// for it (step.woken).
   void run(Context& context);
   /// All stages, also those that do not run, with their reasons and their times in the last step.
   std::vector<StageInfo> describe(const Census& census, const SceneStore& scene, const StepStore& step) const;

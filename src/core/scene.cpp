@@ -258,6 +258,8 @@ const char* effectName(Effect effect) {
       return "gyroscopic";
     case Effect::Rotation:
       return "rotation";
+    case Effect::Sleeping:
+      return "sleeping";
   }
   return "";
 }

@@ -90,6 +90,14 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     item.require("since", "the time it holds for", attitude.since);
     item.require("orientation", "the orientation then, [x, y, z, w]", attitude.q_WB);
   });
+  readItems(fields, "rest", problems, [&](Fields& item) {
+    SavedState::Rest& rest = state.rest.emplace_back();
+    if (item.require("body", "the index of a body", rest.body) && rest.body >= bodies)
+      item.report("body", std::to_string(rest.body), "the index of a body, below " + std::to_string(bodies));
+    item.require("steps", "for how many steps it has rested", rest.steps);
+    if (item.read("asleep_with", rest.asleep_with) && *rest.asleep_with >= bodies)
+      item.report("asleep_with", std::to_string(*rest.asleep_with), "the index of a body, below " + std::to_string(bodies));
+  });
   return state;
 }
 

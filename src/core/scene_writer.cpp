@@ -150,6 +150,13 @@ std::string stateText(const SavedState& state) {
                   .add("orientation", text(attitude.q_WB))
                   .close() +
               "\n";
+  if (!state.rest.empty()) result += "  rest:\n";
+  for (const SavedState::Rest& rest : state.rest) {
+    Line line;
+    line.add("body", text(rest.body)).add("steps", text(rest.steps));
+    if (rest.asleep_with) line.add("asleep_with", text(*rest.asleep_with));
+    result += "    - " + line.close() + "\n";
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include "effects/effects.h"
 #include "narrowphase/collide.h"
 #include "pipeline.h"
+#include "sleep.h"
 #include "state_hash.h"
 #include "text.h"
 
@@ -41,6 +42,7 @@ struct World::Impl {
       ++description_version;
       descriptions.reset();
     }
+    sleep::wakeAll(scene);
     recount();
   }
 
@@ -63,23 +65,42 @@ struct World::Impl {
     scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
   }
 
+  void restoreRest(const std::vector<SavedState::Rest>& saved);
   void keepContacts();
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);
 };
 
-// Keeps the touches of this step's solves as the guesses for the next, and drops everything else.
+void World::Impl::restoreRest(const std::vector<SavedState::Rest>& saved) {
+  if (saved.empty() || !scene.effects[Effect::Sleeping]) return;
+  scene.rest.resize(scene.bodies.size());
+  std::unordered_map<std::uint32_t, std::vector<Index>> groups;
+  for (const SavedState::Rest& rest : saved) {
+    scene.rest[rest.body].steps = rest.steps;
+    if (rest.asleep_with) groups[*rest.asleep_with].push_back(rest.body);
+  }
+  for (const auto& [oldest, group] : groups) sleep::putToBed(scene, group);
+  recount();
+}
+
+// Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they are, and
+// drops everything else.
 void World::Impl::keepContacts() {
-  Contacts& kept = scene.contacts;
-  kept.clear();
-  for (ContactPair pair : step.contacts.pairs) {
-    if (pair.size == 0 || pair.first < step.inherited) continue;
-    const auto touches = step.contacts.touches.begin() + pair.first;
+  Contacts kept;
+  const auto keep = [&kept](ContactPair pair, const Contacts& from) {
+    const auto touches = from.touches.begin() + pair.first;
     pair.first = static_cast<Index>(kept.touches.size());
     kept.touches.insert(kept.touches.end(), touches, touches + pair.size);
     kept.pairs.push_back(pair);
+  };
+  for (const ContactPair& pair : step.contacts.pairs)
+    if (pair.size > 0 && pair.first >= step.inherited) keep(pair, step.contacts);
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    const Traits &a = scene.bodies.traits[pair.i], &b = scene.bodies.traits[pair.j];
+    if (pair.size > 0 && (a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces()) keep(pair, scene.contacts);
   }
-  std::sort(kept.pairs.begin(), kept.pairs.end(),
+  std::swap(scene.contacts, kept);
+  std::sort(scene.contacts.pairs.begin(), scene.contacts.pairs.end(),
             [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
 }
 
@@ -166,6 +187,9 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
         problems.push_back({"state.attitudes", std::to_string(attitude.body),
                             "the index of a body, a time up to state.time and a quaternion of norm 1"});
     }
+    for (const SavedState::Rest& rest : saved->rest)
+      if (rest.body >= bodies.size() || (rest.asleep_with && *rest.asleep_with >= bodies.size()))
+        problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
     throwIfAny(problems);
     impl_->scene.time = saved->time;
     impl_->scene.steps = saved->steps;
@@ -178,6 +202,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
       store.pose[attitude.body].q_WB = attitude.q_WB;
       store.since[attitude.body] = attitude.since;
     }
+    impl_->restoreRest(saved->rest);
   }
   impl_->pipeline.filter(impl_->census);
 }
@@ -313,11 +338,11 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   std::vector<Problem> problems;
   checkVector(impulse_W, Limits::max_impulse, "impulse", "N s", problems);
   checkVector(point_W, Limits::max_position, "point", "m", problems);
-  if (!bodies.traits[i].moved_by_forces())
+  if (!bodies.traits[i].movable())
     problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
   throwIfAny(problems);
   Twist twist = bodies.twist[i];
-  twist.v_WB += bodies.inertia[i].inv_mass * impulse_W;
+  twist.v_WB += impulse_W / bodies.traits[i].mass;
   const Pose pose = bodies.poseNow(i, impl_->scene.time);
   const Vec3 couple_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
   twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(couple_B));
@@ -340,7 +365,7 @@ void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, co
   checkVector(torque_W, Limits::max_impulse, "torque", "N m", problems);
   checkVector(point_W, Limits::max_position, "point", "m", problems);
   checkPositive(seconds, 1e9, "seconds", "s", problems);
-  if (!bodies.traits[i].moved_by_forces())
+  if (!bodies.traits[i].movable())
     problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
   throwIfAny(problems);
   const Vec3 couple = torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W);
@@ -459,9 +484,13 @@ void World::setEffects(const EffectOverrides& effects) {
 const StepReport& World::step() {
   Impl& w = *impl_;
   const double h = w.scene.settings.step;
-  w.step.begin(w.scene, w.scene.time, w.scene.time + h);
   Context context{w.scene, w.step, w.census};
-  w.pipeline.run(context);
+  do {
+    sleep::wake(w.scene, w.step.woken);
+    if (!w.step.woken.empty()) w.recount();
+    w.step.begin(w.scene, w.scene.time, w.scene.time + h);
+    w.pipeline.run(context);
+  } while (!w.step.woken.empty());
   w.keepContacts();
   w.scene.time += h;
   ++w.scene.steps;
@@ -473,6 +502,9 @@ const StepReport& World::step() {
   if (expired != wrenches.end() || frozen) {
     wrenches.erase(expired, wrenches.end());
     w.edited(frozen);
+  } else if (!w.step.to_bed.empty()) {
+    for (const std::vector<Index>& group : w.step.to_bed) sleep::putToBed(w.scene, group);
+    w.recount();
   }
   return w.step.report;
 }
@@ -516,6 +548,12 @@ SavedState World::captureState() const {
       contact.points.push_back({touch.feature, touch.normal, touch.friction_W});
     }
     state.contacts.push_back(std::move(contact));
+  }
+  for (Index i = 0; i < scene.rest.size(); ++i) {
+    if (scene.rest[i].steps == 0) continue;
+    SavedState::Rest rest{i, scene.rest[i].steps, std::nullopt};
+    if (scene.bodies.traits[i].asleep) rest.asleep_with = scene.rest[i].group;
+    state.rest.push_back(rest);
   }
   for (Index i = 0; i < scene.bodies.size(); ++i)
     if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))

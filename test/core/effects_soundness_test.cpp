@@ -72,6 +72,7 @@ EffectOverrides allAdditive(const SceneDef& scene) {
   if (std::none_of(scene.bodies.begin(), scene.bodies.end(),
                    [](const BodyDef& body) { return body.material.rolling_resistance > 0.0; }))
     on.erase(Effect::Rolling);
+  on.erase(Effect::Sleeping);  // which takes something away
   return on;
 }
 

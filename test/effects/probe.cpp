@@ -71,6 +71,8 @@ SceneDef without(Effect effect, SceneDef scene) {
         def.material.friction = def.material.rolling_resistance = 0.0;
       }
       break;
+    case Effect::Sleeping:
+      break;
   }
   return scene;
 }

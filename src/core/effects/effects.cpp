@@ -22,7 +22,8 @@ std::string pairsOfShapes(const Census& c) {
 
 Need needCollision(const Census& c) {
   if (c.collidable == 0) return {false, "no two bodies may meet, by their masks"};
-  if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
+  if (c.moved_by_forces == 0 && (c.asleep == 0 || c.led == 0))
+    return {false, c.asleep > 0 ? "all bodies sleep" : "no body is moved by forces"};
   return {true, count(c.collidable, "body", "bodies") + " may meet another: " + pairsOfShapes(c)};
 }
 
@@ -65,6 +66,11 @@ Need needGyroscopic(const Census& c) {
   return {true, count(c.asymmetric, "body has", "bodies have") + " principal moments that differ"};
 }
 
+// Nothing asks for it: it saves time and costs accuracy.
+Need needSleeping(const Census&) {
+  return {false, "no scene asks for it by itself: what bodies at rest would still settle by is lost"};
+}
+
 // --- the table of effects, in the order of kEffects
 
 struct Row {
@@ -84,6 +90,7 @@ constexpr std::array kRows{
     Row{Effect::Restitution, needRestitution, built::restitution},
     Row{Effect::Gyroscopic, needGyroscopic, built::gyroscopic},
     Row{Effect::Rotation, needRotation, built::rotation},
+    Row{Effect::Sleeping, needSleeping, built::sleeping},
 };
 
 constexpr bool isInOrder() {
@@ -102,6 +109,11 @@ Need need(Effect effect, const Census& census) {
   const auto forced = census.overrides.find(effect);
   if (forced == census.overrides.end() || forced->second == detected.active) return detected;
   return {forced->second, (forced->second ? "forced on, although " : "forced off, neglecting: ") + detected.reason};
+}
+
+bool isNeglected(Effect effect, const Census& census) {
+  const auto forced = census.overrides.find(effect);
+  return !kRows[static_cast<std::size_t>(effect)].built || (forced != census.overrides.end() && !forced->second);
 }
 
 }  // namespace rbs::effects

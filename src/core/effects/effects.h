@@ -17,6 +17,8 @@ struct Course {
 namespace effects {
 /// Whether an effect is simulated, as detected or as forced, and why.
 Need need(Effect effect, const Census& census);
+/// Whether it is forced off, or left out of this build.
+bool isNeglected(Effect effect, const Census& census);
 }  // namespace effects
 
 namespace gravity {

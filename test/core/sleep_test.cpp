@@ -1,0 +1,137 @@
+// Bodies that sleep, against the same bodies awake.
+#include "make_scene.h"
+#include "rigid_body_sim/scenes.h"
+
+#include <gtest/gtest.h>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+// Three crates on top of each other, one apart, and a ball that waits at a distance.
+SceneDef crates(bool sleeping) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  for (int k = 0; k < 3; ++k)
+    scene.bodies.push_back(box("crate_" + std::to_string(k), Vec3::Constant(0.4), {0.0, 0.0, 0.2 + 0.4 * k}));
+  scene.bodies.push_back(box("apart", Vec3::Constant(0.4), {5.0, 0.0, 0.2}));
+  if (sleeping) scene.effects[Effect::Sleeping] = true;
+  return scene;
+}
+
+std::uint64_t asleep(const World& world) {
+  for (const StageInfo& stage : world.pipeline())
+    if (stage.name == "sleep.wake") return stage.items;
+  return 0;
+}
+
+TEST(Sleep, IsOffUnlessAskedFor) {
+  World world(crates(false));
+  advance(world, 3.0);
+  EXPECT_EQ(asleep(world), 0u);
+}
+
+TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = crates(true);
+    scene.fidelity = fidelity;
+    World world(scene);
+    advance(world, 0.4);
+    EXPECT_EQ(asleep(world), 0u);
+    advance(world, 4.0);
+    ASSERT_EQ(asleep(world), 4u) << fidelityName(fidelity);
+    const Snapshot before = world.snapshot();
+    advance(world, 5.0);
+    const Snapshot after = world.snapshot();
+    EXPECT_EQ(after.report.flying + after.report.islands + after.report.pairs, 0u);
+    EXPECT_EQ(after.contacts.size(), before.contacts.size());
+    EXPECT_GT(after.contacts.size(), 12u);
+    for (std::size_t k = 0; k < after.states.size(); ++k) {
+      EXPECT_EQ(after.states[k].pose.p_WB, before.states[k].pose.p_WB);
+      EXPECT_EQ(after.states[k].pose.q_WB.coeffs(), before.states[k].pose.q_WB.coeffs());
+    }
+    EXPECT_NEAR(after.totals.potential_energy, before.totals.potential_energy, 0.0);
+  }
+}
+
+// A blow wakes the whole group before it lands: the bodies go where they would have gone had they never slept.
+TEST(Sleep, ABlowFindsThemAwake) {
+  const auto strike = [](bool sleeping) {
+    World world(crates(sleeping));
+    advance(world, 4.0);
+    EXPECT_EQ(asleep(world), sleeping ? 4u : 0u);
+    BodyDef shot = ball("shot", 0.15, {-2.0, 0.0, 1.0});
+    shot.twist.v_WB = {6.0, 0.0, 2.0};
+    world.addBody(shot);
+    EXPECT_EQ(asleep(world), 0u);  // an edit wakes all
+    advance(world, 1.0);
+    return world.snapshot();
+  };
+  const Snapshot slept = strike(true), woke = strike(false);
+  for (std::size_t k = 0; k < slept.states.size(); ++k)
+    EXPECT_LE((slept.states[k].pose.p_WB - woke.states[k].pose.p_WB).norm(), 1e-3) << (*slept.bodies)[k].name;
+}
+
+TEST(Sleep, WhatComesNearWakesTheGroupItComesNearAndNoOther) {
+  SceneDef scene = crates(true);
+  scene.bodies.push_back(ball("high", 0.15, {0.05, 0.0, 60.0}));
+  World world(scene), awake([&] {
+    SceneDef other = scene;
+    other.effects.clear();
+    return other;
+  }());
+  advance(world, 3.0);
+  advance(awake, 3.0);
+  ASSERT_EQ(asleep(world), 4u);
+  while (asleep(world) == 4u && world.time() < 5.0) world.step(), awake.step();
+  EXPECT_EQ(asleep(world), 1u);  // "apart"
+  EXPECT_EQ(world.step().warnings.size(), 0u);
+  awake.step();
+  // The ball falls on the top crate with the same impulse.
+  EXPECT_NEAR(stateOf(world, "high").twist.v_WB.z(), stateOf(awake, "high").twist.v_WB.z(), 0.02);
+  EXPECT_NEAR(stateOf(world, "crate_2").twist.v_WB.z(), stateOf(awake, "crate_2").twist.v_WB.z(), 0.02);
+}
+
+TEST(Sleep, ABodyThatIsLedWakesWhatItComesNear) {
+  SceneDef scene = crates(true);
+  BodyDef pusher = box("pusher", {0.2, 1.0, 0.4}, {3.0, 0.0, 0.3});
+  pusher.kind = BodyKind::Kinematic;
+  pusher.twist.v_WB.x() = 0.4;
+  scene.bodies.push_back(pusher);
+  World world(scene);
+  advance(world, 3.0);
+  ASSERT_EQ(asleep(world), 4u);
+  advance(world, 4.0);
+  EXPECT_GT(stateOf(world, "apart").pose.p_WB.x(), 5.5);
+}
+
+TEST(Sleep, AnEditOfWhatCarriesThemWakesThem) {
+  World world(crates(true));
+  advance(world, 4.0);
+  ASSERT_EQ(asleep(world), 4u);
+  world.removeBody(world.find("crate_0"));
+  advance(world, 1.0);
+  EXPECT_NEAR(stateOf(world, "crate_1").pose.p_WB.z(), 0.2, 0.005);
+  world.applyImpulse(world.find("crate_2"), {0.0, 0.0, 100.0}, stateOf(world, "crate_2").pose.p_WB);
+  world.step();
+  EXPECT_GT(stateOf(world, "crate_2").twist.v_WB.z(), 0.5);
+}
+
+TEST(Sleep, SurvivesSavingBitForBitAndARefusedEdit) {
+  World world(crates(true));
+  for (const double more : {0.2, 0.2, 4.0}) {
+    advance(world, more);
+    const SceneFile file = parseScene(writeScene(world.capture(), world.captureState()), "saved.yaml");
+    World restored(file.scene, file.state);
+    ASSERT_EQ(restored.stateHash(), world.stateHash()) << world.time();
+    EXPECT_EQ(asleep(restored), asleep(world));
+    World going(file.scene, file.state);
+    for (int k = 0; k < 60; ++k) restored.step(), going.step();
+    EXPECT_EQ(restored.stateHash(), going.stateHash());
+  }
+  const std::uint64_t hash = world.stateHash();
+  EXPECT_THROW(world.applyImpulse(world.find("crate_0"), Vec3::Constant(std::nan("")), Vec3::Zero()), InvalidInput);
+  EXPECT_EQ(world.stateHash(), hash);
+}
+
+}  // namespace
