@@ -198,12 +198,12 @@ struct Crowd {
 
   void add(const BodyDef& def) { scene.bodies.append(BodyId{scene.bodies.size() + 1}, def); }
   void admit() {
-    scene.rosters = takeRosters(scene.bodies);
+    census = takeCensus(scene);
     scene.sweep = {};
     scene.sweep.order = scene.rosters.collidable;
   }
   std::uint64_t run() {
-    step.begin(scene.bodies.size(), 0.0, 0.01);
+    step.begin(scene, 0.0, 0.01);
     Context context{scene, step, census};
     sweep_and_prune::run(context);
     return step.report.overlap_tests;
