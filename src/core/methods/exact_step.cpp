@@ -200,8 +200,10 @@ bool Stepper::takeOverlapsAway() {
   island_.displace(problem.bodies);
   Movers bodies = island_.movers();
   const Movers before = bodies;
-  for (const CoulombPoint& law : problem.points) {
-    if (law.i == kNone || law.j == kNone) continue;
+  for (std::size_t k = 0; k < problem.points.size(); ++k) {
+    const CoulombPoint& law = problem.points[k];
+    // What nothing but friction could turn is not turned for the sake of rounding.
+    if (law.i == kNone || law.j == kNone || touching_.law[k].mu == 0.0) continue;
     const Vec3 shift_W = law.impulse[2] * law.frame.col(2);
     const Vec3 half_W = 0.5 * shift_W.cross(before[law.j].v - before[law.i].v);
     for (const Index body : {law.i, law.j}) bodies[body].w -= bodies[body].inertia_W.llt().solve(half_W);
