@@ -38,7 +38,7 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
     World world(scene);
     advance(world, 0.4);
     EXPECT_EQ(asleep(world), 0u);
-    advance(world, 4.0);
+    advance(world, fidelity == Fidelity::Preview ? 15.0 : 4.0);
     ASSERT_EQ(asleep(world), 4u) << fidelityName(fidelity);
     const Snapshot before = world.snapshot();
     advance(world, 5.0);
