@@ -4,6 +4,7 @@
 #include "text.h"
 
 #include <array>
+#include <utility>
 
 namespace rbs::effects {
 
@@ -11,12 +12,14 @@ namespace {
 
 // --- effects that are part of other stages
 
-std::string pairsOfShapes(const Census& c) {
-  static constexpr std::array<const char*, std::variant_size_v<Shape>> kNames{
-      "spheres", "boxes", "capsules", "cylinders", "cones", "hulls", "planes"};
+std::string shapesThatMeet(const Census& c) {
+  static constexpr std::array<std::pair<const char*, const char*>, std::variant_size_v<Shape>> kNames{
+      {{"sphere", "spheres"}, {"box", "boxes"}, {"capsule", "capsules"}, {"cylinder", "cylinders"},
+       {"cone", "cones"}, {"hull", "hulls"}, {"plane", "planes"}}};
   std::string list;
   for (std::size_t k = 0; k < kNames.size(); ++k)
-    if (c.shapes[k] > 0) list += (list.empty() ? "" : ", ") + std::to_string(c.shapes[k]) + ' ' + kNames[k];
+    if (c.shapes[k] > 0)
+      list += (list.empty() ? "" : ", ") + count(c.shapes[k], kNames[k].first, kNames[k].second);
   return list;
 }
 
@@ -24,7 +27,7 @@ Need needCollision(const Census& c) {
   if (c.collidable == 0) return {false, "no two bodies may meet, by their masks"};
   if (c.moved_by_forces == 0 && (c.asleep == 0 || c.led == 0))
     return {false, c.asleep > 0 ? "all bodies sleep" : "no body is moved by forces"};
-  return {true, count(c.collidable, "body", "bodies") + " may meet another: " + pairsOfShapes(c)};
+  return {true, count(c.collidable, "body", "bodies") + " may meet another: " + shapesThatMeet(c)};
 }
 
 // Whether there are contacts at all; `what` is what they would ask for.
