@@ -7,10 +7,18 @@ namespace {
 
 enum Column { kStage, kMilliseconds, kReason, kColumns };
 
+/// A stage that has not run, or is timed as part of another, is only on.
+QString costOf(const rigid_body_sim::StageStatus& stage) {
+  if (!stage.active) return "off";
+  return stage.seconds > 0.0 ? QString::number(1e3 * stage.seconds, 'f', 3) : QString("on");
+}
+
 void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, const QPalette& palette) {
-  const QString reason = QString::fromStdString(stage.reason);
+  QString reason = QString::fromStdString(stage.reason);
+  if (stage.active && !stage.unit.empty())
+    reason = QString("%1 %2: ").arg(stage.items).arg(QString::fromStdString(stage.unit)) + reason;
   row.setText(kStage, QString::fromStdString(stage.name));
-  row.setText(kMilliseconds, stage.active ? QString::number(1e3 * stage.seconds, 'f', 3) : QString("off"));
+  row.setText(kMilliseconds, costOf(stage));
   row.setText(kReason, reason);
   row.setToolTip(kReason, reason);
   row.setTextAlignment(kMilliseconds, Qt::AlignRight);
