@@ -17,7 +17,8 @@ TYPES = {
     'apply_impulse': srv.ApplyImpulse, 'apply_wrench': srv.ApplyWrench, 'get_body': srv.GetBody,
     'list_bodies': srv.ListBodies, 'cast_ray': srv.CastRay,
     'closest_points': srv.ClosestPoints, 'overlaps': srv.Overlaps, 'list_scenes': srv.ListScenes, 'enable_wind': SetBool, 'set_wind': srv.SetWind,
-    'set_gravity': srv.SetGravity, 'set_fidelity': srv.SetFidelity, 'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'step': srv.Step,
+    'set_gravity': srv.SetGravity, 'set_effects': srv.SetEffects, 'set_fidelity': srv.SetFidelity,
+    'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'step': srv.Step,
     'reset': Trigger, 'set_speed': srv.SetSpeed, 'load_scene': srv.LoadScene, 'save_scene': srv.File,
     'save_state': srv.File, 'load_state': srv.File,
 }
