@@ -1,0 +1,154 @@
+"""Writes docs/accuracy.md from the results of rigid_body_sim_accuracy. Usage: accuracy_page.py RESULTS DOCS"""
+import json
+import os
+import shutil
+import sys
+
+LEVELS = ('0.001', '1e-06', '1e-09')
+SETTINGS = ('preview', 'interactive', 'accurate', 'reference')
+
+
+def seconds(value):
+    if value is None:
+        return '–'
+    for unit, scale in (('s', 1.0), ('ms', 1e3), ('µs', 1e6)):
+        if value * scale >= 1.0 or unit == 'µs':
+            return f'{value * scale:.2g} {unit}' if value * scale < 100 else f'{value * scale:.0f} {unit}'
+
+
+def error_text(row):
+    if row is None:
+        return ''
+    if row['failure']:
+        return f'× {row["failure"]}'
+    if row['error'] >= 1.0:
+        return f'× {row["error"]:.1g}'
+    return f'{row["error"]:.1g}'
+
+
+def coarsest(result, problem, engine, setting):
+    rows = [r for r in result['rows'] if (r['problem'], r['engine'], r['setting']) == (problem, engine, setting)]
+    return max(rows, key=lambda r: r['step']) if rows else None
+
+
+def losses(result):
+    lines = []
+    for problem in result['catalogue']['problems']:
+        own = [loss for loss in result['derived'][problem['name']]['losses']]
+        if not own:
+            continue
+        # Of a front that is dearer all along, the ends tell the story.
+        told = [own[0]] + ([own[-1]] if len(own) > 1 else [])
+        words = []
+        for loss in told:
+            what = f'{loss["error"]:.1g} in {seconds(loss["cpu_seconds"])}'
+            ours = 'ours does not get there' if loss['ratio'] is None else f'ours takes {loss["ratio"]:.1f} times as long'
+            words.append(f'{loss["engine"]} {loss["setting"]} reaches {what}, {ours}')
+        lines.append(f'- **{problem["name"]}**: ' + '; '.join(words) + '.')
+    return lines
+
+
+def table(header, rows):
+    return ['| ' + ' | '.join(header) + ' |', '|' + '---|' * len(header)] + ['| ' + ' | '.join(r) + ' |' for r in rows]
+
+
+def page(result):
+    problems = result['catalogue']['problems']
+    engines = [(e['engine'], e['setting']) for e in result['catalogue']['engines']]
+    engines.sort(key=lambda e: (e[0] != 'ours', e[0], SETTINGS.index(e[1]) if e[1] in SETTINGS else 9))
+    machine, build = result['machine'], result['build']
+    lines = [
+        '# What accuracy costs', '',
+        f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""}` on {result["begun"][:10]}; do not '
+        'edit it by hand.', '',
+        'Errors are dimensionless: 1e-3 of a way of 10 m is 1 cm. Every problem has an answer that is known, and all '
+        'engines get the same scene.', '',
+        '## Which setting do I need?', '',
+        'The error at the coarsest step, 1/60 s, and after it the CPU time of a step. × is a failure, or an answer '
+        'wrong by its own size.', '']
+    rows = []
+    for p in problems:
+        cells = []
+        for setting in SETTINGS:
+            row = coarsest(result, p['name'], 'ours', setting)
+            cost = f', {seconds(row["cpu_seconds"] / row["steps"])}' if row and row['cpu_seconds'] else ''
+            cells.append(error_text(row) + cost)
+        rows.append([f'[{p["name"]}](#{p["name"]})'] + cells)
+    lines += table(['problem'] + list(SETTINGS), rows)
+
+    lines += ['', '## Where another engine is ahead', '',
+              'An engine is ahead where one of its points reaches an error in less time than any of ours, whatever the '
+              'setting and the step. Named are the cheapest and the most exact point of each problem where that is so; '
+              'times of one run against another are good to some 20 %, so a ratio near 1 is a draw. Below 1e-12 all count as '
+              'equally right.', '']
+    lines += losses(result) or ['Nowhere in this run.']
+
+    lines += ['', '## The others at 1/60 s', '', 'The error at the coarsest step.', '']
+    others = [e for e in engines if e[0] != 'ours']
+    if others:
+        lines += table(['problem'] + [' '.join(e) for e in others],
+                       [[p['name']] + [error_text(coarsest(result, p['name'], *e)) for e in others] for p in problems])
+    else:
+        lines += ['No other engine was built in.']
+
+    lines += ['', '## Problem by problem', '',
+              'Charts: error against CPU time of the whole run, a point for each step size; the thick line is the Pareto '
+              'front, the points that none beats on both. Tables: the CPU time of the cheapest step that reaches an '
+              'error; the order, which is the slope of the error against the step (none: errors of rounding, or too few points); '
+              'and by how much the time grows for one digit more, along the front of that setting.', '']
+    for p in problems:
+        derived = result['derived'][p['name']]['settings']
+        lines += [f'### {p["name"]}', '', p['sentence'], '',
+                  f'Compared with {"the exact motion" if p["against"] == "exact" else "what must stay the same"}. '
+                  f'Error: {p["measure"]}.', '', f'![{p["name"]}](pictures/accuracy/{p["name"]}.svg)', '']
+        rows = []
+        for engine, setting in engines:
+            own = derived.get(f'{engine} {setting}')
+            if own is None:
+                continue
+            failed = {r['failure'] for r in result['rows'] if r['failure'] and
+                      (r['problem'], r['engine'], r['setting']) == (p['name'], engine, setting)}
+            rows.append([f'{engine} {setting}' + (f' (× {", ".join(sorted(failed))})' if failed else '')] +
+                        [seconds(own['time_to'][level]) for level in LEVELS] +
+                        ['–' if own['order'] is None else f'{own["order"]:.1f}',
+                         '–' if own['digit_price'] is None else f'×{own["digit_price"]:.2f}'])
+        lines += table(['engine', 'to 1e-3', 'to 1e-6', 'to 1e-9', 'order', 'one digit more'], rows) + ['']
+
+    lines += [
+        '## How it was measured', '',
+        f'- Machine: {machine["cpu"]}, {machine["cores"]} cores, {machine["system"]}. Built with GCC {build["compiler"]}, '
+        f'`{build["flags"]}`. Seed {result["seed"]}.',
+        f'- Every measurement was made in {result["passes"]} passes, each in a shuffled order of its own, so that a noisy '
+        'moment falls on no engine alone. The error comes from a run of its own; the time from another that logs '
+        'nothing: the CPU time of its thread, the least of all repetitions.',
+        '- An error that differs between two passes counts as a failure, and is shown as "not repeatable".',
+        f'- A run that takes over {result["max_seconds"]:g} s of CPU time is "too slow".',
+        '- No body sleeps in any engine. Friction of a pair is the geometric mean and restitution the larger of the two, '
+        'everywhere.',
+        '- Engines and settings:']
+    lines += [f'  - {e["engine"]} {e["setting"]} ({e["version"]}): {e["sentence"]}' for e in result['catalogue']['engines']]
+    lines += ['- "Not supported" is what an engine does not offer: air resistance that grows with the square of the speed, '
+              'and a coefficient of restitution in MuJoCo.',
+              '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not give '
+              'alike.', '',
+              'The same by hand, for one problem:', '',
+              '    rosrun rigid_body_sim rigid_body_sim_accuracy /tmp/accuracy --problems sliding_stop', '']
+    return '\n'.join(lines)
+
+
+def main():
+    results, docs = sys.argv[1:]
+    with open(os.path.join(results, 'results.json'), encoding='utf-8') as file:
+        result = json.load(file)
+    if not result['whole']:
+        sys.exit('accuracy_page: the run was interrupted, so its results make no page; go on with --resume')
+    pictures = os.path.join(docs, 'pictures', 'accuracy')
+    os.makedirs(pictures, exist_ok=True)
+    for problem in result['catalogue']['problems']:
+        shutil.copy(os.path.join(results, problem['name'] + '.svg'), pictures)
+    with open(os.path.join(docs, 'accuracy.md'), 'w', encoding='utf-8') as file:
+        file.write(page(result))
+
+
+if __name__ == '__main__':
+    main()

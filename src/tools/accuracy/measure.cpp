@@ -1,0 +1,93 @@
+#include "measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+namespace rbs::accuracy {
+namespace {
+
+/// CPU seconds of this thread.
+double cpuNow() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+bool finite(const std::vector<Motion>& motions) {
+  return std::all_of(motions.begin(), motions.end(), [](const Motion& m) {
+    return m.pose.p_WB.allFinite() && m.pose.q_WB.coeffs().allFinite() && m.twist.v_WB.allFinite() &&
+           m.twist.w_WB.allFinite();
+  });
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+/// The run that is looked at. Leaves the error or the failure.
+void measureError(const Problem& problem, const peers::EngineSetting& engine, const peers::Task& task,
+                  double max_seconds, Measurement& result) {
+  const double begin = cpuNow();
+  const auto run = engine.make(task);
+  for (std::uint64_t k = 1; k <= result.steps; ++k) {
+    run->step();
+    if (problem.whole_run || k == result.steps) {
+      const double time = static_cast<double>(k) * task.scene.step;
+      const std::vector<Motion> motions = run->read();
+      const double error = finite(motions) ? problem.error(time, motions) : NAN;
+      if (!std::isfinite(error)) {
+        result.failure = Failure{"not finite", "after " + number(time) + " s"};
+        return;
+      }
+      result.error = std::max(result.error, error);
+    }
+    if (cpuNow() - begin > max_seconds) {
+      result.failure = Failure{"too slow", std::to_string(k) + " of " + std::to_string(result.steps) +
+                                               " steps took " + number(max_seconds) + " s"};
+      return;
+    }
+  }
+}
+
+/// CPU seconds of all steps of a run that nobody looks at.
+double timeOf(const peers::EngineSetting& engine, const peers::Task& task, std::uint64_t steps) {
+  const auto run = engine.make(task);
+  const double begin = cpuNow();
+  for (std::uint64_t k = 0; k < steps; ++k) run->step();
+  return cpuNow() - begin;
+}
+
+}  // namespace
+
+Measurement measure(const Problem& problem, const peers::EngineSetting& engine, const Request& request) {
+  Measurement result;
+  result.steps = static_cast<std::uint64_t>(std::max(1.0, std::round(problem.duration / request.step)));
+  peers::Task task = problem.task;
+  task.scene.step = request.step;
+  try {
+    measureError(problem, engine, task, request.max_seconds, result);
+    if (result.failure) return result;
+
+    // A run of a few microseconds says little: such are repeated until 20 ms are together.
+    constexpr double kEnough = 0.02;
+    constexpr std::uint64_t kMost = 50;
+    double fastest = INFINITY, slowest = 0.0, together = 0.0;
+    const auto asked = static_cast<std::uint64_t>(request.repetitions);
+    while (result.repetitions < asked || (together < kEnough && result.repetitions < kMost)) {
+      const double seconds = timeOf(engine, task, result.steps);
+      fastest = std::min(fastest, seconds), slowest = std::max(slowest, seconds), together += seconds;
+      ++result.repetitions;
+    }
+    result.cpu_seconds = fastest, result.cpu_spread = slowest - fastest;
+  } catch (const peers::Unsupported& e) {
+    result.failure = Failure{"not supported", e.what()};
+  } catch (const std::exception& e) {
+    result.failure = Failure{"refused", e.what()};
+  }
+  return result;
+}
+
+}  // namespace rbs::accuracy

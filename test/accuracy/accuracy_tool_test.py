@@ -1,0 +1,196 @@
+"""rigid_body_sim_accuracy and accuracy_probe as a user meets them: short runs, resumed runs, refusals."""
+import glob
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TOOL = ROOT / 'src/tools/rigid_body_sim_accuracy'
+
+
+def probe_path():
+    """In the build that runs this test: its folder comes with the environment, else the one of this tree."""
+    for prefix in os.environ.get('CMAKE_PREFIX_PATH', '').split(':') + [str(ROOT / 'build/devel')]:
+        path = os.path.join(prefix, 'lib/rigid_body_sim/accuracy_probe')
+        if os.path.isfile(path):
+            return path
+    raise RuntimeError('accuracy_probe is not built')
+
+
+PROBE = probe_path()
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.out = os.path.join(self.folder, 'out')
+
+    def tool(self, *arguments, probe=PROBE, **options):
+        options.setdefault('timeout', 300)
+        return subprocess.run(['/usr/bin/python3', str(TOOL), self.out, '--probe', probe, *arguments], text=True,
+                              capture_output=True, check=False, **options)
+
+    def short(self, *arguments, **options):
+        return self.tool('--problems', 'projectile', 'sliding_stop', '--engines', 'ours', '--quick', *arguments,
+                         **options)
+
+    def results(self):
+        with open(os.path.join(self.out, 'results.json'), encoding='utf-8') as file:
+            return json.load(file)
+
+    def fake_probe(self, text):
+        """A program in place of the probe, which hands what it does not do itself to the true one."""
+        path = os.path.join(self.folder, 'probe')
+        with open(path, 'w', encoding='utf-8') as file:
+            file.write('#!/bin/bash\n' + text + f'\nexec {PROBE} "$@"\n')
+        os.chmod(path, 0o755)
+        return path
+
+
+class Probe(unittest.TestCase):
+    def refused(self, *arguments):
+        done = subprocess.run([PROBE, *arguments], text=True, capture_output=True, check=False)
+        self.assertEqual(2, done.returncode, done.stderr)
+        self.assertEqual('', done.stdout)
+        return done.stderr
+
+    def test_one_measurement(self):
+        done = subprocess.run([PROBE, '--problem', 'projectile', '--setting', 'interactive', '--step', '0.01'],
+                              text=True, capture_output=True, check=True)
+        row = json.loads(done.stdout)
+        self.assertEqual(200, row['steps'])
+        self.assertLess(row['error'], 1e-12)
+        self.assertGreater(row['cpu_seconds'], 0)
+        self.assertIsNone(row['failure'])
+
+    def test_bad_input_names_what_is_allowed(self):
+        ok = {'--problem': 'projectile', '--setting': 'interactive', '--step': '0.01'}
+
+        def given(**changes):
+            changed = {**ok, **{'--' + name: value for name, value in changes.items()}}
+            return [word for pair in changed.items() if pair[1] is not None for word in pair]
+
+        self.assertIn('bounce_elastic', self.refused(*given(problem='no_such')))
+        self.assertIn('ours preview', self.refused(*given(engine='no_such')))
+        self.assertIn('ours preview', self.refused(*given(setting='no_such')))
+        self.assertIn('1e-6 to 1', self.refused(*given(step='0')))
+        self.assertIn('1e-6 to 1', self.refused(*given(step='nan')))
+        self.assertIn('--step', self.refused(*given(step='fast')))
+        self.assertIn('--step is missing', self.refused(*given(step=None)))
+        self.assertIn('1 to 1000', self.refused(*given(repetitions='0')))
+        self.assertIn('above 0', self.refused(*given(**{'max-seconds': 'nan'})))
+        self.refused('--no-such-option')
+        self.refused('stray')
+
+
+class Runs(Folder):
+    def test_a_short_run_leaves_tables_and_charts(self):
+        done = self.short()
+        self.assertEqual(0, done.returncode, done.stderr)
+        result = self.results()
+        self.assertTrue(result['whole'])
+        self.assertEqual(2 * 4 * 3, len(result['rows']))  # problems, settings, every other step
+        for row in result['rows']:
+            self.assertEqual(2, row['runs'])
+            self.assertIsNone(row['failure'], row)
+        names = {os.path.basename(path) for path in glob.glob(self.out + '/*')}
+        self.assertEqual({'runs.jsonl', 'results.csv', 'results.json', 'projectile.svg', 'projectile.png',
+                          'sliding_stop.svg', 'sliding_stop.png'}, names)
+        with open(self.out + '/results.csv', encoding='utf-8') as file:
+            self.assertEqual(1 + len(result['rows']), len(file.readlines()))
+
+    def test_interrupted_and_resumed_it_gives_what_one_run_gives(self):
+        self.assertEqual(0, self.short('--no-charts').returncode)
+        whole = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
+        shutil.rmtree(self.out)
+        slow = self.fake_probe('[ "$1" = --list ] || sleep 0.3')
+        process = subprocess.Popen(['/usr/bin/python3', str(TOOL), self.out, '--probe', slow, '--problems', 'projectile',
+                                    'sliding_stop', '--engines', 'ours', '--quick', '--no-charts'],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        runs = os.path.join(self.out, 'runs.jsonl')
+        deadline = time.monotonic() + 120
+        while time.monotonic() < deadline:
+            if os.path.exists(runs) and len(pathlib.Path(runs).read_text().split('\n')) > 5:
+                break
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=120)[0]
+        self.assertEqual(130, process.returncode)
+        self.assertIn('--resume', said)
+        self.assertFalse(self.results()['whole'])
+        with open(runs, 'a', encoding='utf-8') as file:
+            file.write('{"problem": "proj')  # as if the machine had stopped while a line was written
+        done = self.short('--no-charts', '--resume')
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertTrue(self.results()['whole'])
+        again = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
+        self.assertEqual(whole, again)
+
+    def test_a_crash_of_the_engine_is_a_failure_of_that_run_and_not_the_end(self):
+        probe = self.fake_probe('[[ "$*" == *"--setting preview"* ]] && kill -SEGV $$')
+        done = self.short('--no-charts', probe=probe)
+        self.assertEqual(0, done.returncode, done.stderr)
+        for row in self.results()['rows']:
+            self.assertEqual('crashed' if row['setting'] == 'preview' else None, row['failure'])
+
+    def test_errors_that_differ_from_run_to_run_are_a_failure(self):
+        counter = os.path.join(self.folder, 'n')
+        probe = self.fake_probe(f'[ "$1" = --list ] || {{ echo >> {counter}; {PROBE} "$@" | '
+                                f'sed "s/\\"error\\":[^,]*/\\"error\\":$(wc -l < {counter})e-5/"; exit; }}')
+        self.assertEqual(0, self.short('--no-charts', probe=probe).returncode)
+        self.assertEqual({'not repeatable'}, {row['failure'] for row in self.results()['rows']})
+
+
+class Refusals(Folder):
+    def refused(self, done, *words):
+        self.assertEqual(1, done.returncode, done.stdout + done.stderr)
+        self.assertNotIn('Traceback', done.stderr)
+        for word in words:
+            self.assertIn(word, done.stderr)
+        self.assertFalse(os.path.exists(self.out + '/results.json'))
+
+    def test_names_that_are_not_there(self):
+        self.refused(self.tool('--problems', 'no_such'), 'no_such', 'projectile')
+        self.refused(self.tool('--engines', 'no_such'), 'no_such', 'ours')
+        self.refused(self.tool(probe='/no/such/probe'), '/no/such/probe')
+
+    def test_a_folder_that_is_a_file_or_below_one(self):
+        pathlib.Path(self.out).write_text('')
+        self.refused(self.short(), 'cannot write into ' + self.out)
+        self.out += '/below'
+        self.refused(self.short(), 'cannot write into ' + self.out)
+
+    def test_a_full_disk(self):
+        def full():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (9000, 9000))
+        self.refused(self.short(preexec_fn=full), 'cannot write into ' + self.out, '--resume')
+
+    def test_a_folder_in_use_and_one_that_is_not(self):
+        self.refused(self.short('--resume'), 'no ' + self.out)
+        os.makedirs(self.out)
+        runs = pathlib.Path(self.out) / 'runs.jsonl'
+        runs.write_text('mine\n')
+        self.refused(self.short(), '--resume')
+        self.refused(self.short('--resume'), 'does not begin as ours do')
+        self.assertEqual('mine\n', runs.read_text())
+
+    def test_resuming_with_other_settings(self):
+        self.assertEqual(0, self.short('--no-charts').returncode)
+        os.remove(self.out + '/results.json')
+        self.refused(self.short('--no-charts', '--resume', '--seed', '2'), '"seed"')
+
+    def test_bad_arguments(self):
+        for arguments in (['--passes', '0'], ['--max-seconds', 'nan'], ['--passes', 'two']):
+            self.assertEqual(2, self.short(*arguments).returncode)
+
+
+if __name__ == '__main__':
+    unittest.main()
