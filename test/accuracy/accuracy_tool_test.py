@@ -97,7 +97,7 @@ class Runs(Folder):
         self.assertEqual(0, done.returncode, done.stderr)
         result = self.results()
         self.assertTrue(result['whole'])
-        self.assertEqual(2 * 4 * 3, len(result['rows']))  # problems, settings, every other step
+        self.assertEqual(2 * 4 * 4, len(result['rows']))  # problems, settings, every other step
         for row in result['rows']:
             self.assertEqual(2, row['runs'])
             self.assertIsNone(row['failure'], row)
@@ -133,6 +133,7 @@ class Runs(Folder):
         self.assertTrue(self.results()['whole'])
         again = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
         self.assertEqual(whole, again)
+        self.assertEqual(0, self.short('--no-charts', '--resume').returncode)  # the cut line spoiled no other
 
     def test_a_crash_of_the_engine_is_a_failure_of_that_run_and_not_the_end(self):
         probe = self.fake_probe('[[ "$*" == *"--setting preview"* ]] && kill -SEGV $$')

@@ -71,6 +71,12 @@ int refuse(const std::string& message) {
 
 int run(int argc, char** argv) {
   namespace po = boost::program_options;
+  // Adapters add themselves in an order that the linker chooses: ours goes first, and settings stay as they
+  // are.
+  std::stable_sort(peers::engineSettings().begin(), peers::engineSettings().end(),
+                   [](const auto& a, const auto& b) {
+                     return std::pair(a.engine != "ours", a.engine) < std::pair(b.engine != "ours", b.engine);
+                   });
   std::sort(problems().begin(), problems().end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
   std::string problem_name, engine_name, setting;

@@ -15,7 +15,7 @@ Problem atRest(const std::string& name, const std::string& sentence, const std::
   p.against = "exact";
   p.measure = "largest distance that a box moved, as a share of its edge";
   p.duration = 2.0;
-  p.steps = {1.0 / 60, 1.0 / 120, 1.0 / 240, 1.0 / 480, 1.0 / 960};
+  p.steps.pop_back();  // for the sake of time
   std::vector<BodyDef> bodies{floor(0.5)};
   for (std::size_t k = 0; k < masses.size(); ++k)
     bodies.push_back(

@@ -48,7 +48,7 @@ Problem gas() {
   p.measure = "largest change of the energy, as a share of it";
   p.duration = 5.0;
   p.whole_run = true;
-  p.steps = {1.0 / 60, 1.0 / 120, 1.0 / 240, 1.0 / 480, 1.0 / 960};
+  p.steps.pop_back();  // for the sake of time
   p.task.scene = scene(bodies, Vec3::Zero());
   p.error = [energy](double, const std::vector<Motion>& m) {
     for (std::size_t k = kWalls; k < m.size(); ++k)

@@ -60,7 +60,7 @@ Problem rollingOblique() {
   p.against = "exact";
   p.measure = "largest distance of a body from its exact place, as a share of the way of the plate";
   p.duration = 2.0;
-  p.steps = {1.0 / 60, 1.0 / 120, 1.0 / 240, 1.0 / 480, 1.0 / 960};
+  p.steps.pop_back();  // for the sake of time
   p.task = {scene(bodies), {{1, F * direction}}};
   p.error = [=](double t, const std::vector<Motion>& motions) {
     const double way = 0.5 * a * t * t;

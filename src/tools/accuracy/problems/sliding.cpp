@@ -34,7 +34,7 @@ Problem slidingStop() {
       "A box slides at 5 m/s, 20 degrees off its edges, until friction stops it; where does it stop?";
   p.against = "exact";
   p.measure = "distance from the exact place, as a share of the way";
-  p.duration = 1.5;
+  p.duration = 1.6;
   p.task = boxOnFloor(mu, v * direction, Vec3(0, 0, -kGravity));
   p.error = [=](double t, const std::vector<Motion>& m) {
     const double way = t < stop ? v * t - 0.5 * mu * kGravity * t * t : length;
