@@ -58,7 +58,7 @@ def losses(result):
         told = [own[0]] + ([own[-1]] if len(own) > 1 else [])
         words = []
         for loss in told:
-            what = f'{loss["error"]:.1g} in {seconds(loss["cpu_seconds"])}'
+            what = f'{loss["error"]:.2g} in {seconds(loss["cpu_seconds"])}'
             ours = 'ours does not get there' if loss['ratio'] is None else f'ours takes {loss["ratio"]:.1f} times as long'
             words.append(f'{loss["engine"]} {loss["setting"]} reaches {what}, {ours}')
         lines.append(f'- **{problem["name"]}**: ' + '; '.join(words) + '.')
@@ -78,10 +78,17 @@ def page(result):
         f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""}` on {result["begun"][:10]}; do not '
         'edit it by hand.', '',
         'Errors are dimensionless: 1e-3 of a way of 10 m is 1 cm. Every problem has an answer that is known, and all '
-        'engines get the same scene.', '',
-        '## Which setting do I need?', '',
-        'The error with a step of 1/60 s, which is the default, and after it the CPU time of a step. × is a failure, or an answer '
-        'wrong by its own size.', '']
+        'engines get the same scene.', '']
+    lines += ['## Where another engine is ahead', '',
+              'An engine is ahead where one of its points reaches an error in less time than any of ours, whatever the '
+              'setting and the step. Named are the cheapest and the most exact point of each problem where that is so; '
+              'times of one run against another are good to some 20 %, so a ratio near 1 is a draw. Below '
+              '1e-12 all count as equally right.', '']
+    lines += losses(result) or ['Nowhere in this run.']
+
+    lines += ['', '## Which setting do I need?', '',
+              'The error with a step of 1/60 s, which is the default, and after it the CPU time of a step. × is a failure, '
+              'or an answer wrong by its own size.', '']
     rows = []
     for p in problems:
         cells = []
@@ -93,13 +100,6 @@ def page(result):
     lines += table(['problem'] + list(SETTINGS), rows)
     lines += ['', 'Flights, spins and bouncing balls are in closed form at every setting, so the dial only matters where '
               'bodies rest, slide or roll on each other.', ''] + needless(result)
-
-    lines += ['', '## Where another engine is ahead', '',
-              'An engine is ahead where one of its points reaches an error in less time than any of ours, whatever the '
-              'setting and the step. Named are the cheapest and the most exact point of each problem where that is so; '
-              'times of one run against another are good to some 20 %, so a ratio near 1 is a draw. Below 1e-12 all count as '
-              'equally right.', '']
-    lines += losses(result) or ['Nowhere in this run.']
 
     lines += ['', '## The others at 1/60 s', '', 'The error with a step of 1/60 s.', '']
     others = [e for e in engines if e[0] != 'ours']
