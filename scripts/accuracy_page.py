@@ -32,6 +32,19 @@ def usual(result, problem, engine, setting):
     return min(rows, key=lambda r: abs(r['step'] - 1 / 60)) if rows else None
 
 
+def noise(result):
+    """How far times of the same work differ: where all our settings give the same error to the bit, they do the same."""
+    groups = {}
+    for r in result['rows']:
+        if r['engine'] == 'ours' and not r['failure']:
+            groups.setdefault((r['problem'], r['step'], r['error']), []).append(r['cpu_seconds'])
+    ratios = sorted(max(times) / min(times) for times in groups.values() if len(times) == len(SETTINGS))
+    if not ratios:
+        return ''
+    return (f'How noisy the machine was: the same work, timed four times, differs by a factor of {ratios[len(ratios) // 2]:.1f} '
+            f'in the median and {ratios[-1]:.1f} at worst, so smaller ratios than that are a draw.')
+
+
 def needless(result):
     """A sentence for each fidelity that a higher one beats on both error and time, with how often it does."""
     lines = []
@@ -59,7 +72,9 @@ def losses(result):
         words = []
         for loss in told:
             what = f'{loss["error"]:.2g} in {seconds(loss["cpu_seconds"])}'
-            ours = 'ours does not get there' if loss['ratio'] is None else f'ours takes {loss["ratio"]:.1f} times as long'
+            ours = 'ours does not get there'
+            if loss['ratio'] is not None:
+                ours = f'ours takes {loss["ratio"]:.1f} times as long'
             words.append(f'{loss["engine"]} {loss["setting"]} reaches {what}, {ours}')
         lines.append(f'- **{problem["name"]}**: ' + '; '.join(words) + '.')
     return lines
@@ -75,20 +90,19 @@ def page(result):
     machine, build = result['machine'], result['build']
     lines = [
         '# What accuracy costs', '',
-        f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""}` on {result["begun"][:10]}; do not '
-        'edit it by hand.', '',
+        f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""} --passes {result["passes"]}` on {result["begun"][:10]}; '
+        'do not edit it by hand.', '',
         'Errors are dimensionless: 1e-3 of a way of 10 m is 1 cm. Every problem has an answer that is known, and all '
         'engines get the same scene.', '']
     lines += ['## Where another engine is ahead', '',
               'An engine is ahead where one of its points reaches an error in less time than any of ours, whatever the '
               'setting and the step. Named are the cheapest and the most exact point of each problem where that is so; '
-              'times of one run against another are good to some 20 %, so a ratio near 1 is a draw. Below '
-              '1e-12 all count as equally right.', '']
+              'below 1e-12 all count as equally right. ' + noise(result), '']
     lines += losses(result) or ['Nowhere in this run.']
 
     lines += ['', '## Which setting do I need?', '',
-              'The error with a step of 1/60 s, which is the default, and after it the CPU time of a step. × is a failure, '
-              'or an answer wrong by its own size.', '']
+              'The error with a step of 1/60 s, which is the default, and after it the CPU time of a step. × is a '
+              'failure, or an answer wrong by its own size.', '']
     rows = []
     for p in problems:
         cells = []
@@ -98,8 +112,8 @@ def page(result):
             cells.append(error_text(row) + cost)
         rows.append([f'[{p["name"]}](#{p["name"]})'] + cells)
     lines += table(['problem'] + list(SETTINGS), rows)
-    lines += ['', 'Flights, spins and bouncing balls are in closed form at every setting, so the dial only matters where '
-              'bodies rest, slide or roll on each other.', ''] + needless(result)
+    lines += ['', 'Flights, spins and bouncing balls are in closed form at every setting, so the dial only matters '
+              'where bodies rest, slide or roll on each other.', ''] + needless(result)
 
     lines += ['', '## The others at 1/60 s', '', 'The error with a step of 1/60 s.', '']
     others = [e for e in engines if e[0] != 'ours']
@@ -110,10 +124,10 @@ def page(result):
         lines += ['No other engine was built in.']
 
     lines += ['', '## Problem by problem', '',
-              'Charts: error against CPU time of the whole run, a point for each step size; the thick line is the Pareto '
-              'front, the points that none beats on both. Tables: the CPU time of the cheapest step that reaches an '
-              'error; the order, which is the slope of the error against the step (none: errors of rounding, or too few points; negative: the '
-              'error grows as steps shrink); '
+              'Charts: error against CPU time of the whole run, a point for each step size; the thick line is the '
+              'Pareto front, the points that none beats on both. Tables: the CPU time of the cheapest step that reaches an '
+              'error; the order, which is the slope of the error against the step (none: errors of rounding, or too few '
+              'points; negative: the error grows as steps shrink); '
               'and by how much the time grows for one digit more, along the front of that setting.', '']
     for p in problems:
         derived = result['derived'][p['name']]['settings']
@@ -135,21 +149,22 @@ def page(result):
 
     lines += [
         '## How it was measured', '',
-        f'- Machine: {machine["cpu"]}, {machine["cores"]} cores, {machine["system"]}. Built with GCC {build["compiler"]}, '
-        f'`{build["flags"]}`. Seed {result["seed"]}.',
-        f'- Every measurement was made in {result["passes"]} passes, each in a shuffled order of its own, so that a noisy '
-        'moment falls on no engine alone. The error comes from a run of its own; the time from another that logs '
+        f'- Machine: {machine["cpu"]}, {machine["cores"]} cores, {machine["system"]}. Built with GCC '
+        f'{build["compiler"]}, `{build["flags"]}`. Seed {result["seed"]}.',
+        f'- Every measurement was made in {result["passes"]} pass(es), each in a shuffled order of its own, so that '
+        'a noisy moment falls on no engine alone. The error comes from a run of its own; the time from another that logs '
         'nothing: the CPU time of its thread, the least of all repetitions.',
         '- An error that differs between two passes counts as a failure, and is shown as "not repeatable".',
         f'- A run that takes over {result["max_seconds"]:g} s of CPU time is "too slow".',
-        '- No body sleeps in any engine. Friction of a pair is the geometric mean and restitution the larger of the two, '
-        'everywhere.',
+        '- No body sleeps in any engine. Friction of a pair is the geometric mean and restitution the larger of the '
+        'two, everywhere.',
         '- Engines and settings:']
-    lines += [f'  - {e["engine"]} {e["setting"]} ({e["version"]}): {e["sentence"]}' for e in result['catalogue']['engines']]
-    lines += ['- "Not supported" is what an engine does not offer: air resistance that grows with the square of the speed, '
-              'and a coefficient of restitution in MuJoCo.',
-              '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not give '
-              'alike.', '',
+    lines += [f'  - {e["engine"]} {e["setting"]} ({e["version"]}): {e["sentence"]}'
+              for e in result['catalogue']['engines']]
+    lines += ['- "Not supported" is what an engine does not offer: air resistance that grows with the square of the '
+              'speed, and a coefficient of restitution in MuJoCo.',
+              '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not '
+              'give alike.', '',
               'The same by hand, for one problem:', '',
               '    rosrun rigid_body_sim rigid_body_sim_accuracy /tmp/accuracy --problems sliding_stop', '']
     return '\n'.join(lines)

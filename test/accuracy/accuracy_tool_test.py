@@ -25,6 +25,7 @@ def probe_path():
 
 
 PROBE = probe_path()
+PAGE = ROOT / 'scripts/accuracy_page.py'
 
 
 class Folder(unittest.TestCase):
@@ -112,8 +113,8 @@ class Runs(Folder):
         whole = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
         shutil.rmtree(self.out)
         slow = self.fake_probe('[ "$1" = --list ] || sleep 0.3')
-        process = subprocess.Popen(['/usr/bin/python3', str(TOOL), self.out, '--probe', slow, '--problems', 'projectile',
-                                    'sliding_stop', '--engines', 'ours', '--quick', '--no-charts'],
+        process = subprocess.Popen(['/usr/bin/python3', str(TOOL), self.out, '--probe', slow, '--problems',
+                                    'projectile', 'sliding_stop', '--engines', 'ours', '--quick', '--no-charts'],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         runs = os.path.join(self.out, 'runs.jsonl')
         deadline = time.monotonic() + 120
@@ -134,6 +135,35 @@ class Runs(Folder):
         again = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
         self.assertEqual(whole, again)
         self.assertEqual(0, self.short('--no-charts', '--resume').returncode)  # the cut line spoiled no other
+
+    def page(self):
+        docs = os.path.join(self.folder, 'docs')
+        done = subprocess.run(['/usr/bin/python3', str(PAGE), self.out, docs], text=True, capture_output=True,
+                              check=False)
+        path = pathlib.Path(docs) / 'accuracy.md'
+        return done, path.read_text(encoding='utf-8') if path.exists() else None
+
+    def test_without_other_engines_it_says_so_and_so_does_the_page(self):
+        alone = ('import json, sys; c = json.load(sys.stdin); '
+                 'c["engines"] = [e for e in c["engines"] if e["engine"] == "ours"]; '
+                 'c["problems"] = [p for p in c["problems"] if p["name"] == "projectile"]; print(json.dumps(c))')
+        probe = self.fake_probe(f'[ "$1" = --list ] && {{ {PROBE} --list | /usr/bin/python3 -c \'{alone}\'; exit; }}')
+        done = self.tool('--quick', probe=probe)
+        self.assertEqual(0, done.returncode, done.stderr)
+        self.assertIn('No other engine is built in', done.stdout)
+        written, text = self.page()
+        self.assertEqual(0, written.returncode, written.stderr)
+        self.assertIn('No other engine was built in', text)
+        self.assertIn('Nowhere in this run', text)
+
+        result = self.results()
+        result['whole'] = False
+        pathlib.Path(self.out, 'results.json').write_text(json.dumps(result), encoding='utf-8')
+        shutil.rmtree(os.path.join(self.folder, 'docs'))
+        written, text = self.page()
+        self.assertEqual(1, written.returncode)
+        self.assertIn('interrupted', written.stderr)
+        self.assertIsNone(text)
 
     def test_a_crash_of_the_engine_is_a_failure_of_that_run_and_not_the_end(self):
         probe = self.fake_probe('[[ "$*" == *"--setting preview"* ]] && kill -SEGV $$')
