@@ -5,6 +5,7 @@
 #include "effects/effects.h"
 #include "narrowphase/collide.h"
 #include "pipeline.h"
+#include "saved_state.h"
 #include "sleep.h"
 #include "state_hash.h"
 #include "text.h"
@@ -65,23 +66,10 @@ struct World::Impl {
     scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
   }
 
-  void restoreRest(const std::vector<SavedState::Rest>& saved);
   void keepContacts();
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);
 };
-
-void World::Impl::restoreRest(const std::vector<SavedState::Rest>& saved) {
-  if (saved.empty() || !scene.effects[Effect::Sleeping]) return;
-  scene.rest.resize(scene.bodies.size());
-  std::unordered_map<std::uint32_t, std::vector<Index>> groups;
-  for (const SavedState::Rest& rest : saved) {
-    scene.rest[rest.body].steps = rest.steps;
-    if (rest.asleep_with) groups[*rest.asleep_with].push_back(rest.body);
-  }
-  for (const auto& [oldest, group] : groups) sleep::putToBed(scene, group);
-  recount();
-}
 
 // Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they are, and
 // drops everything else.
@@ -147,63 +135,10 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   impl_->scene.settings = settingsOnly(std::move(scene));
   impl_->nameBodies(bodies);
   for (const BodyDef& body : bodies) impl_->scene.bodies.append({impl_->next_serial++}, body);
-  if (saved) {
-    std::vector<Problem> problems;
-    if (!std::isfinite(saved->time) || saved->time < 0.0)
-      problems.push_back({"state.time", text(saved->time), "finite and not negative, in s"});
-    Contacts& contacts = impl_->scene.contacts;
-    for (const SavedState::Contact& contact : saved->contacts) {
-      if (contact.a >= contact.b || contact.b >= bodies.size() || contact.points.size() > Manifold::kPoints) {
-        problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
-                            "two indices of bodies, the smaller first, and at most " +
-                                std::to_string(Manifold::kPoints) + " points"});
-        continue;
-      }
-      ContactPair pair;
-      pair.i = contact.a, pair.j = contact.b;
-      pair.id_i = impl_->scene.bodies.id[pair.i], pair.id_j = impl_->scene.bodies.id[pair.j];
-      pair.first = static_cast<Index>(contacts.touches.size());
-      pair.size = static_cast<Index>(contact.points.size());
-      pair.exact = contact.exact;
-      for (const SavedState::Contact::Point& point : contact.points) {
-        Touch touch;
-        touch.feature = point.feature;
-        touch.normal = point.normal;
-        touch.friction_W = point.tangent_W;
-        if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
-          problems.push_back(
-              {"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
-        contacts.touches.push_back(touch);
-      }
-      contacts.pairs.push_back(pair);
-    }
-    throwIfAny(problems);
-    std::sort(contacts.pairs.begin(), contacts.pairs.end(),
-              [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
-    for (const SavedState::Attitude& attitude : saved->attitudes) {
-      const double norm = attitude.q_WB.norm();
-      if (attitude.body >= bodies.size() || !(attitude.since >= 0.0 && attitude.since <= saved->time) ||
-          !(std::abs(norm - 1.0) < 1e-9))
-        problems.push_back({"state.attitudes", std::to_string(attitude.body),
-                            "the index of a body, a time up to state.time and a quaternion of norm 1"});
-    }
-    for (const SavedState::Rest& rest : saved->rest)
-      if (rest.body >= bodies.size() || (rest.asleep_with && *rest.asleep_with >= bodies.size()))
-        problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
-    throwIfAny(problems);
-    impl_->scene.time = saved->time;
-    impl_->scene.steps = saved->steps;
-  }
+  if (saved) throwIfAny(validate(*saved, impl_->scene.bodies.size()));
+  if (saved) restoreContacts(*saved, impl_->scene);
   impl_->edited(true);
-  if (saved) {
-    Bodies& store = impl_->scene.bodies;
-    for (const SavedState::Attitude& attitude : saved->attitudes) {
-      if (!store.inertia[attitude.body].unturned) continue;
-      store.pose[attitude.body].q_WB = attitude.q_WB;
-      store.since[attitude.body] = attitude.since;
-    }
-    impl_->restoreRest(saved->rest);
-  }
+  if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
   impl_->pipeline.filter(impl_->census);
 }
 
@@ -535,30 +470,7 @@ SceneDef World::capture() const {
 }
 
 SavedState World::captureState() const {
-  const SceneStore& scene = impl_->scene;
-  SavedState state;
-  state.time = scene.time;
-  state.steps = scene.steps;
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
-    if (i == kNone || j == kNone || pair.size == 0) continue;
-    SavedState::Contact contact{i, j, {}, pair.exact};
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Touch& touch = scene.contacts.touches[t];
-      contact.points.push_back({touch.feature, touch.normal, touch.friction_W});
-    }
-    state.contacts.push_back(std::move(contact));
-  }
-  for (Index i = 0; i < scene.rest.size(); ++i) {
-    if (scene.rest[i].steps == 0) continue;
-    SavedState::Rest rest{i, scene.rest[i].steps, std::nullopt};
-    if (scene.bodies.traits[i].asleep) rest.asleep_with = scene.rest[i].group;
-    state.rest.push_back(rest);
-  }
-  for (Index i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
-      state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
-  return state;
+  return rbs::captureState(impl_->scene);
 }
 
 Totals World::totals() const {

@@ -1,0 +1,105 @@
+#include "saved_state.h"
+
+#include "narrowphase/manifold.h"
+#include "sleep.h"
+#include "text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace rbs {
+
+SavedState captureState(const SceneStore& scene) {
+  SavedState state;
+  state.time = scene.time;
+  state.steps = scene.steps;
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
+    if (i == kNone || j == kNone || pair.size == 0) continue;
+    SavedState::Contact contact{i, j, {}, pair.exact};
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      const Touch& touch = scene.contacts.touches[t];
+      contact.points.push_back({touch.feature, touch.normal, touch.friction_W});
+    }
+    state.contacts.push_back(std::move(contact));
+  }
+  for (Index i = 0; i < scene.rest.size(); ++i) {
+    if (scene.rest[i].steps == 0) continue;
+    SavedState::Rest rest{i, scene.rest[i].steps, std::nullopt};
+    if (scene.bodies.traits[i].asleep) rest.asleep_with = scene.rest[i].group;
+    state.rest.push_back(rest);
+  }
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
+      state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
+  return state;
+}
+
+std::vector<Problem> validate(const SavedState& saved, Index bodies) {
+  std::vector<Problem> problems;
+  if (!std::isfinite(saved.time) || saved.time < 0.0)
+    problems.push_back({"state.time", text(saved.time), "finite and not negative, in s"});
+  for (const SavedState::Contact& contact : saved.contacts) {
+    if (contact.a >= contact.b || contact.b >= bodies || contact.points.size() > Manifold::kPoints)
+      problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
+                          "two indices of bodies, the smaller first, and at most " +
+                              std::to_string(Manifold::kPoints) + " points"});
+    for (const SavedState::Contact::Point& point : contact.points)
+      if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
+        problems.push_back({"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
+  }
+  for (const SavedState::Attitude& attitude : saved.attitudes)
+    if (attitude.body >= bodies || !(attitude.since >= 0.0 && attitude.since <= saved.time) ||
+        !(std::abs(attitude.q_WB.norm() - 1.0) < 1e-9))
+      problems.push_back({"state.attitudes", std::to_string(attitude.body),
+                          "the index of a body, a time up to state.time and a quaternion of norm 1"});
+  for (const SavedState::Rest& rest : saved.rest)
+    if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
+      problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
+  return problems;
+}
+
+void restoreContacts(const SavedState& saved, SceneStore& scene) {
+  Contacts& contacts = scene.contacts;
+  for (const SavedState::Contact& contact : saved.contacts) {
+    ContactPair pair;
+    pair.i = contact.a, pair.j = contact.b;
+    pair.id_i = scene.bodies.id[pair.i], pair.id_j = scene.bodies.id[pair.j];
+    pair.first = static_cast<Index>(contacts.touches.size());
+    pair.size = static_cast<Index>(contact.points.size());
+    pair.exact = contact.exact;
+    for (const SavedState::Contact::Point& point : contact.points) {
+      Touch touch;
+      touch.feature = point.feature;
+      touch.normal = point.normal;
+      touch.friction_W = point.tangent_W;
+      contacts.touches.push_back(touch);
+    }
+    contacts.pairs.push_back(pair);
+  }
+  std::sort(contacts.pairs.begin(), contacts.pairs.end(),
+            [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
+  scene.time = saved.time;
+  scene.steps = saved.steps;
+}
+
+bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene) {
+  for (const SavedState::Attitude& attitude : saved.attitudes) {
+    if (!scene.bodies.inertia[attitude.body].unturned) continue;
+    scene.bodies.pose[attitude.body].q_WB = attitude.q_WB;
+    scene.bodies.since[attitude.body] = attitude.since;
+  }
+  if (saved.rest.empty() || !scene.effects[Effect::Sleeping]) return false;
+  scene.rest.resize(scene.bodies.size());
+  std::map<std::uint32_t, std::vector<Index>> groups;
+  for (const SavedState::Rest& rest : saved.rest) {
+    scene.rest[rest.body].steps = rest.steps;
+    if (rest.asleep_with) groups[*rest.asleep_with].push_back(rest.body);
+  }
+  for (const auto& [oldest, group] : groups) sleep::putToBed(scene, group);
+  return true;
+}
+
+}  // namespace rbs
