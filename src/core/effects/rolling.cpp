@@ -39,11 +39,6 @@ double curvature(const Bodies& bodies, Index i, const Vec3& n_W) {
   return 0.0;
 }
 
-bool isRound(const Shape& shape) {
-  return !std::holds_alternative<Box>(shape) && !std::holds_alternative<ConvexHull>(shape) &&
-         !std::holds_alternative<Plane>(shape);
-}
-
 void apply(SolverBody& i, SolverBody& j, const Vec3& impulse_W) {
   i.w -= i.inv_inertia_W * impulse_W;
   j.w += j.inv_inertia_W * impulse_W;
@@ -84,14 +79,6 @@ void solveRow(SolverContacts& contacts, Row& row) {
 }
 
 }  // namespace
-
-bool resists(const SceneStore& scene, Index i, Index j) {
-  if (!scene.effects[Effect::Rolling]) return false;
-  const Traits &a = scene.bodies.traits[i], &b = scene.bodies.traits[j];
-  const bool some = a.material.rolling_resistance + b.material.rolling_resistance > 0.0 ||
-                    a.material.torsional_resistance + b.material.torsional_resistance > 0.0;
-  return some && (isRound(a.shape) || isRound(b.shape));
-}
 
 std::vector<Row> find(const SceneStore& scene, const SolverContacts& contacts) {
   std::vector<Row> rows;

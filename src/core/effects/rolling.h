@@ -7,8 +7,18 @@
 
 namespace rbs::rolling {
 
-/// Whether a pair resists rolling or spinning.
-bool resists(const SceneStore& scene, Index i, Index j);
+/// Whether a pair resists rolling or spinning: one of the two has a resistance, and one is round.
+inline bool resists(const SceneStore& scene, Index i, Index j) {
+  if (!scene.effects[Effect::Rolling]) return false;
+  bool some = false, round = false;
+  for (const Index one : {i, j}) {
+    const Traits& t = scene.bodies.traits[one];
+    some |= t.material.rolling_resistance > 0.0 || t.material.torsional_resistance > 0.0;
+    round |= !std::holds_alternative<Box>(t.shape) && !std::holds_alternative<ConvexHull>(t.shape) &&
+             !std::holds_alternative<Plane>(t.shape);
+  }
+  return some && round;
+}
 
 /// The resistance of one pair in the soft step.
 struct Row {

@@ -86,8 +86,8 @@ class Solver {
 
   void begin() {
     contacts_.find(t0_, dt_, h_);
-    if (built::rolling && context_.scene.effects[Effect::Rolling])
-      rolling_ = rolling::find(context_.scene, contacts_);
+    if constexpr (built::rolling)
+      if (context_.scene.effects[Effect::Rolling]) rolling_ = rolling::find(context_.scene, contacts_);
   }
   void goOn();
   void rebound();
@@ -117,13 +117,16 @@ void Solver::goOn() {
   if (done_ > 0) contacts_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
   kick();
   warmStart();
-  if (!rolling_.empty()) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
+  if constexpr (built::rolling)
+    if (!rolling_.empty()) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
   solve<true>();
   drift();
   solve<false>();
-  if (!rolling_.empty()) {  // their bounds are the normal forces as they are now
-    rolling::solve(contacts_, rolling_);
-    solve<false>();
+  if constexpr (built::rolling) {
+    if (!rolling_.empty()) {  // their bounds are the normal forces as they are now
+      rolling::solve(contacts_, rolling_);
+      solve<false>();
+    }
   }
   for (SolverPoint& point : contacts_.points) point.sum_n += point.l_n, point.sum_t += point.l_t;
   ++done_;
