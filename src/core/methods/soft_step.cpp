@@ -121,12 +121,11 @@ void Solver::goOn() {
     if (!rolling_.empty()) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
   solve<true>();
   drift();
-  solve<false>();
-  if constexpr (built::rolling) {
-    if (!rolling_.empty()) {  // their bounds are the normal forces as they are now
-      rolling::solve(contacts_, rolling_);
-      solve<false>();
-    }
+  // Twice with rolling rows, whose bounds are the normal forces as they are then.
+  for (int pass = built::rolling && !rolling_.empty() ? 0 : 1; pass < 2; ++pass) {
+    solve<false>();
+    if constexpr (built::rolling)
+      if (pass == 0) rolling::solve(contacts_, rolling_);
   }
   for (SolverPoint& point : contacts_.points) point.sum_n += point.l_n, point.sum_t += point.l_t;
   ++done_;
