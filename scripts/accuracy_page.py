@@ -166,7 +166,7 @@ def page(result):
               '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not '
               'give alike.', '',
               'The same by hand, for one problem:', '',
-              '    rosrun rigid_body_sim rigid_body_sim_accuracy /tmp/accuracy --problems sliding_stop', '']
+              '    rosrun rigid_body_sim rigid_body_sim_accuracy accuracy --problems sliding_stop', '']
     return '\n'.join(lines)
 
 
