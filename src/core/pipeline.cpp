@@ -61,25 +61,35 @@ struct Stage {
 
 constexpr std::array kStages{
     Stage{"hands.hold", holds::need, holds::run,
-          [](const SceneStore& scene, const StepStore&) { return Items{scene.holds.size(), "bodies"}; }},
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.holds.size(), "bodies"};
+          }},
     Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
           }},
     Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, bodiesOn<&Rosters::buoyant>},
     Stage{"forces.wrench", wrenches::need, wrenches::run,
-          [](const SceneStore& scene, const StepStore&) { return Items{scene.wrenches.size(), "wrenches"}; }},
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.wrenches.size(), "wrenches"};
+          }},
     Stage{"forces.grab", grabs::need, grabs::run,
-          [](const SceneStore& scene, const StepStore&) { return Items{scene.grabs.size(), "bodies"}; }},
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.grabs.size(), "bodies"};
+          }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, bodiesOn<&Rosters::dragged>},
     Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
           bodiesOn<&Rosters::collidable>},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
-          [](const SceneStore& scene, const StepStore&) { return Items{asleep(scene), "asleep"}; }},
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{asleep(scene), "asleep"};
+          }},
     Stage{"impacts.find", needOf<Effect::Impacts>, impacts::find, candidates},
     Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
     Stage{"islands.link", islands::need, islands::link,
-          [](const SceneStore&, const StepStore& step) { return Items{step.islands.size(), "islands"}; }},
+          [](const SceneStore&, const StepStore& step) {
+            return Items{step.islands.size(), "islands"};
+          }},
     Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
     Stage{"certificate", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
     Stage{"sleep.settle", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
@@ -148,8 +158,10 @@ constexpr std::array kParts{
     Part{"rotation.gyroscopic", needOf<Effect::Gyroscopic>, bodiesThat<&Inertia::gyroscopic>},
 };
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+using Clock = std::chrono::steady_clock;
+
+double secondsBetween(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
 }
 
 }  // namespace
@@ -176,7 +188,8 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   to_bed.clear();
   contact_seconds.assign(kContactRows, 0.0);
   before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
-  twist_before.assign(scene.bodies.twist.begin(), scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
+  twist_before.assign(scene.bodies.twist.begin(),
+                      scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
   report = {};
 }
 
@@ -189,15 +202,17 @@ void Pipeline::filter(const Census& census) {
 }
 
 void Pipeline::run(Context& context) {
-  const auto step_start = std::chrono::steady_clock::now();
+  const Clock::time_point begin = Clock::now();
+  Clock::time_point mark = begin;
   for (const std::size_t row : active_) {
-    const auto start = std::chrono::steady_clock::now();
     kStages[row].run(context);
-    seconds_[row] = secondsSince(start);
+    const Clock::time_point now = Clock::now();
+    seconds_[row] = secondsBetween(mark, now);
+    mark = now;
     if (!context.step.woken.empty()) return;  // to be begun again
   }
   contact_seconds_ = context.step.contact_seconds;
-  context.step.report.seconds = secondsSince(step_start);
+  context.step.report.seconds = secondsBetween(begin, mark);
 }
 
 std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore& scene,

@@ -142,10 +142,14 @@ void Solver::kick() {
 }
 
 void Solver::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse) {
-  i.v -= i.inv_mass * impulse;
-  i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
-  j.v += j.inv_mass * impulse;
-  j.w += j.inv_inertia_W * point.r_j.cross(impulse);
+  if (!i.still) {
+    i.v -= i.inv_mass * impulse;
+    i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
+  }
+  if (!j.still) {
+    j.v += j.inv_mass * impulse;
+    j.w += j.inv_inertia_W * point.r_j.cross(impulse);
+  }
 }
 
 void Solver::warmStart() {
@@ -164,16 +168,13 @@ void Solver::solve() {
   for (const SolverBlock& block : contacts_.blocks) {
     SolverBody& i = contacts_.bodies[block.i];
     SolverBody& j = contacts_.bodies[block.j];
-    const auto relative = [&](const SolverPoint& point) -> Vec3 {
-      return j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
-    };
 
     if (built::friction && block.rough) {
       for (int k = block.first; k < block.first + block.size; ++k) {
         SolverPoint& point = contacts_.points[k];
         const double limit = block.mu * point.l_n;
         if (limit == 0.0 && point.l_t.isZero(0.0)) continue;
-        const Vec3 u = relative(point);
+        const Vec3 u = contacts_.velocityAt(block, point);
         const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
         Eigen::Vector2d l_t = point.l_t - point.mass_t * u_t;
         if (l_t.squaredNorm() > limit * limit) {
@@ -190,7 +191,7 @@ void Solver::solve() {
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (!kBias && point.l_n == 0.0) continue;
-      const double u_n = contacts_.normalVelocity(block, point);
+      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
       point.open = contacts_.gapNow(block, point);
       double change;
       if (point.open > 0.0) {
@@ -246,7 +247,7 @@ void Solver::rebound() {
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (-block.e * point.u_0 <= slowest || point.sum_n == 0.0) continue;
-      const double u_n = contacts_.normalVelocity(block, point);
+      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
       const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
       if (impulse <= 0.0) continue;
       point.sum_n += impulse;

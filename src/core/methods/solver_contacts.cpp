@@ -51,6 +51,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));
+  s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
   s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
   const bool is_plane = std::holds_alternative<Plane>(store.traits[i].shape);
   s.reach = s.round || is_plane ? 0.0 : store.traits[i].bounding_radius;
@@ -144,7 +145,7 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() - lever_i * i.inv_inertia_W * lever_i -
                         lever_j * j.inv_inertia_W * lever_j;
   point.mass_n = 1.0 / block.n.dot(response * block.n);
-  point.u_0 = normalVelocity(block, point);
+  point.u_0 = block.n.dot(velocityAt(block, point));
   if (!block.rough) return;
   Eigen::Matrix<double, 3, 2> T;
   T << block.t1, block.t2;
@@ -203,30 +204,6 @@ void SolverContacts::refresh(double now, double left) {
   }
 }
 
-// The gap after the bodies moved by x and turned by theta since the point was found. A point of the surface
-// at r has gone to x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2. A sphere's
-// nearest point does not turn with it.
-double SolverContacts::gapNow(const SolverBlock& block, const SolverPoint& point) const {
-  const SolverBody& i = bodies[block.i];
-  const SolverBody& j = bodies[block.j];
-  Vec3 shift = (j.moved - block.moved_j) - (i.moved - block.moved_i);
-  if (!i.round) {
-    const Vec3 theta = i.turned - block.turned_i, turn = theta.cross(point.r_i);
-    shift -= turn + 0.5 * theta.cross(turn);
-  }
-  if (!j.round) {
-    const Vec3 theta = j.turned - block.turned_j, turn = theta.cross(point.r_j);
-    shift += turn + 0.5 * theta.cross(turn);
-  }
-  return point.gap + block.n.dot(shift);
-}
-
-double SolverContacts::normalVelocity(const SolverBlock& block, const SolverPoint& point) const {
-  const SolverBody& i = bodies[block.i];
-  const SolverBody& j = bodies[block.j];
-  return block.n.dot(j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i));
-}
-
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
 // off, the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
 void SolverContacts::store(double h, double h_full) {
@@ -272,7 +249,7 @@ void SolverContacts::certify(const SolverBlock& block) const {
   solved.method = "soft_step";
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
-    const Vec3 u = j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
+    const Vec3 u = velocityAt(block, point);
     const double u_n = block.n.dot(u);
     if (point.l_n == 0.0) {
       if (point.open <= 0.0) solved.signorini = std::max(solved.signorini, -u_n / unit);

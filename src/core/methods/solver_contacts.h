@@ -16,8 +16,9 @@ struct SolverBody {
   Vec3 moved, turned;  // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
-  bool round;            // its surface does not turn with it: a sphere
-  double reach;          // of the points that turning moves, m: 0 for a sphere and a plane
+  bool still;    // nothing moves it: neither impulses nor a motion of its own
+  bool round;    // its surface does not turn with it: a sphere
+  double reach;  // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
@@ -63,9 +64,35 @@ class SolverContacts {
   /// Finds the points anew of the pairs that have strayed since theirs were found.
   void refresh(double now, double left);
   /// The gap of a point after what its bodies have moved since it was found, m.
-  double gapNow(const SolverBlock& block, const SolverPoint& point) const;
-  /// Normal velocity of j against i at a point, m/s; negative when they close.
-  double normalVelocity(const SolverBlock& block, const SolverPoint& point) const;
+  ///
+  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
+  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  double gapNow(const SolverBlock& block, const SolverPoint& point) const {
+    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+    Vec3 shift = Vec3::Zero();
+    if (!j.still) shift = j.moved - block.moved_j;
+    if (!i.still) shift -= i.moved - block.moved_i;
+    if (!i.round && !i.still) {
+      const Vec3 theta = i.turned - block.turned_i, turn = theta.cross(point.r_i);
+      shift -= turn + 0.5 * theta.cross(turn);
+    }
+    if (!j.round && !j.still) {
+      const Vec3 theta = j.turned - block.turned_j, turn = theta.cross(point.r_j);
+      shift += turn + 0.5 * theta.cross(turn);
+    }
+    return point.gap + block.n.dot(shift);
+  }
+  /// Velocity of j against i at a point, m/s.
+  Vec3 velocityAt(const SolverBlock& block, const SolverPoint& point) const {
+    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+    Vec3 u = Vec3::Zero();
+    if (!j.still) u = j.v + j.w.cross(point.r_j);
+    if (!i.still) {
+      u -= i.v;
+      u -= i.w.cross(point.r_i);
+    }
+    return u;
+  }
   /// Writes the velocities to the bodies, and the touches to the step. `h` is the length of a sub-step,
   /// `h_full` that of one that nothing cuts short.
   void store(double h, double h_full);
