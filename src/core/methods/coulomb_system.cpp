@@ -12,13 +12,24 @@ namespace rbs::coulomb {
 
 namespace {
 
-Mat36 jacobian(const CoulombBody& body, const Vec3& arm, const Mat3& frame, double total_mass) {
+// L^-1 B. Eigen's own is made for large matrices.
+Mat3 solveLower(const Mat3& L, Mat3 B) {
+  for (int row = 0; row < 3; ++row) {
+    const double inverse = 1.0 / L(row, row);
+    for (int c = 0; c < 3; ++c) {
+      B(row, c) *= inverse;
+      for (int below = row + 1; below < 3; ++below) B(below, c) -= B(row, c) * L(below, row);
+    }
+  }
+  return B;
+}
+
+Mat36 jacobian(double mass, const Mat3& L, const Vec3& arm, const Mat3& frame, double total_mass) {
   // u = frame^T (v + w x arm), v = y_v/sqrt(m), w = L^-T y_w.
   Mat36 J;
-  J.leftCols<3>() = frame.transpose() / std::sqrt(body.mass / total_mass);
-  const Mat3 L = body.inertia_W.llt().matrixL();
+  J.leftCols<3>() = frame.transpose() / std::sqrt(mass / total_mass);
   const Mat3 turn = crossMatrix(arm) * frame;  // (frame^T (-[arm]))^T
-  J.rightCols<3>() = L.triangularView<Eigen::Lower>().solve(turn).transpose() * std::sqrt(total_mass);
+  J.rightCols<3>() = solveLower(L, turn).transpose() * std::sqrt(total_mass);
   return J;
 }
 
@@ -31,20 +42,24 @@ System::System(const CoulombProblem& problem) {
   impulse_ = total_mass * speed_;
 
   free_.resize(6, problem.bodies.size());
+  roots_.reserve(problem.bodies.size());
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
-    const Mat3 L = body.inertia_W.llt().matrixL();
+    const Mat3 L = roots_.emplace_back(body.inertia_W).matrixL();
     free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
         L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
   }
+  const auto jacobianOf = [&](Index body, const Vec3& arm, const Mat3& frame) {
+    return jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), arm, frame, total_mass);
+  };
   points_.reserve(problem.points.size());
   for (const CoulombPoint& given : problem.points) {
     Point point;
     point.i = given.i, point.j = given.j;
     point.J_i.setZero();
     point.J_j.setZero();
-    if (given.i != kNone) point.J_i = -jacobian(problem.bodies[given.i], given.r_i, given.frame, total_mass);
-    if (given.j != kNone) point.J_j = jacobian(problem.bodies[given.j], given.r_j, given.frame, total_mass);
+    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame);
+    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame);
     point.mu = given.mu;
     point.drive = given.drive / speed_;
     point.slides = given.mu > 0.0 && given.slide != Vec2::Zero();
@@ -149,12 +164,12 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
     CoulombPoint& point = problem.points[k];
     point.impulse = impulse_ * r.col(k);
     const Vec3 impulse_W = point.frame * point.impulse;
-    const auto apply = [&](CoulombBody& body, const Vec3& arm, const Vec3& push) {
-      body.v += push / body.mass;
-      body.w += body.inertia_W.llt().solve(arm.cross(push));
+    const auto apply = [&](Index body, const Vec3& arm, const Vec3& push) {
+      problem.bodies[body].v += push / problem.bodies[body].mass;
+      problem.bodies[body].w += roots_[body].solve(arm.cross(push));
     };
-    if (point.i != kNone) apply(problem.bodies[point.i], point.r_i, -impulse_W);
-    if (point.j != kNone) apply(problem.bodies[point.j], point.r_j, impulse_W);
+    if (point.i != kNone) apply(point.i, point.r_i, -impulse_W);
+    if (point.j != kNone) apply(point.j, point.r_j, impulse_W);
   }
 }
 

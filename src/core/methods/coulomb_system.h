@@ -8,6 +8,8 @@
 
 #include "methods/coulomb.h"
 
+#include <Eigen/Cholesky>
+
 #include <vector>
 
 namespace rbs::coulomb {
@@ -66,6 +68,7 @@ class System {
 
  private:
   double speed_, impulse_;  // the units, m/s and N s
+  std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
   std::vector<Point> points_;
   Velocities free_;
 };

@@ -217,7 +217,9 @@ bool Stepper::takeOverlapsAway() {
 CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds,
                                      Friction friction) const {
   CoulombProblem problem{movers, {}, 0.0};
+  problem.points.reserve(touching.points.size());
   std::vector<std::size_t> closed;
+  closed.reserve(touching.points.size());
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
     const bool pushed = seconds > 0.0 && !point.force_W.isZero(0.0);

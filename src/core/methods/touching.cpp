@@ -31,6 +31,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
   const Bodies& bodies = context.scene.bodies;
   const double gravity = context.scene.gravity_W.norm();
   Touching out;
+  out.points.reserve(4 * pairs.size());
+  out.law.reserve(4 * pairs.size());
   for (const Index k : pairs) {
     if (!mayTouch(step.standing[k])) continue;
     const Index i = step.contacts.pairs[k].i, j = step.contacts.pairs[k].j;
