@@ -3,12 +3,37 @@
 #include "methods/coulomb_solvers.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace rbs {
 
 using namespace coulomb;
 
-// Solvers are tried in this order until one passes:
+namespace {
+
+// A guess may miss the aim by so much, or rounding would unsettle rest.
+constexpr double kGuess = 10.0;
+
+// How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
+double closingWithoutImpulses(const CoulombProblem& problem) {
+  double fastest = 0.0;
+  for (const CoulombPoint& point : problem.points) {
+    if (!point.impulse.isZero(0.0)) return std::numeric_limits<double>::infinity();
+    Vec3 u_W = Vec3::Zero();
+    if (point.j != kNone) u_W += problem.bodies[point.j].v + problem.bodies[point.j].w.cross(point.r_j);
+    if (point.i != kNone) u_W -= problem.bodies[point.i].v + problem.bodies[point.i].w.cross(point.r_i);
+    const double u_n = point.frame.col(2).dot(u_W) + point.drive[2];
+    if (!std::isfinite(u_n)) return std::numeric_limits<double>::infinity();
+    fastest = std::max(fastest, -u_n);
+  }
+  return fastest;
+}
+
+}  // namespace
+
+// Where nothing is expected and nothing closes, nothing happens. Else solvers are tried in this order until
+// one passes:
 //   the guess as it is
 //   a few steps of Newton from the guess, for loads that changed in size only
 //   Gauss-Seidel on a few points without loops
@@ -22,8 +47,10 @@ using namespace coulomb;
 // do without: then the last resorts are left out, and the interior point as well unless every digit is asked.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
   constexpr std::size_t kFewBodies = 4, kSomePoints = 500, kManyPoints = 4000;
-  constexpr double kGuess = 10.0;   // a guess may miss the aim by so much, or rounding would unsettle rest
   constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
+  const double near = std::min(tolerance, kGuess * aim);
+  const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
+  if (closing <= near) return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
   Answer best;
@@ -37,7 +64,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     solver = of;
   };
   const bool is_warm = !best.r.isZero(0.0);
-  if (!best.within(std::min(tolerance, kGuess * aim))) {
+  if (!best.within(near)) {
     const std::size_t size = system.points().size();
     const bool is_large = size > kManyPoints;
     const bool patient = tolerance < 1e-9;

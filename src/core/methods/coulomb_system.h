@@ -67,7 +67,7 @@ class System {
   void store(const Impulses& r, CoulombProblem& problem) const;
 
  private:
-  double speed_, impulse_;  // the units, m/s and N s
+  double speed_, impulse_;               // the units, m/s and N s
   std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
   std::vector<Point> points_;
   Velocities free_;
