@@ -26,12 +26,15 @@ namespace {
 constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
 // The interval of the depth is closed when it is this small.
 constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
-// A round side whose directions tie would be tessellated without end. After so many rounds, and within this
-// fraction of the size, the direction of each face left is finished instead.
-constexpr int kTessellating = 512;
-constexpr double kCoarse = 1e-3;
 // Of the depth: the interval at which the features that meet are known well enough to ask for a proof.
 constexpr double kFeatures = 0.05;
+// After so many rounds directions tie about an axis, or nearly so, and that is asked for.
+constexpr int kTies = 24;
+// After so many, if all is within this fraction of the size, the rest is finished without a proof.
+constexpr int kUnproved = 512;
+constexpr double kCoarse = 1e-3;
+// rad: the widest cap about a direction that is asked to prove itself.
+constexpr double kWidest = 2.4;
 // Of the size: how well the points of a finished direction span the depth.
 constexpr double kSpanned = 1e-9;
 // Of the size: what the least distance may seem to shrink by as the polytope grows.
@@ -72,27 +75,34 @@ class Polytope {
   // Leaves the nearest face where it is, and never looks at it again.
   void giveUpNearest() { nearest_.pop(); }
 
-  // Replaces what `point` sees, starting with `seen`, by the cone from it over the horizon. False, with
-  // nothing changed, when the cone would have a face without area.
+  // Replaces what `point` sees, starting with `seen`, by the cone from it over the horizon. Where an edge of
+  // the horizon is in line with the point, the face beyond it is replaced too. False, with nothing changed,
+  // when the cone would have a face without area all the same.
   bool expand(const Face& seen, const SupportPoint& point) {
-    horizon_.clear();
-    removed_.clear();
     const int start = static_cast<int>(&seen - faces_.data());
-    remove(start);
-    for (int edge = 0; edge < 3; ++edge)
-      walk(faces_[start].neighbour[edge], faces_[start].twin[edge], point.w);
-
-    const int apex = static_cast<int>(points_.size());
+    const int apex = static_cast<int>(points_.size()), first = static_cast<int>(faces_.size());
     points_.push_back(point);
-    const int first = static_cast<int>(faces_.size());
-    bool sound = horizon_.size() >= 3;
-    for (const auto& [face, edge] : horizon_)
-      sound = makeFace(faces_[face].corner[next(edge)], faces_[face].corner[edge], apex) && sound;
-    if (!sound) {
+    std::vector<int> in_line;
+    for (bool sound = false; !sound;) {
+      horizon_.clear();
+      removed_.clear();
+      remove(start);
+      for (int edge = 0; edge < 3; ++edge)
+        walk(faces_[start].neighbour[edge], faces_[start].twin[edge], point.w, in_line);
+      sound = true;
+      const std::size_t before = in_line.size();
+      for (const auto& [face, edge] : horizon_)
+        if (!makeFace(faces_[face].corner[next(edge)], faces_[face].corner[edge], apex)) {
+          sound = false;
+          in_line.push_back(face);
+        }
+      if (sound && horizon_.size() >= 3) break;
       faces_.resize(first);
-      points_.pop_back();
       for (const int face : removed_) faces_[face].alive = true;
-      return false;
+      if (in_line.size() == before) {
+        points_.pop_back();
+        return false;
+      }
     }
     const int count = static_cast<int>(horizon_.size());
     for (int k = 0; k < count; ++k) {
@@ -103,6 +113,9 @@ class Polytope {
     return true;
   }
 
+  bool hasCorner(const Face& face, const Vec3& w) const {
+    return std::any_of(face.corner.begin(), face.corner.end(), [&](int k) { return points_[k].w == w; });
+  }
   const SupportPoint& point(int index) const { return points_[index]; }
 
  private:
@@ -138,19 +151,19 @@ class Polytope {
     removed_.push_back(face);
   }
 
-  // Floods over the faces that w sees, entering `face` through `edge`; the edges at which it stops come out
-  // in order around the horizon.
-  void walk(int face, int edge, const Vec3& w) {
+  // Floods over the faces that w sees, and the given ones, entering `face` through `edge`; the edges at which
+  // it stops come out in order around the horizon.
+  void walk(int face, int edge, const Vec3& w, const std::vector<int>& given) {
     Face& f = faces_[face];
     if (!f.alive) return;
-    if (f.n.dot(w) <= f.distance - rounding_) {
+    if (f.n.dot(w) <= f.distance - rounding_ && std::find(given.begin(), given.end(), face) == given.end()) {
       horizon_.emplace_back(face, edge);
       return;
     }
     remove(face);
     const int left = next(edge), right = next(left);
-    walk(f.neighbour[left], f.twin[left], w);
-    walk(f.neighbour[right], f.twin[right], w);
+    walk(f.neighbour[left], f.twin[left], w, given);
+    walk(f.neighbour[right], f.twin[right], w, given);
   }
 
   using Entry = std::pair<double, int>;  // distance, face
@@ -161,6 +174,44 @@ class Polytope {
   std::vector<int> removed_;
   double rounding_;
 };
+
+// No direction in it is shallower than the depth.
+struct Cap {
+  Vec3 n;
+  double angle;  // rad, from n
+};
+
+// Those of the points that reach this far along n.
+Simplex pointsAt(const Simplex& points, const Vec3& n, double height) {
+  Simplex reaching;
+  for (int k = 0; k < points.size; ++k)
+    if (n.dot(points.points[k].w) >= height) reaching.add(points.points[k]);
+  return reaching;
+}
+
+// The two of at least as many points that are farthest from each other.
+Simplex farthestTwo(const Simplex& points) {
+  Simplex two;
+  double farthest = -1.0;
+  for (int i = 0; i < points.size; ++i)
+    for (int j = i + 1; j < points.size; ++j) {
+      const double distance = (points.points[j].w - points.points[i].w).squaredNorm();
+      if (distance <= farthest) continue;
+      farthest = distance, two.size = 0;
+      two.add(points.points[i]), two.add(points.points[j]);
+    }
+  return two;
+}
+
+double angleBetween(const Vec3& m, const Vec3& n) {
+  return 2.0 * std::asin(std::min(0.5 * (m - n).norm(), 1.0));
+}
+
+// rad, from the circle of the belt to n.
+double angleFrom(const Belt& belt, const Vec3& n) {
+  const double along = belt.axis.dot(n), sine = std::sqrt(std::max(1.0 - belt.cosine * belt.cosine, 0.0));
+  return std::abs(std::atan2(belt.axis.cross(n).norm(), along) - std::atan2(sine, belt.cosine));
+}
 
 // Adds to the simplex the support point, among those along the given directions and their opposites, with
 // the largest `height` over it. Returns that height.
@@ -233,28 +284,65 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   result.upper = std::numeric_limits<double>::infinity();
   result.lower = -std::numeric_limits<double>::infinity();
   Face best{};
-  bool tessellating = false, best_is_finished = false;
+  bool best_is_finished = false, unproved = false;
   double least = result.lower;  // distance of the whole polytope
   // The least distances of the faces given up, and of those that proved enough.
   double given_up = std::numeric_limits<double>::infinity(), proved = given_up;
-  // Whether the direction near that of a face proves that none it leaves open, those within
-  // acos(distance / upper) of its normal, is shallower than `upper`. A better direction is kept.
-  const auto closes = [&](const Face& face) {
-    const std::array<SupportPoint, 3> corners{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
-                                              polytope.point(face.corner[2])};
-    Finished finished = finish(face.n, corners.data(), 3);
-    if (finished.nearest.size == 0) return false;
-    const double depth = finished.n.dot(support(finished.n).w);
-    const Vec3 touching = reduceToNearest(finished.nearest);
-    if ((touching - depth * finished.n).norm() > kClosed * scale) return false;
-    if (depth < result.upper + (best_is_finished ? 0.0 : kRounding * scale)) {
-      result.upper = depth, result.n = finished.n;
-      result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
-      best_is_finished = true;
+  std::vector<Cap> caps;
+  std::vector<std::pair<Belt, double>> proven_belts;  // with their widths
+  // The directions that a face leaves open are those within this angle of its normal.
+  const auto open = [&](const Face& face) { return std::acos(std::min(face.distance / result.upper, 1.0)); };
+  const auto cornersOf = [&](const Face& face) {
+    return std::array{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
+                      polytope.point(face.corner[2])};
+  };
+  // Whether a direction near that of the face proves that none it leaves open is shallower than `upper`. A
+  // better direction is kept.
+  const auto closes = [&](const Face& face, Seek seek) {
+    Finished finished = finish(face.n, cornersOf(face).data(), 3, seek);
+    for (const Belt& belt : finished.belts) {
+      const double width = provenWidth(belt, result.upper, kClosed * scale);
+      if (width > open(face) + angleFrom(belt, face.n)) {
+        proven_belts.push_back({belt, width});
+        return true;
+      }
     }
-    const double open = std::acos(std::min(face.distance / result.upper, 1.0));
-    const double turned = 2.0 * std::asin(std::min(0.5 * (face.n - finished.n).norm(), 1.0));
-    return open + turned < EIGEN_PI && provesDepth(finished, depth, open + turned, kClosed * scale);
+    if (finished.nearest.size == 0) return false;
+    const double height = finished.n.dot(support(finished.n).w);
+    const Simplex reaching = pointsAt(finished.nearest, finished.n, height - kClosed * scale);
+    if (reaching.size == 0) return false;
+    finished.nearest = reaching;
+    const Vec3 touching = reduceToNearest(finished.nearest);
+    if (height < result.upper + (best_is_finished ? 0.0 : kRounding * scale)) {
+      result.upper = height, result.n = finished.n;
+      result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
+      best_is_finished = (touching - height * finished.n).norm() <= kClosed * scale;
+      best = face;
+    }
+    const double needed = open(face) + angleBetween(face.n, finished.n);
+    if (!(needed < EIGEN_PI)) return false;
+    const auto proves = [&](double angle) {
+      return provesDepth(finished, height, result.upper, angle, kClosed * scale);
+    };
+    if (!proves(needed)) {
+      if (reaching.size < 3) return false;
+      finished.nearest = farthestTwo(reaching);
+      if (!proves(needed)) return false;
+    }
+    double angle = kWidest;
+    while (angle > needed && !proves(angle)) angle *= 0.5;
+    caps.push_back({finished.n, std::max(angle, needed)});
+    return true;
+  };
+  const auto covered = [&](const Face& face) {
+    const double angle = open(face);
+    return std::any_of(caps.begin(), caps.end(),
+                       [&](const Cap& cap) {
+                         return angle <= cap.angle && angle + angleBetween(face.n, cap.n) <= cap.angle;
+                       }) ||
+           std::any_of(proven_belts.begin(), proven_belts.end(), [&](const auto& belt) {
+             return angle + angleFrom(belt.first, face.n) <= belt.second;
+           });
   };
   for (; result.iterations < kEpaIterations; ++result.iterations) {
     const Face* nearest = polytope.nearestFace();
@@ -266,10 +354,17 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
     // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose
     // its shape.
     if (least > 0.0 && face.distance < least - kBroken * scale) break;
-    const SupportPoint p = support(face.n);
-    const double upper = face.n.dot(p.w);
     result.lower = std::max(result.lower, std::min(face.distance, given_up));
     least = std::max(least, std::min({face.distance, given_up, proved}));
+    if (result.upper - face.distance <= kClosed * scale) break;
+    const bool round = finish && face.distance > 0.0;
+    if (round && covered(face)) {
+      proved = std::min(proved, face.distance);
+      polytope.giveUpNearest();
+      continue;
+    }
+    const SupportPoint p = support(face.n);
+    const double upper = face.n.dot(p.w);
     if (upper < result.upper - (best_is_finished ? kRounding * scale : 0.0)) {
       result.upper = upper;
       best = face, best_is_finished = false;
@@ -277,46 +372,39 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
       setWitnesses(polytope, face, result);
     }
     if (result.upper - face.distance <= kClosed * scale) break;
-    if (finish && face.distance > 0.0 && result.upper - face.distance <= kFeatures * result.upper) {
-      if (closes(face)) {
-        proved = std::min(proved, face.distance);
-        polytope.giveUpNearest();
-        continue;
-      }
+    if (round && result.upper - face.distance <= kFeatures * result.upper &&
+        (closes(face, Seek::Stationary) ||
+         (result.iterations >= kTies && (closes(face, Seek::PinnedByA) || closes(face, Seek::PinnedByB))))) {
+      proved = std::min(proved, face.distance);
+      polytope.giveUpNearest();
+      continue;
     }
-    tessellating =
-        finish && result.iterations >= kTessellating && result.upper - face.distance <= kCoarse * scale;
-    if (tessellating) break;
-    if (!polytope.expand(*nearest, p)) {
+    unproved = round && result.iterations >= kUnproved && result.upper - face.distance <= kCoarse * scale;
+    if (unproved) break;
+    // A face whose own corner lies highest over it is as good as rounding lets it be.
+    if (polytope.hasCorner(face, p.w) || !polytope.expand(*nearest, p)) {
       given_up = std::min(given_up, face.distance);
       polytope.giveUpNearest();
     }
   }
-  result.lower = std::min(result.lower, result.upper);
-  if (!finish) return result;
-  const auto take = [&](const Face& face, const Vec3& direction) {
-    const std::array<SupportPoint, 3> corners{polytope.point(face.corner[0]), polytope.point(face.corner[1]),
-                                              polytope.point(face.corner[2])};
-    Finished finished = finish(direction, corners.data(), 3);
-    const Vec3& n = finished.n;
-    const SupportPoint p = support(n);
-    const double upper = n.dot(p.w);
-    if (upper > result.upper + (&face == &best ? kRounding * scale : 0.0)) return;
-    if (&face != &best) setWitnesses(polytope, face, result);
-    result.n = n, result.upper = upper;
-    const bool spanned = finished.nearest.size > 0 &&
-                         (reduceToNearest(finished.nearest) - upper * n).norm() <= kSpanned * scale;
-    if (spanned) {
-      result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
-    } else {  // chords lie below the surface
-      result.a += n.dot(p.a - result.a) * n, result.b += n.dot(p.b - result.b) * n;
-    }
-  };
-  if (std::isfinite(result.upper) && !best_is_finished) take(best, result.n);
-  for (const Face* face = polytope.nearestFace(); tessellating && face && face->distance < result.upper;
+  for (const Face* face = polytope.nearestFace(); unproved && face && face->distance < result.upper;
        face = polytope.nearestFace()) {
-    take(*face, face->n);
+    closes(*face, Seek::Stationary);
     polytope.giveUpNearest();
+  }
+  result.lower = std::min(result.lower, result.upper);
+  if (!finish || !std::isfinite(result.upper) || best_is_finished) return result;
+  Finished finished = finish(result.n, cornersOf(best).data(), 3, Seek::Stationary);
+  const Vec3& n = finished.n;
+  const SupportPoint p = support(n);
+  const double upper = n.dot(p.w);
+  if (upper > result.upper + kRounding * scale) return result;
+  result.n = n, result.upper = upper;
+  if (finished.nearest.size > 0 &&
+      (reduceToNearest(finished.nearest) - upper * n).norm() <= kSpanned * scale) {
+    result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
+  } else {  // chords lie below the surface
+    result.a += n.dot(p.a - result.a) * n, result.b += n.dot(p.b - result.b) * n;
   }
   return result;
 }

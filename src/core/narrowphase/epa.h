@@ -13,7 +13,7 @@ namespace rbs {
 using SupportFunction = std::function<SupportPoint(const Vec3&)>;
 
 /// Turns a direction into a better one nearby, given points of the features that are near (finish.h).
-using FinishFunction = std::function<Finished(const Vec3&, const SupportPoint*, int)>;
+using FinishFunction = std::function<Finished(const Vec3&, const SupportPoint*, int, Seek)>;
 
 struct EpaResult {
   Vec3 n = Vec3::UnitZ();  ///< unit; moving B by `upper` along n separates A and B

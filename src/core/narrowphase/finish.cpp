@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rbs {
 
@@ -55,10 +56,21 @@ Vec3 common(const Circle& p, const Circle& q, const Vec3& n) {
   return (flat + height * across).normalized();
 }
 
+// Where n.u = c, nearest to `start`, less its part along u; 0 if all are equally near.
+Vec3 acrossAxis(const Circle& circle, const Vec3& start) {
+  const Vec3 m = start - circle.axis.dot(start) * circle.axis;
+  const double length = m.norm();
+  if (!(length > 0.0)) return Vec3::Zero();
+  return std::sqrt(std::max(1.0 - circle.cosine * circle.cosine, 0.0)) / length * m;
+}
+
+Vec3 nearestOn(const Circle& circle, const Vec3& start) {
+  return (circle.cosine * circle.axis + acrossAxis(circle, start)).normalized();
+}
+
 Vec3 onCircle(const Feature& a, const Feature& b, const Circle& circle, const Vec3& start) {
-  Vec3 m = start - circle.axis.dot(start) * circle.axis;
-  if (!(m.squaredNorm() > 0.0)) return start;
-  m *= std::sqrt(std::max(1.0 - circle.cosine * circle.cosine, 0.0)) / m.norm();
+  Vec3 m = acrossAxis(circle, start);
+  if (m.isZero(0.0)) return start;
   double before = kStep;
   for (int k = 0; k < kSteps; ++k) {
     const Vec3 n = circle.cosine * circle.axis + m, t = circle.axis.cross(m);
@@ -110,32 +122,103 @@ Vec3 directionOf(const Feature& a, const Feature& b, const Vec3& n) {
   return onSphere(a, b, n);
 }
 
-// The point of a disc over or under one of a point or a line, that nearest to its centre; none where that is
-// beyond the rim.
-bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, Vec3& on_disc,
-               Vec3& on_other) {
-  if (other.isDisc() || other.size > 2) return false;
-  on_other = farthest(other, n_other).point;
-  if (other.size == 2) {
-    const Vec3 along = farthest(other, n_other, 1).point - on_other;
-    const Vec3 flat = along - disc.axis.dot(along) * disc.axis;
-    const double squared = flat.squaredNorm();
-    if (squared > 0.0)
-      on_other += std::clamp(flat.dot(disc.centre[0] - on_other) / squared, 0.0, 1.0) * along;
+// The belt of the circle to which `pin` pins its outward normals m, m.u = c, met by a point or circle of the
+// other shape about `axis`. Let m be c u + s e(f) and t = s u - c e(f) the unit vector across the circle of
+// directions. With D the offset of a centre of `pin` from that of the other, z its height and d what it has
+// across u,
+//   m.D = c z + s e.d,   t.D = s z up to |c d|,
+// and a circle of the radius r about u adds s r to the first and - c r to the second. One of the radius R
+// about an axis tilted by the small angle a adds R (s - c e.v), with v what the axis has across u, up to R
+// a^2 / s^3; and
+// - c R up to R a.
+Belt beltOf(const Feature& pin, const Vec3& centre, double radius, const Vec3& axis, double sign) {
+  const Vec3& u = pin.pin_axis;
+  const double c = pin.pin_cosine, s = std::sqrt(std::max(1.0 - c * c, 0.0));
+  const Vec3 upright = u.dot(axis) < 0.0 ? Vec3(-axis) : axis;
+  const Vec3 lean = upright - u.dot(upright) * u;
+  const double tilt = radius > 0.0 ? lean.norm() : 0.0;
+  Belt belt{sign * u, c, std::numeric_limits<double>::infinity(), 0.0};
+  double lowest = belt.height, highest = -lowest;
+  for (int j = 0; j < 2; ++j) {
+    const Vec3 offset = pin.centre[j] - centre;
+    const double z = u.dot(offset), r = pin.radius[j] + radius;
+    const Vec3 across = offset - z * u;
+    belt.height = std::min(belt.height, c * z + s * r - (s * across - radius * c * lean).norm() -
+                                            radius * tilt * tilt / (s * s * s));
+    const double blur = std::abs(c) * across.norm() + radius * tilt;
+    lowest = std::min(lowest, s * z - c * r + blur), highest = std::max(highest, s * z - c * r - blur);
+  }
+  belt.reach = std::min(-lowest, highest);
+  return belt;
+}
+
+// Those of the points or circles of the other shape, and of two between two: beside the middle of `pin`, and
+// where the line through their centres is nearest to its axis, if a little inside the ends, where it may
+// reach no farther.
+std::array<Belt, 4> beltsOf(const Feature& pin, const Feature& other, double sign) {
+  constexpr double kInside = 0.02;
+  std::array<Belt, 4> belts{};
+  if (other.isDisc()) return belts;
+  for (int k = 0; k < other.size; ++k)
+    belts[k] = beltOf(pin, other.centre[k], other.radius[k], other.axis, sign);
+  if (other.size != 2) return belts;
+  const Vec3 &u = pin.pin_axis, along = other.centre[1] - other.centre[0];
+  const Vec3 to_middle = 0.5 * (pin.centre[0] + pin.centre[1]) - other.centre[0];
+  const Vec3 along_flat = along - u.dot(along) * u, to_flat = to_middle - u.dot(to_middle) * u;
+  const auto between = [&](double part, double whole) {
+    const double at = whole == 0.0 ? 0.5 : std::clamp(part / whole, kInside, 1.0 - kInside);
+    return beltOf(pin, other.centre[0] + at * along,
+                  other.radius[0] + at * (other.radius[1] - other.radius[0]), other.axis, sign);
+  };
+  belts[2] = between(u.dot(to_middle), u.dot(along));
+  belts[3] = between(along_flat.dot(to_flat), along_flat.squaredNorm());
+  return belts;
+}
+
+// The point of a disc over or under one of a point, a line or another disc, that nearest to its centre, and
+// how far it is from the rim; none where it is beyond that.
+bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, Vec3& on_disc, Vec3& on_other,
+               double& margin) {
+  const auto across = [&](const Vec3& v) -> Vec3 { return v - disc.axis.dot(v) * disc.axis; };
+  double reach = disc.radius[0];
+  if (other.isDisc()) {
+    reach += other.radius[0];
+    on_other = other.centre[0] + other.radius[0] / reach * across(disc.centre[0] - other.centre[0]);
+    margin = reach - across(disc.centre[0] - other.centre[0]).norm();
+  } else {
+    if (other.size > 2) return false;
+    on_other = farthest(other, n_other).point;
+    if (other.size == 2) {
+      const Vec3 along = farthest(other, n_other, 1).point - on_other;
+      const Vec3 flat = across(along);
+      const double squared = flat.squaredNorm();
+      if (squared > 0.0)
+        on_other += std::clamp(flat.dot(disc.centre[0] - on_other) / squared, 0.0, 1.0) * along;
+    }
+    margin = reach - across(on_other - disc.centre[0]).norm();
   }
   on_disc = on_other - disc.axis.dot(on_other - disc.centre[0]) * disc.axis;
-  return (on_disc - disc.centre[0]).squaredNorm() <= disc.radius[0] * disc.radius[0];
+  return margin >= 0.0;
 }
 
 }  // namespace
 
-Stationary stationary(const Feature& a, const Feature& b, const Vec3& start) {
-  Stationary found;
-  found.n = directionOf(a, b, start);
+Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& start, Seek seek) {
+  Meeting found;
+  if (seek == Seek::Stationary) {
+    found.n = directionOf(a, b, start);
+  } else {
+    const Feature& pin = seek == Seek::PinnedByA ? a : b;
+    found.n = start;
+    if (pin.pin != Feature::Pin::Circle) return found;
+    const double sign = &pin == &a ? 1.0 : -1.0;
+    found.n = nearestOn({pin.pin_axis, sign * pin.pin_cosine}, start);
+    found.belts = beltsOf(pin, &pin == &a ? b : a, sign);
+  }
   if (a.isDisc()) {
-    found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0]);
+    found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0], found.margin);
   } else if (b.isDisc()) {
-    found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0]);
+    found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0], found.margin);
   } else if (a.size * b.size <= 4) {
     for (int i = 0; i < a.size; ++i)
       for (int j = 0; j < b.size; ++j) {

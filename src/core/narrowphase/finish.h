@@ -39,16 +39,18 @@ struct Feature {
 };
 
 /// A direction, and points of the two shapes, as many of each, that span what is nearest along it; 0 if
-/// unknown.
-struct Stationary {
+/// unknown. `margin` is that of Finished.
+struct Meeting {
   Vec3 n;
   int size = 0;
   std::array<Vec3, 4> on_a, on_b;
+  double margin = 0.0;
+  std::array<Belt, 4> belts{};
 };
 
-/// The unit direction near n at which the separation of two features (both in one frame, their normals
-/// outward) is stationary; n itself if none is found.
-Stationary stationary(const Feature& a, const Feature& b, const Vec3& n);
+/// The unit direction near n that is sought for two features (both in one frame, their normals outward); n
+/// itself if none is found.
+Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& n, Seek seek);
 
 /// The features of a core that meet something in the direction d, judged by d and by support points found
 /// nearby, all in the core's frame. At most two, of which the first is the likelier.
@@ -79,14 +81,15 @@ class Finish {
 
   /// The direction near n (unit, in A's frame, from A to B) of the largest separation, given points of the
   /// features that are near.
-  Finished operator()(const Vec3& n, const SupportPoint* points, int size) const {
+  Finished operator()(const Vec3& n, const SupportPoint* points, int size,
+                      Seek seek = Seek::Stationary) const {
     std::array<Vec3, 4> own;
     own.fill(n);
     for (int i = 0; i < size; ++i) own[i] = points[i].a;
     const Features of_a = featuresAt(a_, n, own.data(), size);
     for (int i = 0; i < size; ++i) own[i] = points[i].b_B;
     Features of_b = featuresAt(b_, Vec3(X_AB_.R_AB.transpose() * -n), own.data(), size);
-    Stationary best;
+    Meeting best;
     best.n = n;
     double most = 0.0;
     for (int j = 0; j < of_b.size; ++j) {
@@ -95,13 +98,19 @@ class Finish {
       b.axis = X_AB_.R_AB * b.axis;
       b.pin_axis = X_AB_.R_AB * b.pin_axis;
       for (int i = 0; i < of_a.size; ++i) {
-        const Stationary found = stationary(of_a.of[i], b, n);
+        const Meeting found = meetingOf(of_a.of[i], b, n, seek);
+        if (seek != Seek::Stationary) {
+          if (best.size == 0) best = found;
+          continue;
+        }
         const double along = of_a.size * of_b.size == 1 ? 0.0 : separation(found.n);
         if ((i == 0 && j == 0) || along > most) most = along, best = found;
       }
     }
     Finished finished;
     finished.n = best.n;
+    finished.margin = best.margin;
+    finished.belts = best.belts;
     if (isRound<CoreA>) finished.axis_a = Vec3::UnitZ();
     if (isRound<CoreB>) finished.axis_b = X_AB_.R_AB.col(2);
     for (int k = 0; k < best.size; ++k)

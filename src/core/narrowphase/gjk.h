@@ -31,20 +31,36 @@ struct GjkResult {
 
 inline constexpr int kGjkIterations = 128;
 
+/// What two features prove of all directions n that are pinned to a circle, n.axis = cosine, at once: A - B
+/// reaches `height` along each of them, at points of which some lie `reach` beyond the line through the
+/// origin along n to either side of the circle.
+struct Belt {
+  Vec3 axis = Vec3::UnitZ();
+  double cosine = 0.0;
+  double height = -std::numeric_limits<double>::infinity(), reach = 0.0;
+};
+
 /// What finishing a direction gives: the direction (unit, from A to B), points of A - B that span what is
 /// nearest along it, none where that is not known, and the axis through the origin of each shape's frame
-/// about which it is a solid of revolution (unit, in A's frame), 0 where it is none.
+/// about which it is a solid of revolution (unit, in A's frame), 0 where it is none. Where a flat round side
+/// is nearest, `nearest` is one point and the disc of the radius `margin` about it lies in that side.
 struct Finished {
   Vec3 n;
   Simplex nearest;
+  double margin = 0.0;
   Vec3 axis_a = Vec3::Zero(), axis_b = Vec3::Zero();
+  std::array<Belt, 4> belts{};  ///< of the circle that n is pinned to, where such a direction was sought
 };
+
+/// Where to look for a direction: where the separation is stationary, or at the nearest one among those to
+/// which an edge or a line on the side of one of the shapes pins it.
+enum class Seek { Stationary, PinnedByA, PinnedByB };
 
 /// For sets whose features nobody knows.
 struct NoFinish {
   static constexpr bool kRound = false;
   Finished operator()(const Vec3& n, const SupportPoint* /*points*/, int /*size*/) const {
-    return {n, {}, Vec3::Zero(), Vec3::Zero()};
+    return {n, {}, 0.0, Vec3::Zero(), Vec3::Zero(), {}};
   }
 };
 
