@@ -121,8 +121,9 @@ int main() {
     print(alone(problem, [&](const System& s, BodyBlocks&) { return gaussSeidel(s, 1e-6, sweeps); }));
     print(alone(problem, [&](const System& s, BodyBlocks& m) { return admm(s, m, cold, 1e-6, 1000); }));
     print(alone(problem, [&](const System& s, BodyBlocks& m) { return interiorPoint(s, m, 1e-6, 80); }));
-    print(
-        alone(problem, [&](const System& s, BodyBlocks& m) { return newton(s, m, cold, 100.0, 1e-6, 60); }));
+    print(alone(problem, [&](const System& s, BodyBlocks& m) {
+      return newton(s, m, {cold, s.residuals(cold)}, 100.0, 1e-6, 60);
+    }));
     print(chosen(problem, 1e-6));
     print(chosen(problem, 1e-12));
     std::printf("\n");

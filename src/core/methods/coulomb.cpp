@@ -76,14 +76,15 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     const Impulses cold = Impulses::Zero(3, size);
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
-      if (!best.within(aim)) consider(of, newton(system, matrix, answer.r, 1e3, target, cap, tolerance));
+      if (!best.within(aim)) consider(of, newton(system, matrix, answer, 1e3, target, cap, tolerance));
     };
-    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best.r, 1e5, target, 5, tolerance));
+    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best, 1e5, target, 5, tolerance));
     if (!best.within(aim) && separable(system)) {
       finish(CoulombSolver::GaussSeidel, gaussSeidel(system, target, 100), 10);
     }
     if (!best.within(aim) && problem.bodies.size() <= kFewBodies) {
-      consider(CoulombSolver::Newton, newton(system, matrix, cold, 100.0, target, 20, tolerance));
+      const Answer start{cold, system.residuals(cold)};
+      consider(CoulombSolver::Newton, newton(system, matrix, start, 100.0, target, 20, tolerance));
     }
     if (!best.within(tolerance) && is_large) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
@@ -92,7 +93,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), patient ? 40 : 20);
     }
     if (!best.within(tolerance) && !slides) {
-      consider(CoulombSolver::Newton, newton(system, matrix, best.r, 10.0, target, 30, tolerance));
+      consider(CoulombSolver::Newton, newton(system, matrix, best, 10.0, target, 30, tolerance));
     }
     if (!best.within(tolerance) && !slides && (patient || size <= kSomePoints)) {
       const int cap = !patient ? 150 : is_large ? 100 : 600;

@@ -34,8 +34,7 @@ constexpr int kMostHalvings = 8;  // of a step
 
 class Round {
  public:
-  Round(const System& system, const Impulses& r)
-      : system_(system), r_(r), u_r_(system.relativeVelocities(r)) {}
+  Round(const System& system, const Impulses& r, const Impulses& u_r) : system_(system), r_(r), u_r_(u_r) {}
 
   struct State {
     Velocities x, F;
@@ -90,19 +89,18 @@ class Round {
   }
 
   const System& system_;
-  const Impulses& r_;
-  Impulses u_r_;
+  const Impulses &r_, &u_r_;
 };
 
 }  // namespace
 
-Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, double stiffness,
+Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, double stiffness,
               double tolerance, int cap, double enough) {
-  Answer best{start, system.residuals(start), 0};
-  Impulses r = start;
+  Answer best{start.r, start.residuals, 0};
+  Impulses r = start.r, u = system.relativeVelocities(r);
   double last = best.residuals.beyond_rounding;
   while (best.iterations < cap && stiffness >= kLeastStiffness) {
-    const Round round(system, r);
+    const Round round(system, r, u);
     Round::State state = round.at(Velocities::Zero(6, system.free().cols()), stiffness);
     bool found = false;
     for (int step = 0; step < kMostSteps && best.iterations < cap && !found; ++step) {
@@ -121,7 +119,8 @@ Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, d
     }
     const Impulses next = r + state.d;
     if (!next.allFinite()) break;
-    const Residuals residuals = system.residuals(next);
+    const Impulses velocity = system.relativeVelocities(next);
+    const Residuals residuals = system.residuals(next, velocity);
     const double now = residuals.beyond_rounding;
     if (now < best.residuals.beyond_rounding) {
       best.r = next;
@@ -134,7 +133,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, d
     } else if (now > 0.1 * last) {
       stiffness = std::min(10.0 * stiffness, kMostStiffness);
     }
-    r = next;
+    r = next, u = velocity;
     last = now;
   }
   return best;

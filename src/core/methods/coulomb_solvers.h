@@ -24,7 +24,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap);
 /// Augmented Lagrangian, semismooth Newton. Iterations are factorisations.
 /// @param stiffness of a point at the start, in units of the mass it feels, 1/response
 /// @param enough a larger tolerance, for which slow rounds are not gone on with
-Answer newton(const System& system, BodyBlocks& matrix, const Impulses& start, double stiffness,
+Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, double stiffness,
               double tolerance, int cap, double enough = 0.0);
 
 /// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton` is to

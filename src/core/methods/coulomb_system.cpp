@@ -107,9 +107,8 @@ Impulses System::relativeVelocities(const Impulses& r) const {
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
 // between heavy ones feels the last digit of their impulses.
-Residuals System::residuals(const Impulses& r) const {
+Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-  const Impulses velocity = relativeVelocities(r);
   Eigen::VectorXd rounding = free_.colwise().norm().transpose();
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];

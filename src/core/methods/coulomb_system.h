@@ -60,7 +60,9 @@ class System {
   }
   /// u of impulses r, a column a point, with the rounding of r only: summed in long double.
   Impulses relativeVelocities(const Impulses& r) const;
-  Residuals residuals(const Impulses& r) const;
+  /// Of impulses r, with their relative velocities where those are known.
+  Residuals residuals(const Impulses& r, const Impulses& velocity) const;
+  Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
 
   Impulses guess(const CoulombProblem& problem) const;
   /// Writes impulses, and the velocities they make, with units.

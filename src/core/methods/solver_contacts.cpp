@@ -141,9 +141,15 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.gap = point.open = found.separation;
   point.feature = found.feature;
 
-  const Mat3 lever_i = crossMatrix(point.r_i), lever_j = crossMatrix(point.r_j);
-  const Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity() - lever_i * i.inv_inertia_W * lever_i -
-                        lever_j * j.inv_inertia_W * lever_j;
+  Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity();
+  if (!i.still) {
+    const Mat3 lever = crossMatrix(point.r_i);
+    response -= lever * i.inv_inertia_W * lever;
+  }
+  if (!j.still) {
+    const Mat3 lever = crossMatrix(point.r_j);
+    response -= lever * j.inv_inertia_W * lever;
+  }
   point.mass_n = 1.0 / block.n.dot(response * block.n);
   point.u_0 = block.n.dot(velocityAt(block, point));
   if (!block.rough) return;
