@@ -149,7 +149,7 @@ class Dart : public Engine {
 };
 
 RegisterEngine add(const std::string& setting, const std::string& sentence, bool better) {
-  return RegisterEngine({"dart", setting, DART_VERSION ", double", sentence,
+  return RegisterEngine({"dart", setting, DART_VERSION ", double, with its assertions", sentence,
                          [better](const Task& task) { return std::make_unique<Dart>(task, better); }});
 }
 
