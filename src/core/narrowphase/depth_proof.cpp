@@ -23,9 +23,10 @@ struct Form {
 // The least 1 / sin^3 of the angle to `axis` within `angle` of n; 0 for no axis.
 double spread(const Vec3& n, const Vec3& axis, double angle) {
   if (axis.isZero(0.0)) return 0.0;
-  const double tilt = std::atan2(n.cross(axis).norm(), std::abs(n.dot(axis))) + angle;
-  if (tilt >= 0.5 * EIGEN_PI) return 1.0;
-  const double sine = std::sin(tilt);
+  const double across = n.cross(axis).norm(), along = std::abs(n.dot(axis));
+  const double turned = std::sin(angle), left = std::cos(angle);
+  if (along * left <= across * turned) return 1.0;  // at right angles to the axis
+  const double sine = across * left + along * turned;
   return 1.0 / (sine * sine * sine);
 }
 

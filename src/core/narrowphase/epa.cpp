@@ -29,16 +29,14 @@ constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
 // Of the depth: the interval at which the features that meet are known well enough to ask for a proof.
 constexpr double kFeatures = 0.05;
 // After so many rounds directions tie about an axis, or nearly so, and that is asked for.
-constexpr int kTies = 24;
+constexpr int kTies = 32;
 // After so many, if all is within this fraction of the size, the rest is finished without a proof.
 constexpr int kUnproved = 512;
 constexpr double kCoarse = 1e-3;
 // rad: the widest cap about a direction that is asked to prove itself.
-constexpr double kWidest = 2.4;
+constexpr double kWidest = 0.6;
 // Of the size: how well the points of a finished direction span the depth.
 constexpr double kSpanned = 1e-9;
-// Of the size: what the least distance may seem to shrink by as the polytope grows.
-constexpr double kBroken = 1e-12;
 
 // Corners anticlockwise seen from outside; edge k runs from corner k to corner k + 1 and borders
 // `neighbour[k]`, whose own edge `twin[k]` runs back.
@@ -59,6 +57,7 @@ class Polytope {
  public:
   Polytope(const Simplex& s, double rounding)
       : points_(s.points.begin(), s.points.end()), rounding_(rounding) {
+    points_.reserve(kUsual), faces_.reserve(6 * kUsual), horizon_.reserve(kUsual), removed_.reserve(kUsual);
     const Vec3 e1 = points_[1].w - points_[0].w, e2 = points_[2].w - points_[0].w;
     if (e1.cross(e2).dot(points_[3].w - points_[0].w) > 0.0) std::swap(points_[1], points_[2]);
     makeFace(0, 1, 2), makeFace(0, 3, 1), makeFace(0, 2, 3), makeFace(1, 3, 2);
@@ -165,6 +164,8 @@ class Polytope {
     walk(f.neighbour[left], f.twin[left], w, given);
     walk(f.neighbour[right], f.twin[right], w, given);
   }
+
+  static constexpr int kUsual = 16;  // points: with fewer no memory is asked for twice
 
   using Entry = std::pair<double, int>;  // distance, face
   std::vector<SupportPoint> points_;
@@ -285,9 +286,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   result.lower = -std::numeric_limits<double>::infinity();
   Face best{};
   bool best_is_finished = false, unproved = false;
-  double least = result.lower;  // distance of the whole polytope
-  // The least distances of the faces given up, and of those that proved enough.
-  double given_up = std::numeric_limits<double>::infinity(), proved = given_up;
+  double given_up = std::numeric_limits<double>::infinity();  // least distance of the faces given up
   std::vector<Cap> caps;
   std::vector<std::pair<Belt, double>> proven_belts;  // with their widths
   // The directions that a face leaves open are those within this angle of its normal.
@@ -351,15 +350,10 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
       break;
     }
     const Face face = *nearest;
-    // Once the origin is inside, the least distance only grows, unless slivers have made the polytope lose
-    // its shape.
-    if (least > 0.0 && face.distance < least - kBroken * scale) break;
     result.lower = std::max(result.lower, std::min(face.distance, given_up));
-    least = std::max(least, std::min({face.distance, given_up, proved}));
     if (result.upper - face.distance <= kClosed * scale) break;
     const bool round = finish && face.distance > 0.0;
     if (round && covered(face)) {
-      proved = std::min(proved, face.distance);
       polytope.giveUpNearest();
       continue;
     }
@@ -375,7 +369,6 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
     if (round && result.upper - face.distance <= kFeatures * result.upper &&
         (closes(face, Seek::Stationary) ||
          (result.iterations >= kTies && (closes(face, Seek::PinnedByA) || closes(face, Seek::PinnedByB))))) {
-      proved = std::min(proved, face.distance);
       polytope.giveUpNearest();
       continue;
     }

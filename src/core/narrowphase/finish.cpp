@@ -31,7 +31,7 @@ Farthest farthest(const Feature& feature, const Vec3& outward, int k = 0) {
   const double across = e.norm();
   if (!(across > 1e-14)) return {feature.centre[k], Vec3::Zero(), 0.0};  // rounding
   e /= across;
-  e = (e - feature.axis.dot(e) * feature.axis).normalized();  // what rounding has left along the axis
+  e = (e - feature.axis.dot(e) * feature.axis).normalized();  // what rounding has left there
   return {feature.centre[k] + feature.radius[k] * e, feature.axis.cross(e), feature.radius[k] / across};
 }
 
@@ -175,8 +175,25 @@ std::array<Belt, 4> beltsOf(const Feature& pin, const Feature& other, double sig
   return belts;
 }
 
-// The point of a disc over or under one of a point, a line or another disc, that nearest to its centre, and
-// how far it is from the rim; none where it is beyond that.
+// From `p`, the start of the segment `along`, to its lowest point over the disc; the one nearest to the
+// middle of the disc where it is level up to rounding, or does not lie over the disc.
+Vec3 overDisc(const Feature& disc, const Vec3& p, const Vec3& along) {
+  const Vec3 to_middle = disc.centre[0] - p;
+  const double slope = disc.pin_axis.dot(along);
+  const Vec3 flat = along - disc.axis.dot(along) * disc.axis;
+  const double squared = flat.squaredNorm();
+  if (!(squared > 0.0)) return Vec3::Zero();
+  const double nearest = flat.dot(to_middle) / squared;
+  const Vec3 offset = to_middle - disc.axis.dot(to_middle) * disc.axis - nearest * flat;
+  const double half =
+      std::sqrt(std::max(disc.radius[0] * disc.radius[0] - offset.squaredNorm(), 0.0) / squared);
+  const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (p.norm() + disc.radius[0]);
+  const double towards = std::abs(slope) <= rounding ? 0.0 : std::copysign(half, -slope);
+  return std::clamp(nearest + towards, 0.0, 1.0) * along;
+}
+
+// The point of a disc over or under one of a point, a line or another disc, and how far it is from the rim;
+// none where it is beyond that.
 bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, Vec3& on_disc, Vec3& on_other,
                double& margin) {
   const auto across = [&](const Vec3& v) -> Vec3 { return v - disc.axis.dot(v) * disc.axis; };
@@ -188,13 +205,7 @@ bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, V
   } else {
     if (other.size > 2) return false;
     on_other = farthest(other, n_other).point;
-    if (other.size == 2) {
-      const Vec3 along = farthest(other, n_other, 1).point - on_other;
-      const Vec3 flat = across(along);
-      const double squared = flat.squaredNorm();
-      if (squared > 0.0)
-        on_other += std::clamp(flat.dot(disc.centre[0] - on_other) / squared, 0.0, 1.0) * along;
-    }
+    if (other.size == 2) on_other += overDisc(disc, on_other, farthest(other, n_other, 1).point - on_other);
     margin = reach - across(on_other - disc.centre[0]).norm();
   }
   on_disc = on_other - disc.axis.dot(on_other - disc.centre[0]) * disc.axis;
