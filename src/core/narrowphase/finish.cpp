@@ -234,6 +234,7 @@ Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& start, Seek se
     for (int i = 0; i < a.size; ++i)
       for (int j = 0; j < b.size; ++j) {
         found.on_a[found.size] = farthest(a, found.n, i).point;
+        if (b.radius[j] == 0.0) found.corner_b[found.size] = j;
         found.on_b[found.size++] = farthest(b, -found.n, j).point;
       }
   }

@@ -44,6 +44,7 @@ struct Meeting {
   Vec3 n;
   int size = 0;
   std::array<Vec3, 4> on_a, on_b;
+  std::array<int, 4> corner_b{-1, -1, -1, -1};  ///< which point of the feature of B on_b is; -1: none
   double margin = 0.0;
   std::array<Belt, 4> belts{};
 };
@@ -90,21 +91,23 @@ class Finish {
     for (int i = 0; i < size; ++i) own[i] = points[i].b_B;
     Features of_b = featuresAt(b_, Vec3(X_AB_.R_AB.transpose() * -n), own.data(), size);
     Meeting best;
+    std::array<Vec3, 3> corners_B;
     best.n = n;
     double most = 0.0;
     for (int j = 0; j < of_b.size; ++j) {
       Feature& b = of_b.of[j];
+      const std::array<Vec3, 3> own_corners = b.centre;
       for (int k = 0; k < b.size; ++k) b.centre[k] = X_AB_.p_AB + X_AB_.R_AB * b.centre[k];
       b.axis = X_AB_.R_AB * b.axis;
       b.pin_axis = X_AB_.R_AB * b.pin_axis;
       for (int i = 0; i < of_a.size; ++i) {
         const Meeting found = meetingOf(of_a.of[i], b, n, seek);
         if (seek != Seek::Stationary) {
-          if (best.size == 0) best = found;
+          if (best.size == 0) best = found, corners_B = own_corners;
           continue;
         }
         const double along = of_a.size * of_b.size == 1 ? 0.0 : separation(found.n);
-        if ((i == 0 && j == 0) || along > most) most = along, best = found;
+        if ((i == 0 && j == 0) || along > most) most = along, best = found, corners_B = own_corners;
       }
     }
     Finished finished;
@@ -113,9 +116,13 @@ class Finish {
     finished.belts = best.belts;
     if (isRound<CoreA>) finished.axis_a = Vec3::UnitZ();
     if (isRound<CoreB>) finished.axis_b = X_AB_.R_AB.col(2);
-    for (int k = 0; k < best.size; ++k)
-      finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k],
-                            X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)});
+    for (int k = 0; k < best.size; ++k) {
+      // A corner is to be known again, to the last bit.
+      const int corner = best.corner_b[k];
+      const Vec3 b_B =
+          corner < 0 ? Vec3(X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)) : corners_B[corner];
+      finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k], b_B});
+    }
     return finished;
   }
 
