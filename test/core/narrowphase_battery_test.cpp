@@ -153,22 +153,19 @@ INSTANTIATE_TEST_SUITE_P(Narrowphase, Battery,
                          nameOf);
 
 // Of these a hundred thousand pairs hold some that miss a figure: docs/collision.md says how many.
-INSTANTIATE_TEST_SUITE_P(Fewer, Battery,
-                         testing::Values(Kind{"hull", "box", 1e-10, 20000},
-                                         Kind{"capsule", "hull", 1e-10, 20000},
-                                         Kind{"cylinder", "box", 1e-10, 3000},
-                                         Kind{"hull", "hull", 1e-10, 10000},
-                                         Kind{"sphere", "hull", 1e-10, 5000},
-                                         Kind{"box", "cone", 1e-10, 3000},
-                                         Kind{"capsule", "cylinder", 1e-10, 3000},
-                                         Kind{"capsule", "cone", 1e-10, 3000},
-                                         Kind{"cone", "cylinder", 1e-10, 3000}),
-                         nameOf);
+INSTANTIATE_TEST_SUITE_P(
+    Fewer, Battery,
+    testing::Values(Kind{"hull", "box", 1e-10, 20000}, Kind{"capsule", "hull", 1e-10, 20000},
+                    Kind{"cylinder", "box", 1e-10, 3000}, Kind{"hull", "hull", 1e-10, 10000},
+                    Kind{"sphere", "hull", 1e-10, 5000}, Kind{"box", "cone", 1e-10, 3000},
+                    Kind{"capsule", "cylinder", 1e-10, 3000}, Kind{"capsule", "cone", 1e-10, 3000},
+                    Kind{"cone", "cylinder", 1e-10, 3000}, Kind{"cylinder", "hull", 1e-10, 3000},
+                    Kind{"cone", "hull", 1e-10, 3000}),
+    nameOf);
 
 // To be enabled as they pass.
 INSTANTIATE_TEST_SUITE_P(DISABLED_Narrowphase, Battery,
-                         testing::Values(Kind{"cylinder", "cylinder", 1e-10}, Kind{"cylinder", "hull", 1e-10},
-                                         Kind{"cone", "hull", 1e-10}, Kind{"cone", "cone", 1e-10}),
+                         testing::Values(Kind{"cylinder", "cylinder", 1e-10}, Kind{"cone", "cone", 1e-10}),
                          nameOf);
 
 }  // namespace
