@@ -1,6 +1,7 @@
 // What it does to a scene to force effects on or off.
 #pragma once
 
+#include "rigid_body_sim/difference.h"
 #include "rigid_body_sim/world.h"
 
 #include <optional>
@@ -10,11 +11,8 @@ namespace rbs {
 
 /// How far two runs from the same state have gone apart.
 struct Neglect {
-  double seconds = 0.0;     ///< of physics time that they ran
-  std::string moved_body;   ///< the one that is farthest from its other self; empty: none moved
-  double distance = 0.0;    ///< of its centre of mass, m
-  std::string turned_body;  ///< the one that is turned most against its other self; empty: none turned
-  double angle = 0.0;       ///< rad
+  double seconds = 0.0;  ///< of physics time that they ran
+  Difference difference;
 };
 
 /// Runs a scene as its effects are detected and with `effects` forced, each for up to 0.25 s of physics time and
@@ -22,6 +20,6 @@ struct Neglect {
 std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state, const EffectOverrides& effects);
 
 /// "in 0.25 s it moves 'box' by 0.31 m and turns 'cone' by 12 degrees".
-std::string describe(const Neglect& neglect);
+std::string describe(const Neglect& measured);
 
 }  // namespace rbs

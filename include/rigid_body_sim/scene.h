@@ -102,8 +102,42 @@ inline constexpr std::array kFidelities{Fidelity::Preview, Fidelity::Interactive
 
 /// "preview", "interactive", "accurate" or "reference".
 const char* fidelityName(Fidelity fidelity);
-/// The setting of this name; throws InvalidInput for any other name.
+/// The fidelity of this name; throws InvalidInput for any other name.
 Fidelity fidelityNamed(const std::string& name);
+
+/// Where the dial stands: one of its names, and numbers in the place of those behind the name.
+struct Setting {
+  Fidelity preset = Fidelity::Interactive;
+  std::uint32_t divisions = 1;             ///< equal parts that a step is taken in, 1 to 1000
+  std::optional<std::uint32_t> sub_steps;  ///< of the soft step, in each part, 1 to 1000; empty: preview 1, others 8
+  /// Of the exact step: residuals in impulse and velocity that it stops at, as fractions of what gravity gives in a
+  /// step, 1e-15 to 0.1; empty: accurate 1e-6, and on to 1e-9 where that is quick, reference 1e-12, others 1e-9.
+  std::optional<double> tolerance;
+  /// Wall time for the exact solves of a step, ms, 1e-6 to 1e6; empty: as long as they take. What is not solved by then
+  /// keeps the best impulses found, and its certificate says so. Gives up equal results from run to run.
+  std::optional<double> max_solve_ms;
+
+  Setting() = default;
+  Setting(Fidelity named) : preset(named) {}
+  friend bool operator==(const Setting& a, const Setting& b) {
+    return a.preset == b.preset && a.divisions == b.divisions && a.sub_steps == b.sub_steps &&
+           a.tolerance == b.tolerance && a.max_solve_ms == b.max_solve_ms;
+  }
+  friend bool operator!=(const Setting& a, const Setting& b) { return !(a == b); }
+};
+
+/// What the dial is turned by while the simulation runs: one of the two.
+struct Goal {
+  std::optional<double> max_error;    ///< of the place of any body, m per second simulated, > 0
+  std::optional<double> max_step_ms;  ///< wall time of a step, ms, > 0
+
+  friend bool operator==(const Goal& a, const Goal& b) {
+    return a.max_error == b.max_error && a.max_step_ms == b.max_step_ms;
+  }
+};
+
+/// "interactive", or "interactive, 2 divisions, 16 sub-steps, tolerance 1e-09".
+std::string settingName(const Setting& setting);
 
 /// Where a viewer should stand: used by the pictures and offered to RViz.
 struct View {
@@ -117,7 +151,8 @@ struct SceneDef {
   std::string property;           ///< one sentence: what the scene shows and how to see that it is right
   Vec3 gravity{0.0, 0.0, -9.81};  ///< m/s², in W; zero means no gravity
   double step = 1.0 / 60.0;       ///< s, 1e-6 to 1
-  Fidelity fidelity = Fidelity::Interactive;
+  Setting fidelity;
+  std::optional<Goal> goal;  ///< empty: the dial stays where it is put
   std::uint64_t seed = 1;    ///< of gusts and scattered bodies
   std::optional<Air> air;    ///< empty: no drag
   std::optional<Wind> wind;  ///< empty: air at rest; given without air is refused
@@ -143,8 +178,15 @@ struct Limits {
   static constexpr double max_gravity = 1e7;                ///< m/s²
   static constexpr double max_impulse = 1e15;               ///< N s, or N, or N m
   static constexpr double min_step = 1e-6, max_step = 1.0;  ///< s
+  static constexpr int max_divisions = 1000, max_sub_steps = 1000;
+  static constexpr double min_tolerance = 1e-15, max_tolerance = 0.1;
+  static constexpr double min_goal = 1e-12, max_goal = 1e6;  ///< m/s, or ms
+  static constexpr double min_solve_ms = 1e-6, max_solve_ms = 1e6;
 };
 
+/// Every fault of a setting of the dial, or of what turns it; empty when it is sound.
+std::vector<Problem> validate(const Setting& setting);
+std::vector<Problem> validate(const Goal& goal);
 /// Every fault of one body by itself, with `path` in front; empty when it is sound.
 std::vector<Problem> validate(const BodyDef& body, const std::string& path);
 /// Every fault of a scene, duplicate names among them; empty when it is sound.

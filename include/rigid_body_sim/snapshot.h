@@ -108,12 +108,27 @@ struct AirState {
   Vec3 velocity = Vec3::Zero();  ///< with the gust, now, m/s
 };
 
+/// By how much a setting goes astray for each second that is simulated: of the body with the largest error.
+struct ErrorRate {
+  double distance = 0.0;  ///< m/s
+  double angle = 0.0;     ///< rad/s
+  double energy = 0.0;    ///< share of the energy (see Difference), 1/s
+};
+
+/// What a second run of the same scene, beside it and more finely, has told of a window of time.
+struct ErrorEstimate {
+  ErrorRate error;          ///< by which the two went apart
+  double window = 0.0;      ///< for how long they ran from a common state, s
+  Setting setting, beside;  ///< of the two
+  double beside_ms = 0.0;   ///< wall time that the second run adds to a step, ms
+};
+
 struct Snapshot {
   std::string scene;
   double time = 0.0;                                           ///< physics time since the scene began, s
   std::uint64_t steps = 0;                                     ///< taken since the scene began
   double step = 0.0;                                           ///< s
-  std::uint64_t edits = 0;                                     ///< grows with every edit, load and reset
+  std::uint64_t edits = 0;                                     ///< grows with every edit, load and reset; the dial does not count
   std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
   std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order
   std::vector<BodyState> states;                               ///< same order as `bodies`
@@ -124,7 +139,10 @@ struct Snapshot {
   AirState air;
   std::optional<Fluid> fluid;
   Vec3 gravity = Vec3::Zero();
-  Fidelity fidelity = Fidelity::Interactive;
+  Setting fidelity;
+  std::optional<Goal> goal;               ///< that turns the dial
+  std::string dial_reason;                ///< why it stands where it does; empty: nothing has turned it
+  std::optional<ErrorEstimate> estimate;  ///< of the last window; empty where errors are not estimated
   View view;
   std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
 

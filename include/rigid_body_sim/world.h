@@ -70,6 +70,7 @@ class World {
   /// Throws InvalidInput with every fault of the scene. `saved` resumes a saved state.
   explicit World(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
   ~World();
+  World(const World&);  ///< another world with the same future, bit for bit
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
@@ -97,7 +98,8 @@ class World {
   void setGravity(const Vec3& gravity_W);
   void setAir(const std::optional<Air>& air);     ///< taking air away takes the wind with it
   void setWind(const std::optional<Wind>& wind);  ///< needs air
-  void setFidelity(Fidelity fidelity);
+  void setFidelity(const Setting& setting);  ///< bodies keep their state, bit for bit
+  void setGoal(const std::optional<Goal>& goal);  ///< for a Governor, which turns the dial by it
   void setFluid(const std::optional<Fluid>& fluid);  ///< empty takes it away
   void setEffects(const EffectOverrides& effects);   ///< replaces all overrides; those not in it are detected
 
@@ -108,10 +110,11 @@ class World {
   // --- reading
   double time() const;
   std::uint64_t steps() const;
+  std::uint64_t edits() const;              ///< how often the world has been edited; the dial and its goal do not count
   const SceneDef& scene() const;            ///< settings as they are now; `bodies` is not kept up
   SceneDef capture() const;                 ///< the scene as it is now, bodies and velocities included
   SavedState captureState() const;          ///< what capture() leaves out
-  Snapshot snapshot() const;                ///< all but the pacing
+  Snapshot snapshot() const;                ///< all but the pacing, and what a Governor adds
   std::vector<StageInfo> pipeline() const;  ///< which stages run, and why
   std::uint64_t stateHash() const;
   Totals totals() const;

@@ -32,7 +32,7 @@ struct Census {
   double fluid_density = 0.0;  ///< kg/m³; 0 without a fluid
   double fluid_level = 0.0;    ///< m
   bool wind = false;
-  Fidelity fidelity = Fidelity::Interactive;
+  Setting fidelity;
   EffectOverrides overrides;
 
   friend bool operator==(const Census& a, const Census& b);

@@ -12,6 +12,8 @@
 #include "rigid_body_sim/world.h"
 
 #include <array>
+#include <chrono>
+#include <optional>
 #include <vector>
 
 namespace rbs {
@@ -158,6 +160,8 @@ struct StepStore {
   std::vector<std::vector<Index>> to_bed;  ///< groups that sleep from the next step on
   std::vector<Pose> before;             ///< by body: pose at t0, for the body that must be put back
   std::vector<Twist> twist_before;      ///< by body, at t0
+  /// When the exact solves of the step are to end, where that is asked for.
+  std::optional<std::chrono::steady_clock::time_point> solve_until;
   StepReport report;
 
   /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene, or

@@ -8,7 +8,7 @@ namespace rbs {
 struct FidelitySettings {
   bool exact;        ///< contacts by the exact step, else by the soft step
   bool promotes;     ///< hands small islands that the soft step does badly to the exact step
-  int sub_steps;     ///< of the soft step
+  std::uint32_t sub_steps;     ///< of the soft step
   bool all_points;   ///< solves every point of a manifold, else the four that span most of it
   double tolerance;  ///< of the exact step: residuals in impulse and velocity, fractions of their units
   double aim;        ///< likewise: where a few iterations more reach it
@@ -21,7 +21,7 @@ struct FidelitySettings {
   double no_time;
 };
 
-constexpr FidelitySettings settingsOf(Fidelity fidelity) {
+constexpr FidelitySettings settingsNamed(Fidelity fidelity) {
   switch (fidelity) {
     case Fidelity::Preview:
       return {false, false, 1, false, 1e-6, 1e-6, 0, 0, 0.5, 1e-6, 1e-3};
@@ -33,6 +33,13 @@ constexpr FidelitySettings settingsOf(Fidelity fidelity) {
       break;
   }
   return {true, false, 8, true, 1e-12, 1e-12, 4, 10000, 1e-7, 1e-12, 1e-6};
+}
+
+inline FidelitySettings settingsOf(const Setting& setting) {
+  FidelitySettings settings = settingsNamed(setting.preset);
+  settings.sub_steps = setting.sub_steps.value_or(settings.sub_steps);
+  if (setting.tolerance) settings.tolerance = settings.aim = *setting.tolerance;
+  return settings;
 }
 
 }  // namespace rbs

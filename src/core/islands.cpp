@@ -57,7 +57,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 
 // Whether an island is advanced by sub-steps of its own.
 bool isHasty(const Context& context, const Island& island) {
-  const int sub_steps = settingsOf(context.scene.settings.fidelity).sub_steps;
+  const std::uint32_t sub_steps = settingsOf(context.scene.settings.fidelity).sub_steps;
   return soft_step::subStep(context, island.pairs) < context.step.h() / sub_steps;
 }
 

@@ -22,20 +22,12 @@ std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state, c
   World forced(std::move(scene), state);
   for (std::size_t k = 0; k < steps; ++k) detected.step(), forced.step();
 
-  const Snapshot a = detected.snapshot(), b = forced.snapshot();
-  Neglect neglect;
-  neglect.seconds = a.time - state.time;
-  for (std::size_t k = 0; k < a.states.size(); ++k) {
-    const double distance = (a.states[k].pose.p_WB - b.states[k].pose.p_WB).norm();
-    const double angle = a.states[k].pose.q_WB.angularDistance(b.states[k].pose.q_WB);
-    if (distance > neglect.distance) neglect.distance = distance, neglect.moved_body = (*a.bodies)[k].name;
-    if (angle > neglect.angle) neglect.angle = angle, neglect.turned_body = (*a.bodies)[k].name;
-  }
-  return neglect;
+  return Neglect{detected.time() - state.time, differenceOf(forced.snapshot(), detected.snapshot())};
 }
 
-std::string describe(const Neglect& neglect) {
-  std::string words = "in " + text(neglect.seconds) + " s it ";
+std::string describe(const Neglect& measured) {
+  const Difference& neglect = measured.difference;
+  std::string words = "in " + text(measured.seconds) + " s it ";
   if (neglect.moved_body.empty() && neglect.turned_body.empty()) return words + "changes nothing";
   if (!neglect.moved_body.empty()) words += "moves '" + neglect.moved_body + "' by " + text(neglect.distance) + " m";
   if (!neglect.turned_body.empty())

@@ -17,6 +17,7 @@
 #include "sleep.h"
 #include "text.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 
@@ -96,9 +97,10 @@ constexpr std::array kStages{
 };
 
 // Parts of islands.advance that a scene may do without. The first three are timed (methods.h).
-std::string contactLaw(Fidelity fidelity) {
-  const FidelitySettings settings = settingsOf(fidelity);
-  const std::string name = std::string(fidelityName(fidelity)) + ": ";
+std::string contactLaw(const Setting& setting) {
+  const FidelitySettings settings = settingsOf(setting);
+  const std::string name = std::string(fidelityName(setting.preset)) +
+                           (setting.divisions > 1 ? " in " + count(setting.divisions, "part", "parts") : "") + ": ";
   if (settings.exact) return name + "Coulomb's law to " + text(settings.tolerance);
   return name + "soft contacts, " + count(settings.sub_steps, "sub-step", "sub-steps") +
          (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
@@ -201,17 +203,22 @@ void Pipeline::filter(const Census& census) {
   contact_seconds_.assign(kContactRows, 0.0);
 }
 
+void Pipeline::restartClocks() {
+  std::fill(seconds_.begin(), seconds_.end(), 0.0);
+  std::fill(contact_seconds_.begin(), contact_seconds_.end(), 0.0);
+}
+
 void Pipeline::run(Context& context) {
   const Clock::time_point begin = Clock::now();
   Clock::time_point mark = begin;
   for (const std::size_t row : active_) {
     kStages[row].run(context);
     const Clock::time_point now = Clock::now();
-    seconds_[row] = secondsBetween(mark, now);
+    seconds_[row] += secondsBetween(mark, now);
     mark = now;
     if (!context.step.woken.empty()) return;  // to be begun again
   }
-  contact_seconds_ = context.step.contact_seconds;
+  for (std::size_t row = 0; row < kContactRows; ++row) contact_seconds_[row] += context.step.contact_seconds[row];
   context.step.report.seconds = secondsBetween(begin, mark);
 }
 

@@ -15,7 +15,9 @@ class Pipeline {
   /// Runs one step and times every stage. It ends early, before anything has moved, when bodies are to be woken
   /// for it (step.woken).
   void run(Context& context);
-  /// All stages, also those that do not run, with their reasons and their times in the last step.
+  /// Times are sums from here on.
+  void restartClocks();
+  /// All stages, also those that do not run, with their reasons and their times.
   std::vector<StageInfo> describe(const Census& census, const SceneStore& scene, const StepStore& step) const;
 
  private:

@@ -2,6 +2,7 @@
 #include "rigid_body_sim/scene.h"
 
 #include "number_text.h"
+#include "text.h"
 
 #include <cmath>
 #include <iterator>
@@ -147,6 +148,8 @@ void checkColor(const Color& color, const std::string& path, Faults& faults) {
 void checkSurroundings(const SceneDef& scene, Faults& faults) {
   faults.vector("gravity", scene.gravity, Limits::max_gravity, "m/s²");
   faults.number("step", scene.step, Limits::min_step, Limits::max_step, "s");
+  faults.append(validate(scene.fidelity));
+  if (scene.goal) faults.append(validate(*scene.goal));
   if (scene.air) {
     faults.number("air.density", scene.air->density, Limits::min_density, Limits::max_density, "kg/m³");
   }
@@ -236,6 +239,15 @@ Fidelity fidelityNamed(const std::string& name) {
   throw InvalidInput({{"fidelity", "'" + name + "'", "preview, interactive, accurate or reference"}});
 }
 
+std::string settingName(const Setting& setting) {
+  std::string name = fidelityName(setting.preset);
+  if (setting.divisions > 1) name += ", " + std::to_string(setting.divisions) + " divisions";
+  if (setting.sub_steps) name += ", " + count(*setting.sub_steps, "sub-step", "sub-steps");
+  if (setting.tolerance) name += ", tolerance " + numberText(*setting.tolerance);
+  if (setting.max_solve_ms) name += ", solves of at most " + numberText(*setting.max_solve_ms) + " ms";
+  return name;
+}
+
 const char* effectName(Effect effect) {
   switch (effect) {
     case Effect::Gravity:
@@ -271,6 +283,27 @@ Effect effectNamed(const std::string& name) {
     names += (names.empty() ? "" : ", ") + std::string(effectName(effect));
   }
   throw InvalidInput({{"effect", "'" + name + "'", names}});
+}
+
+std::vector<Problem> validate(const Setting& setting) {
+  Faults faults;
+  faults.number("fidelity.divisions", setting.divisions, 1, Limits::max_divisions);
+  if (setting.sub_steps) faults.number("fidelity.sub_steps", *setting.sub_steps, 1, Limits::max_sub_steps);
+  if (setting.tolerance)
+    faults.number("fidelity.tolerance", *setting.tolerance, Limits::min_tolerance, Limits::max_tolerance);
+  if (setting.max_solve_ms)
+    faults.number("fidelity.max_solve_ms", *setting.max_solve_ms, Limits::min_solve_ms, Limits::max_solve_ms, "ms");
+  return faults.take();
+}
+
+std::vector<Problem> validate(const Goal& goal) {
+  Faults faults;
+  if (goal.max_error.has_value() == goal.max_step_ms.has_value())
+    faults.add("fidelity", "max_error and max_step_ms", "one of them");
+  if (goal.max_error)
+    faults.number("fidelity.max_error", *goal.max_error, Limits::min_goal, Limits::max_goal, "m per second");
+  if (goal.max_step_ms) faults.number("fidelity.max_step_ms", *goal.max_step_ms, Limits::min_goal, Limits::max_goal, "ms");
+  return faults.take();
 }
 
 std::vector<Problem> validate(const BodyDef& body, const std::string& path) {

@@ -16,14 +16,36 @@
 namespace rbs {
 namespace {
 
+void readPreset(Fields& fields, const std::string& key, Setting& setting) {
+  std::vector<std::string> names;
+  for (const Fidelity fidelity : kFidelities) names.emplace_back(fidelityName(fidelity));
+  if (const auto choice = fields.choose(key, names)) setting.preset = kFidelities[*choice];
+}
+
+/// The name of a setting; or a mapping, with numbers to go with it, or with what the dial is turned by.
+void readFidelity(Fields& top, FileProblems& problems, SceneDef& scene) {
+  const YamlNode* node = top.find("fidelity");
+  if (!node) return;
+  if (node->kind != YamlNode::Kind::Map) return readPreset(top, "fidelity", scene.fidelity);
+  readGroup(top, "fidelity", problems, [&](Fields& fidelity) {
+    readPreset(fidelity, "preset", scene.fidelity);
+    fidelity.read("divisions", scene.fidelity.divisions);
+    fidelity.read("sub_steps", scene.fidelity.sub_steps);
+    fidelity.read("tolerance", scene.fidelity.tolerance);
+    fidelity.read("max_solve_ms", scene.fidelity.max_solve_ms);
+    if (!fidelity.find("max_error") && !fidelity.find("max_step_ms")) return;
+    scene.goal.emplace();
+    fidelity.read("max_error", scene.goal->max_error);
+    fidelity.read("max_step_ms", scene.goal->max_step_ms);
+  });
+}
+
 void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   top.read("name", scene.name);
   top.read("property", scene.property);
   top.read("gravity", scene.gravity);
   top.read("step", scene.step);
-  std::vector<std::string> fidelities;
-  for (const Fidelity fidelity : kFidelities) fidelities.emplace_back(fidelityName(fidelity));
-  if (const auto choice = top.choose("fidelity", fidelities)) scene.fidelity = kFidelities[*choice];
+  readFidelity(top, problems, scene);
   top.read("seed", scene.seed);
   readGroup(top, "air", problems, [&](Fields& air) { air.read("density", scene.air.emplace().density); });
   readGroup(top, "wind", problems, [&](Fields& wind) {

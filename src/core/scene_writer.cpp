@@ -160,10 +160,22 @@ std::string stateText(const SavedState& state) {
   return result;
 }
 
+std::string fidelityText(const SceneDef& scene) {
+  const Setting& setting = scene.fidelity;
+  if (setting == Setting(setting.preset) && !scene.goal) return fidelityName(setting.preset);
+  Line line;
+  line.add("preset", fidelityName(setting.preset));
+  if (setting.divisions != 1) line.add("divisions", std::to_string(setting.divisions));
+  if (setting.sub_steps) line.add("sub_steps", std::to_string(*setting.sub_steps));
+  line.addGiven("tolerance", setting.tolerance).addGiven("max_solve_ms", setting.max_solve_ms);
+  if (scene.goal) line.addGiven("max_error", scene.goal->max_error).addGiven("max_step_ms", scene.goal->max_step_ms);
+  return line.close();
+}
+
 std::string headText(const SceneDef& scene) {
   std::string result = "name: " + quoted(scene.name) + "\nproperty: " + quoted(scene.property) +
                        "\ngravity: " + text(scene.gravity) + "\nstep: " + text(scene.step) +
-                       "\nfidelity: " + fidelityName(scene.fidelity) + "\nseed: " + text(scene.seed) + "\n";
+                       "\nfidelity: " + fidelityText(scene) + "\nseed: " + text(scene.seed) + "\n";
   if (scene.air) result += "air: " + Line().add("density", text(scene.air->density)).close() + "\n";
   if (scene.wind) {
     result += "wind: " +

@@ -56,7 +56,11 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
 void addSettings(Hash& hash, const SceneDef& settings) {
   hash.add(settings.gravity);
   hash.add(settings.step);
-  hash.add(static_cast<int>(settings.fidelity));
+  hash.add(static_cast<int>(settings.fidelity.preset));
+  hash.add(settings.fidelity.divisions);
+  hash.add(settings.fidelity.sub_steps.value_or(0));
+  hash.add(settings.fidelity.tolerance.value_or(0.0));
+  hash.add(settings.fidelity.max_solve_ms.value_or(0.0));
   hash.add(settings.seed);
   hash.add(settings.air ? settings.air->density : -1.0);
   hash.add(settings.wind ? settings.wind->velocity : Vec3::Zero().eval());

@@ -43,6 +43,11 @@ struct World::Impl {
       ++description_version;
       descriptions.reset();
     }
+    begunAnew();
+  }
+
+  // To be called when what the stages go by has changed.
+  void begunAnew() {
     sleep::wakeAll(scene);
     recount();
   }
@@ -67,6 +72,7 @@ struct World::Impl {
   }
 
   void keepContacts();
+  void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);
 };
@@ -142,6 +148,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   impl_->pipeline.filter(impl_->census);
 }
 
+World::World(const World& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -397,9 +404,15 @@ void World::setWind(const std::optional<Wind>& wind) {
   impl_->edited(false);
 }
 
-void World::setFidelity(Fidelity fidelity) {
-  impl_->scene.settings.fidelity = fidelity;
-  impl_->edited(false);
+void World::setFidelity(const Setting& setting) {
+  throwIfAny(validate(setting));
+  impl_->scene.settings.fidelity = setting;
+  impl_->begunAnew();
+}
+
+void World::setGoal(const std::optional<Goal>& goal) {
+  if (goal) throwIfAny(validate(*goal));
+  impl_->scene.settings.goal = goal;
 }
 
 void World::setFluid(const std::optional<Fluid>& fluid) {
@@ -416,31 +429,59 @@ void World::setEffects(const EffectOverrides& effects) {
 
 // --- time
 
-const StepReport& World::step() {
-  Impl& w = *impl_;
-  const double h = w.scene.settings.step;
-  Context context{w.scene, w.step, w.census};
+void World::Impl::advance(double to) {
+  Context context{scene, step, census};
   do {
-    sleep::wake(w.scene, w.step.woken);
-    if (!w.step.woken.empty()) w.recount();
-    w.step.begin(w.scene, w.scene.time, w.scene.time + h);
-    w.pipeline.run(context);
-  } while (!w.step.woken.empty());
-  w.keepContacts();
-  w.scene.time += h;
-  ++w.scene.steps;
+    sleep::wake(scene, step.woken);
+    if (!step.woken.empty()) recount();
+    step.begin(scene, scene.time, to);
+    pipeline.run(context);
+  } while (!step.woken.empty());
+  keepContacts();
+  scene.time = to;
 
-  std::vector<TimedWrench>& wrenches = w.scene.wrenches;
-  const auto over = [&](const TimedWrench& wrench) { return wrench.until <= w.scene.time; };
+  std::vector<TimedWrench>& wrenches = scene.wrenches;
+  const auto over = [&](const TimedWrench& wrench) { return wrench.until <= scene.time; };
   const auto expired = std::remove_if(wrenches.begin(), wrenches.end(), over);
-  const bool frozen = !w.step.report.warnings.empty();
+  const bool frozen = !step.report.warnings.empty();
   if (expired != wrenches.end() || frozen) {
     wrenches.erase(expired, wrenches.end());
-    w.edited(frozen);
-  } else if (!w.step.to_bed.empty()) {
-    for (const std::vector<Index>& group : w.step.to_bed) sleep::putToBed(w.scene, group);
-    w.recount();
+    edited(frozen);
+  } else if (!step.to_bed.empty()) {
+    for (const std::vector<Index>& group : step.to_bed) sleep::putToBed(scene, group);
+    recount();
   }
+}
+
+namespace {
+
+// What the parts of a step did, together; what it found is that of the last part.
+void addParts(const StepReport& before, StepReport& report) {
+  report.seconds += before.seconds;
+  report.overlap_tests += before.overlap_tests;
+  report.impacts += before.impacts;
+  report.deferred_impacts += before.deferred_impacts;
+  report.warnings.insert(report.warnings.begin(), before.warnings.begin(), before.warnings.end());
+}
+
+}  // namespace
+
+const StepReport& World::step() {
+  Impl& w = *impl_;
+  const double h = w.scene.settings.step, start = w.scene.time;
+  const std::uint32_t parts = w.scene.settings.fidelity.divisions;
+  w.step.solve_until.reset();
+  if (const auto ms = w.scene.settings.fidelity.max_solve_ms)
+    w.step.solve_until = std::chrono::steady_clock::now() +
+                         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
+  w.pipeline.restartClocks();
+  w.advance(parts == 1 ? start + h : start + h / parts);
+  for (std::uint32_t part = 2; part <= parts; ++part) {
+    const StepReport before = w.step.report;
+    w.advance(part == parts ? start + h : start + h * part / parts);
+    addParts(before, w.step.report);
+  }
+  ++w.scene.steps;
   return w.step.report;
 }
 
@@ -451,6 +492,9 @@ double World::time() const {
 }
 std::uint64_t World::steps() const {
   return impl_->scene.steps;
+}
+std::uint64_t World::edits() const {
+  return impl_->edits;
 }
 const SceneDef& World::scene() const {
   return impl_->scene.settings;
@@ -530,6 +574,7 @@ Snapshot World::snapshot() const {
   s.fluid = settings.fluid;
   s.gravity = settings.gravity;
   s.fidelity = settings.fidelity;
+  s.goal = settings.goal;
   s.view = settings.view;
   s.hash = stateHash();
   return s;

@@ -68,6 +68,9 @@ void expectSameScene(const SceneDef& a, const SceneDef& b) {
   EXPECT_TRUE(sameBits(a.gravity, b.gravity));
   EXPECT_TRUE(sameBits(a.step, b.step));
   EXPECT_EQ(a.fidelity, b.fidelity);
+  ASSERT_EQ(a.goal.has_value(), b.goal.has_value());
+  EXPECT_EQ(a.goal.value_or(Goal{}).max_error, b.goal.value_or(Goal{}).max_error);
+  EXPECT_EQ(a.goal.value_or(Goal{}).max_step_ms, b.goal.value_or(Goal{}).max_step_ms);
   EXPECT_EQ(a.seed, b.seed);
   ASSERT_EQ(a.air.has_value(), b.air.has_value());
   EXPECT_TRUE(!a.air || sameBits(*a.air, *b.air));
@@ -140,6 +143,11 @@ SceneDef anyScene() {
   scene.gravity = numbers.vector();
   scene.step = 1.0 / 3.0;
   scene.fidelity = Fidelity::Preview;
+  scene.fidelity.divisions = 3;
+  scene.fidelity.sub_steps = 17;
+  scene.fidelity.tolerance = 1e-7 / 3.0;
+  scene.fidelity.max_solve_ms = 10.0 / 3.0;
+  scene.goal = Goal{1e-3 / 7.0, std::nullopt};
   scene.seed = std::numeric_limits<std::uint64_t>::max();
   scene.air = Air{numbers.positive()};
   scene.wind = Wind{numbers.vector(), numbers.positive()};
@@ -159,6 +167,36 @@ TEST(SceneFile, writtenSceneIsReadBackBitForBit) {
   const SceneDef scene = anyScene();
   ASSERT_TRUE(validate(scene).empty());
   expectSameScene(parse(writeScene(scene)), scene);
+}
+
+TEST(SceneFile, fidelityIsANameOrANameWithNumbers) {
+  EXPECT_EQ(parse("fidelity: accurate").fidelity, Setting(Fidelity::Accurate));
+  const SceneDef tuned = parse("fidelity: {preset: preview, divisions: 2, sub_steps: 5, tolerance: 1e-4}");
+  EXPECT_EQ(tuned.fidelity.preset, Fidelity::Preview);
+  EXPECT_EQ(tuned.fidelity.divisions, 2u);
+  EXPECT_EQ(tuned.fidelity.sub_steps, 5u);
+  EXPECT_EQ(tuned.fidelity.tolerance, 1e-4);
+  EXPECT_FALSE(tuned.goal);
+  EXPECT_EQ(parse("fidelity: {max_error: 0.001}").goal->max_error, 0.001);
+  EXPECT_EQ(parse("fidelity: {max_step_ms: 2}").goal->max_step_ms, 2.0);
+}
+
+TEST(SceneFile, badNumbersOfAFidelityAreRefusedAtTheirLine) {
+  const char* const lines[] = {"preset: exact",     "divisions: 0",   "divisions: 1001", "divisions: -1",
+                               "divisions: 1.5",    "sub_steps: 0",   "sub_steps: 1001", "tolerance: 0",
+                               "tolerance: -1e-6",  "tolerance: .nan", "tolerance: 1",   "max_error: 0",
+                               "max_error: -1",     "max_error: .inf", "max_step_ms: 0", "max_step_ms: .nan",
+                               "max_solve_ms: 0", "max_solve_ms: -1", "iterations: 3"};
+  for (const std::string line : lines) {
+    const std::string key = "fidelity." + line.substr(0, line.find(':'));
+    try {
+      parse("step: 0.01\nfidelity:\n  " + line + "\n");
+      ADD_FAILURE() << line;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("f.yaml:3: fidelity."), std::string::npos) << line << ": " << error.what();
+    }
+  }
+  EXPECT_THROW(parse("fidelity: {max_error: 1, max_step_ms: 1}"), InvalidInput);
 }
 
 TEST(SceneFile, defaultSceneIsReadBack) {

@@ -21,6 +21,145 @@ SceneDef crateAndBall() {
   return scene;
 }
 
+// Boxes that fall on each other at a slant, with one that a hand pulls.
+World inMotion() {
+  World world(crateAndBall());
+  BodyDef slanted = box("slanted", Vec3(0.4, 0.6, 0.2), Vec3(0.3, 0.1, 1.6));
+  slanted.pose.q_WB = Quat(Eigen::AngleAxisd(0.4, Vec3(1.0, 2.0, 0.5).normalized()));
+  world.addBody(slanted);
+  Grab grab;
+  grab.p_W = {3.0, 1.0, 4.0};
+  world.grab(world.find("ball"), grab);
+  world.applyWrench(world.find("crate"), Vec3(100.0, 0.0, 0.0), Vec3::Zero(), Vec3::Zero(), 0.7);
+  return world;
+}
+
+TEST(WorldCopy, HasTheSameFutureAndNoPartInThatOfTheOther) {
+  for (const Fidelity fidelity : kFidelities) {
+    World world = inMotion();
+    world.setFidelity(fidelity);
+    advance(world, 0.5);
+    World copy(world);
+    const std::uint64_t then = copy.stateHash();
+    EXPECT_EQ(world.stateHash(), then);
+    advance(world, 0.5);
+    EXPECT_EQ(copy.stateHash(), then) << "the copy moved along";
+    EXPECT_NE(world.stateHash(), then);
+    advance(copy, 0.5);
+    EXPECT_EQ(copy.stateHash(), world.stateHash()) << fidelityName(fidelity);
+  }
+}
+
+TEST(Divisions, AreStepsOfAPartOfTheStep) {
+  constexpr double kStep = 1.0 / 64.0;
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef whole = inMotion().capture(), part = whole;
+    whole.step = kStep, part.step = kStep / 4.0;
+    whole.fidelity = part.fidelity = fidelity;
+    whole.fidelity.divisions = 4;
+    World divided(whole), fine(part);
+    std::uint32_t impacts = 0, impacts_of_parts = 0;
+    for (int k = 0; k < 32; ++k) {
+      impacts += divided.step().impacts;
+      for (int part = 0; part < 4; ++part) impacts_of_parts += fine.step().impacts;
+    }
+    EXPECT_EQ(divided.time(), fine.time());
+    EXPECT_EQ(divided.steps(), 32u);
+    EXPECT_EQ(impacts, impacts_of_parts);
+    for (const char* name : {"crate", "ball", "slanted"}) {
+      EXPECT_EQ(stateOf(divided, name).pose.p_WB, stateOf(fine, name).pose.p_WB) << fidelityName(fidelity);
+      EXPECT_EQ(stateOf(divided, name).twist.w_WB, stateOf(fine, name).twist.w_WB) << fidelityName(fidelity);
+    }
+  }
+}
+
+TEST(SubSteps, MakeTheSoftStepStiffer) {
+  double sag_before = 1.0;
+  for (const std::uint32_t sub_steps : {2, 4, 8, 16}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+    scene.bodies.push_back(box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+    scene.fidelity = Fidelity::Preview;
+    scene.fidelity.sub_steps = sub_steps;
+    World world(scene);
+    advance(world, 2.0);
+    const double sag = 0.5 - stateOf(world, "crate").pose.p_WB.z();
+    // Sag goes with the square of the time between two sub-steps.
+    if (sub_steps > 2) {
+      EXPECT_NEAR(sag_before / sag, 4.0, 0.4) << sub_steps;
+    }
+    sag_before = sag;
+  }
+}
+
+TEST(Tolerance, IsWhatTheExactStepStopsAt) {
+  double residual_before = 0.0;
+  for (const double tolerance : {1e-12, 1e-3}) {
+    World world = inMotion();
+    Setting setting(Fidelity::Accurate);
+    setting.tolerance = tolerance;
+    world.setFidelity(setting);
+    double worst = 0.0;
+    for (int k = 0; k < 60; ++k)
+      for (const IslandCertificate& island : world.step().certificates)
+        worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
+    EXPECT_GT(worst, residual_before);
+    EXPECT_LT(worst, 100.0 * tolerance);
+    residual_before = 100.0 * tolerance;
+  }
+}
+
+// Boxes that fall in a heap.
+World heap(std::optional<double> max_solve_ms) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  for (int k = 0; k < 12; ++k) {
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0.1 * (k % 3), 0.07 * (k % 4), 0.5 + 0.7 * k)));
+    scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.3 * k, Vec3(1.0, k, 0.5).normalized()));
+  }
+  scene.fidelity = Fidelity::Accurate;
+  scene.fidelity.max_solve_ms = max_solve_ms;
+  return World(scene);
+}
+
+TEST(TimeForSolves, EndsThemWithTheBestTheyHaveAndSaysSo) {
+  std::uint64_t iterations[2] = {0, 0};
+  for (const bool limited : {false, true}) {
+    World world = heap(limited ? std::optional<double>(1e-6) : std::nullopt);
+    int unsolved = 0;
+    double deepest = 0.0, worst = 0.0;
+    for (int k = 0; k < 120; ++k) {
+      const StepReport& report = world.step();
+      deepest = std::max(deepest, report.deepest_penetration);
+      for (const IslandCertificate& island : report.certificates) {
+        unsolved += !island.converged;
+        iterations[limited] += island.iterations;
+        if (!island.converged) worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
+      }
+    }
+    EXPECT_EQ(unsolved > 0, limited);
+    EXPECT_EQ(worst > 1e-6, limited) << "the residuals that were reached are told";
+    EXPECT_LT(deepest, 0.15) << "nothing falls through";
+    EXPECT_LT(energy(world), 1e6);
+  }
+  EXPECT_LT(iterations[1], iterations[0] / 2);
+}
+
+TEST(Settings, FaultyOnesAreRefusedAndChangeNothing) {
+  World world = inMotion();
+  const std::uint64_t before = world.stateHash();
+  Setting divisions, sub_steps, tolerance, number, time;
+  time.max_solve_ms = 0.0;
+  divisions.divisions = 0;
+  sub_steps.sub_steps = 1001;
+  tolerance.tolerance = 0.0;
+  number.tolerance = kNaN;
+  for (const Setting& setting : {divisions, sub_steps, tolerance, number, time})
+    EXPECT_THROW(world.setFidelity(setting), InvalidInput);
+  for (const Goal& goal : {Goal{}, Goal{1.0, 1.0}, Goal{-1.0, {}}, Goal{{}, kNaN}, Goal{kInfinite, {}}, Goal{{}, 0.0}})
+    EXPECT_THROW(world.setGoal(goal), InvalidInput);
+  EXPECT_EQ(world.stateHash(), before);
+  EXPECT_FALSE(world.scene().goal);
+}
+
 TEST(WorldEdits, AHandleIsNeverUsedAgain) {
   World world(crateAndBall());
   const BodyId crate = world.find("crate");

@@ -42,6 +42,7 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 //   Newton from the best of these
 //   the interior point's path by arc length, where that turns back
 //   ADMM again, from the best of these
+// Where time is over before that, a few sweeps of Gauss-Seidel are still made, so that bodies do not fall through.
 // Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
 // Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives one can
 // do without: then the last resorts are left out, and the interior point as well unless every digit is asked.
@@ -105,6 +106,8 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
     }
   }
+
+  if (!best.within(tolerance) && system.isLate()) consider(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 10));
 
   system.store(best.r, problem);
   return {solver,

@@ -10,6 +10,8 @@
 
 #include "bodies.h"
 
+#include <chrono>
+#include <optional>
 #include <vector>
 
 namespace rbs {
@@ -46,6 +48,8 @@ struct CoulombProblem {
   /// What velocities are measured against, m/s, > 0: g h, or what stands in for it where g = 0. The unit of
   /// impulse is the mass of all bodies times this.
   double speed_unit;
+  /// When the solvers are to end with the best they have; empty: when they are done.
+  std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
 };
 
 enum class CoulombSolver { Guess, GaussSeidel, Newton, InteriorPoint, Admm };

@@ -42,7 +42,7 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     return matrix.factor(D);
   };
   if (!factor()) return best;
-  while (best.iterations < cap) {
+  while (best.iterations < cap && !system.isLate()) {
     const int step = ++best.iterations;
     Velocities right = system.free();
     for (std::size_t k = 0; k < points.size(); ++k) {

@@ -10,6 +10,7 @@ namespace rbs::coulomb {
 namespace {
 
 constexpr std::size_t kMostPoints = 4;
+constexpr int kLeastSweeps = 10;  // also where time is over
 
 // The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
 Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
@@ -54,7 +55,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
       System::push(points[k], answer.r.col(k) - old, y);
     }
     answer.residuals = system.residuals(answer.r);
-    if (answer.within(tolerance)) break;
+    if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isLate())) break;
   }
   return answer;
 }

@@ -99,11 +99,11 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
   Answer best{start.r, start.residuals, 0};
   Impulses r = start.r, u = system.relativeVelocities(r);
   double last = best.residuals.beyond_rounding;
-  while (best.iterations < cap && stiffness >= kLeastStiffness) {
+  while (best.iterations < cap && stiffness >= kLeastStiffness && !system.isLate()) {
     const Round round(system, r, u);
     Round::State state = round.at(Velocities::Zero(6, system.free().cols()), stiffness);
     bool found = false;
-    for (int step = 0; step < kMostSteps && best.iterations < cap && !found; ++step) {
+    for (int step = 0; step < kMostSteps && best.iterations < cap && !found && !system.isLate(); ++step) {
       ++best.iterations;
       if (!matrix.factor(state.D)) break;
       const Velocities dx = matrix.solve(state.F);

@@ -64,6 +64,9 @@ class System {
   Residuals residuals(const Impulses& r, const Impulses& velocity) const;
   Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
 
+  /// Whether the solvers are to end.
+  bool isLate() const { return until_ && std::chrono::steady_clock::now() >= *until_; }
+
   Impulses guess(const CoulombProblem& problem) const;
   /// Writes impulses, and the velocities they make, with units.
   void store(const Impulses& r, CoulombProblem& problem) const;
@@ -73,6 +76,7 @@ class System {
   std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
   std::vector<Point> points_;
   Velocities free_;
+  std::optional<std::chrono::steady_clock::time_point> until_;
 };
 
 /// The nearest impulse on the point's cone, |r_T| <= mu r_n; on the ray of its sliding where that is known.

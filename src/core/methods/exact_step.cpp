@@ -38,8 +38,9 @@ namespace rbs::exact_step {
 namespace {
 
 // Shares of the smaller length of a pair. A gap below kTouch is closed; a pushed point is taken for closed up
-// to kPushed, which is more than the curvature of the drift leaves; an overlap beyond kOverlap is taken away;
-// curvature beyond kCurved is given back to the first kick.
+// to kPushed, which is more than the curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it
+// is more than what kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the
+// first kick.
 constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
@@ -161,6 +162,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
     return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
   }
+  problem.until = step_.solve_until;
   const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
   islandCertificate().iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
@@ -185,6 +187,7 @@ void Stepper::certify(const CoulombResult& result) const {
 // friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
 // the two bodies, l n x (v_j - v_i), they give back in halves, by their spin.
 bool Stepper::takeOverlapsAway() {
+  const double left_by_kicks = 10.0 * aim_ * island_.loadSpeed() * step_.h();
   CoulombProblem problem{island_.movers(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
@@ -192,10 +195,11 @@ bool Stepper::takeOverlapsAway() {
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
     law.drive = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
-    if (point.gap < -kOverlap * point.length)
+    if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
       problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
+  problem.until = step_.solve_until;
   solveCoulomb(problem, 1e-6);
   island_.displace(problem.bodies);
   Movers bodies = island_.movers();
