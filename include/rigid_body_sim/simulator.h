@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 
 namespace rbs {
 
@@ -40,7 +41,12 @@ class Simulator {
   void step(std::uint64_t n);
   void setSpeed(double speed);  ///< throws InvalidInput unless finite and >= 0
 
+  /// Whether errors are estimated where no goal asks for it (see Governor).
+  void estimateErrors(bool on);
+
   std::shared_ptr<const Snapshot> snapshot() const;
+  /// The world as it is between two steps, with the snapshot published then.
+  std::pair<World, std::shared_ptr<const Snapshot>> copy();
 
  private:
   struct Impl;

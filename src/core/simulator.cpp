@@ -1,5 +1,6 @@
 #include "rigid_body_sim/simulator.h"
 
+#include "rigid_body_sim/governor.h"
 #include "text.h"
 
 #include <algorithm>
@@ -57,6 +58,7 @@ class SpeedMeter {
 struct Simulator::Impl {
   // What the thread alone touches.
   World world;
+  Governor governor;
   std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
   SceneDef loaded;
   std::optional<SavedState> loaded_state;
@@ -84,6 +86,8 @@ struct Simulator::Impl {
     snapshot.edits += edits_before;
     snapshot.description_version += versions_before;
     snapshot.paused = paused;
+    snapshot.estimate = governor.estimate();
+    snapshot.dial_reason = governor.reason();
     snapshot.requested_speed = speed;
     snapshot.achieved_speed = paused ? 0.0 : meter.speed();
     std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
@@ -98,6 +102,9 @@ struct Simulator::Impl {
     edits_before = published->edits + 1;
     versions_before = published->description_version + 1;
     world = std::move(fresh);
+    const bool estimating = governor.estimating();
+    governor = Governor();
+    governor.setEstimating(estimating);
     restartClock();
     publish();
   }
@@ -117,7 +124,7 @@ struct Simulator::Impl {
   bool stepIsDue() const { return !paused && (speed == 0.0 || Clock::now() >= next_step); }
 
   void takeStep() {
-    world.step();
+    governor.step(world);
     const auto now = Clock::now();
     meter.add(now, world.time());
     if (speed > 0.0) next_step += duration(world.scene().step / speed);
@@ -219,7 +226,7 @@ void Simulator::step(std::uint64_t n) {
   impl_->post([&] {
     if (!impl_->paused) throw InvalidInput({{"step", "running", "a paused simulation: pause it first"}});
     for (std::uint64_t k = 0; k < n; ++k) {
-      impl_->world.step();
+      impl_->governor.step(impl_->world);
       if (k % 16 == 15) impl_->publish();
     }
     impl_->publish();
@@ -233,6 +240,17 @@ void Simulator::setSpeed(double speed) {
     impl_->restartClock();
     impl_->publish();
   });
+}
+
+void Simulator::estimateErrors(bool on) {
+  impl_->post([&] { impl_->governor.setEstimating(on); });
+}
+
+std::pair<World, std::shared_ptr<const Snapshot>> Simulator::copy() {
+  std::optional<World> world;
+  std::shared_ptr<const Snapshot> then;
+  impl_->post([&] { world.emplace(impl_->world), then = impl_->published; });
+  return {std::move(*world), then};
 }
 
 std::shared_ptr<const Snapshot> Simulator::snapshot() const {

@@ -1,4 +1,6 @@
 // Prints what a scene simulates, why, and what each part costs, without a node.
+#include "catalogue.h"
+
 #include "rigid_body_sim/neglect.h"
 #include "rigid_body_sim/scenes.h"
 
@@ -63,7 +65,7 @@ nlohmann::json asJson(const Request& request, const Explanation& e) {
     stages.push_back(std::move(row));
   }
   return {{"scene", e.snapshot.scene},
-          {"fidelity", fidelityName(e.snapshot.fidelity)},
+          {"fidelity", settingName(e.snapshot.fidelity)},
           {"step", e.snapshot.step},
           {"steps_taken", request.steps},
           {"bodies", e.snapshot.bodies->size()},
@@ -73,7 +75,7 @@ nlohmann::json asJson(const Request& request, const Explanation& e) {
 
 void print(const Request& request, const Explanation& e) {
   std::printf("%s: %zu bodies, %s, steps of %.6g s\n", e.snapshot.scene.c_str(), e.snapshot.bodies->size(),
-              fidelityName(e.snapshot.fidelity), e.snapshot.step);
+              settingName(e.snapshot.fidelity).c_str(), e.snapshot.step);
   for (const StageInfo& stage : e.stages) {
     char cost[32] = "on";
     if (!stage.active) {
@@ -99,7 +101,7 @@ int main(int argc, char** argv) {
   auto add = options.add_options();
   add("help", "print this");
   add("scene", po::value(&request.scene));
-  add("folder", po::value(&request.folder)->default_value(RBS_SCENE_FOLDER), "the catalogue of scenes");
+  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)), "the catalogue of scenes");
   add("fidelity", po::value(&request.fidelity), "preview, interactive, accurate or reference");
   add("on", po::value(&request.on)->multitoken()->composing(), "effects to force on");
   add("off", po::value(&request.off)->multitoken()->composing(), "effects to force off, and what that neglects");

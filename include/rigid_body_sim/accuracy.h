@@ -1,0 +1,63 @@
+// What accuracy costs for a scene as it stands: the error of each setting of the dial, and its time.
+#pragma once
+
+#include "rigid_body_sim/difference.h"
+#include "rigid_body_sim/world.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+/// What a setting costs, and what it gives.
+struct SettingCost {
+  Setting setting;
+  double step_ms = 0.0;      ///< CPU time of a step of the scene with all its divisions, the mean, ms
+  ErrorRate error, worst;    ///< mean and largest of the windows
+  bool at_most = false;      ///< the error is below what the truth itself is known to: it is a bound
+  std::uint64_t steps = 0;   ///< that were timed
+};
+
+struct AccuracyStudy {
+  std::string scene;
+  double time = 0.0;          ///< physics time that it starts from, s
+  double step = 0.0;          ///< of the scene, s
+  double window = 0.0;        ///< length of a window, s
+  double seconds = 0.0;       ///< of physics time over which the windows begin
+  std::uint32_t windows = 0;  ///< that were measured, those dropped left out
+  std::uint32_t dropped = 0;  ///< in which the truth did not converge
+  ErrorRate uncertainty;      ///< of the truth: what halving its step changed, the mean
+  std::string trouble;        ///< why there are no errors; empty: there are
+  bool complete = false;      ///< all windows that were asked for; else time ran out or it was stopped
+  std::vector<SettingCost> settings;  ///< in the order they were asked for
+};
+
+struct AccuracyOptions {
+  double seconds = 2.0;           ///< of physics time to look ahead, 1e-6 to 1000
+  double window = 0.25;           ///< s, 1e-6 to 1000; rounded to whole steps, at most 1000 of them
+  std::uint32_t windows = 8;      ///< 1 to 1000, begun at equal distances along `seconds`
+  double max_cpu_seconds = 60.0;  ///< in which it must be done, > 0
+  std::vector<Setting> settings;  ///< empty: usualSettings()
+};
+
+/// Those that a user may want to know of, from fast to exact.
+std::vector<Setting> usualSettings();
+
+/// Every fault of what is asked for; empty when it is sound.
+std::vector<Problem> validate(const AccuracyOptions& options);
+
+/// Measures settings against a truth: Fidelity::Reference in eighths of a step. All begin each window with the same
+/// state, one of a run at Fidelity::Reference from the state of `world`, so that what chaos makes of an error in the
+/// long run does not count. A window in which the truth is not known counts for nothing. `goOn(share, study)` is told
+/// after each step how much is done, with what is known so far, and ends the study by returning false. Throws
+/// InvalidInput for faulty options.
+AccuracyStudy measureAccuracy(const World& world, const AccuracyOptions& options,
+                              const std::function<bool(double, const AccuracyStudy&)>& goOn);
+
+/// The cheapest setting with an error of at most this, m/s; null if there is none.
+const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error);
+/// The most accurate setting with a time of at most this, ms a step; null if there is none.
+const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms);
+
+}  // namespace rbs

@@ -1,0 +1,38 @@
+// Governor: steps a world, tells its error as it goes, and turns the dial by the world's goal.
+#pragma once
+
+#include "rigid_body_sim/world.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace rbs {
+
+class Governor {
+ public:
+  Governor();
+  ~Governor();
+  Governor(Governor&&) noexcept;
+  Governor& operator=(Governor&&) noexcept;
+
+  /// Steps the world, and what runs beside it. With a goal of the world it changes the world's setting when a window
+  /// is over: for `max_error` by the estimate alone, so that equal worlds stay equal; for `max_step_ms` by the clock.
+  /// An edit begins the window anew.
+  const StepReport& step(World& world);
+
+  /// Whether errors are estimated where no goal asks for it: beside the world runs a copy in half its steps.
+  void setEstimating(bool on);
+  bool estimating() const;
+
+  /// Of the last window; empty until one is over.
+  const std::optional<ErrorEstimate>& estimate() const;
+  /// Why the setting is what it is: "interactive: an error of 3.2 mm/s is above 1 mm/s"; empty: it was never turned.
+  const std::string& reason() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rbs

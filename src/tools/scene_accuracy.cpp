@@ -1,0 +1,190 @@
+// Says what accuracy costs for a scene file: the error and the time of each setting, and which one to take.
+#include "catalogue.h"
+#include "study_json.h"
+
+#include "rigid_body_sim/scenes.h"
+
+#include <boost/program_options.hpp>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+
+namespace {
+
+using namespace rbs;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+struct Request {
+  std::string scene, folder, fidelity;
+  AccuracyOptions options;
+  double from = 0.0, max_error = 0.0, max_step_ms = 0.0;
+  bool json = false, progress = false, background = false;
+};
+
+/// "3.2 mm", with a unit that makes the number handy.
+std::string lengthText(double metres) {
+  struct Unit {
+    double metres;
+    const char* name;
+  };
+  constexpr Unit kUnits[] = {{1.0, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-9, "nm"}, {1e-12, "pm"}};
+  const auto unit = std::find_if(std::begin(kUnits), std::end(kUnits) - 1,
+                                 [&](const Unit& u) { return metres >= 0.9995 * u.metres; });
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %s", metres / unit->metres, unit->name);
+  return text;
+}
+
+void printChoice(const AccuracyStudy& study, const Request& request) {
+  const auto say = [](const std::string& wish, const SettingCost* cost) {
+    if (!cost) {
+      std::printf("%s: no setting that was measured\n", wish.c_str());
+      return;
+    }
+    std::printf("%s: %s (%s a second, %.3g ms a step)\n", wish.c_str(), settingName(cost->setting).c_str(),
+                lengthText(cost->error.distance).c_str(), cost->step_ms);
+  };
+  if (request.max_error > 0.0)
+    say("Cheapest within " + lengthText(request.max_error) + " a second", cheapestWithin(study, request.max_error));
+  if (request.max_step_ms > 0.0) {
+    char budget[32];
+    std::snprintf(budget, sizeof budget, "%.3g", request.max_step_ms);
+    say("Most accurate within " + std::string(budget) + " ms a step", mostAccurateWithin(study, request.max_step_ms));
+  }
+}
+
+void print(const AccuracyStudy& study, const Request& request) {
+  std::printf("%s from %.6g s on, steps of %.6g s\n", study.scene.c_str(), study.time, study.step);
+  if (!study.trouble.empty()) {
+    std::printf("No errors can be given: %s\n", study.trouble.c_str());
+    return;
+  }
+  std::printf("How far the worst body is astray for each second simulated, and the CPU time of a step.\n"
+              "Means of %u windows of %.3g s along %.3g s%s; known to %s a second.\n\n",
+              study.windows, study.window, study.seconds, study.complete ? "" : " (there was no time for all)",
+              lengthText(study.uncertainty.distance).c_str());
+  std::printf("  %-38s %12s %14s %14s %12s %12s\n", "setting", "ms a step", "place", "at worst", "attitude", "energy");
+  for (const SettingCost& cost : study.settings)
+    std::printf("  %-38s %12.3g %s%12s %14s %8.2g deg %10.2g %%\n", settingName(cost.setting).c_str(), cost.step_ms,
+                cost.at_most ? "<=" : "  ", lengthText(cost.error.distance).c_str(),
+                lengthText(cost.worst.distance).c_str(), cost.error.angle * 180.0 / 3.14159265358979323846,
+                100.0 * cost.error.energy);
+  if (study.dropped > 0)
+    std::printf("%u more windows say nothing: halving the step of the reference changes what happens in them.\n",
+                study.dropped);
+  printChoice(study, request);
+}
+
+/// Tells how far the study is: on a terminal, or as lines of JSON for a program.
+class Progress {
+ public:
+  explicit Progress(const Request& request) : json_(request.progress), terminal_(!json_ && isatty(STDERR_FILENO) == 1) {}
+  bool operator()(double share, const AccuracyStudy& study) {
+    const auto now = std::chrono::steady_clock::now();
+    const double elapsed = std::chrono::duration<double>(now - begin_).count();
+    if (elapsed - told_ > 0.2 && (json_ || terminal_)) {
+      told_ = elapsed;
+      if (json_) {
+        std::cout << nlohmann::json{{"share", share}, {"study", study}}.dump() << std::endl;
+      } else {
+        const int filled = static_cast<int>(20 * share);
+        std::fprintf(stderr, "\r\033[K[%s%s] %.0f s, at most %.0f s left: %u windows", std::string(filled, '#').c_str(),
+                     std::string(20 - filled, '.').c_str(), elapsed, elapsed * (1.0 - share) / std::max(share, 1e-3),
+                     study.windows);
+      }
+    }
+    return interrupted == 0;
+  }
+  ~Progress() {
+    if (terminal_) std::fprintf(stderr, "\r\033[K");
+  }
+
+ private:
+  const bool json_, terminal_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  double told_ = 0.0;
+};
+
+int run(const Request& request) {
+  SceneFile file = readScene(findScene(request.folder, request.scene));
+  if (!request.fidelity.empty()) file.scene.fidelity = fidelityNamed(request.fidelity);
+  World world(file.scene, file.state);
+  const double until = world.time() + request.from - 0.5 * file.scene.step;
+  while (world.time() < until && interrupted == 0) world.step();
+  if (request.background) setpriority(PRIO_PROCESS, 0, 19);
+
+  AccuracyStudy study;
+  {
+    Progress progress(request);
+    study = measureAccuracy(world, request.options, std::ref(progress));
+  }
+  if (request.progress) {
+    std::cout << nlohmann::json{{"share", 1.0}, {"study", study}, {"done", true}}.dump() << std::endl;
+  } else if (request.json) {
+    std::cout << nlohmann::json(study).dump(1) << std::endl;
+  } else {
+    print(study, request);
+  }
+  if (interrupted != 0) return 130;
+  return study.trouble.empty() ? 0 : 3;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  namespace po = boost::program_options;
+  Request request;
+  AccuracyOptions& o = request.options;
+  po::options_description options(
+      "What accuracy costs for a scene: error and time of each setting.\n"
+      "Usage: scene_accuracy SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file\n"
+      "Exit codes: 0 done, 1 bad scene or request, 2 bad arguments, 3 no errors can be given, 130 interrupted");
+  auto add = options.add_options();
+  add("help", "print this");
+  add("scene", po::value(&request.scene));
+  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)), "the catalogue of scenes");
+  add("from", po::value(&request.from), "s to simulate first, as the scene is set");
+  add("fidelity", po::value(&request.fidelity), "to simulate them with, instead of the scene's");
+  add("seconds", po::value(&o.seconds)->default_value(o.seconds), "of physics time to look ahead");
+  add("window", po::value(&o.window)->default_value(o.window), "s that settings run from a common state");
+  add("windows", po::value(&o.windows)->default_value(o.windows), "begun along those seconds");
+  add("max-seconds", po::value(&o.max_cpu_seconds)->default_value(o.max_cpu_seconds), "CPU time in which it must be done");
+  add("max-error", po::value(&request.max_error), "m a second: say which setting is the cheapest within");
+  add("max-step-ms", po::value(&request.max_step_ms), "ms: say which setting is the most accurate within");
+  add("json", po::bool_switch(&request.json), "print JSON");
+  add("progress", po::bool_switch(&request.progress), "print lines of JSON while it goes on, for programs");
+  add("background", po::bool_switch(&request.background), "at the lowest priority");
+  po::positional_options_description positions;
+  positions.add("scene", 1);
+  try {
+    po::variables_map given;
+    po::store(po::command_line_parser(argc, argv).options(options).positional(positions).run(), given);
+    po::notify(given);
+    if (given.count("help") || request.scene.empty()) {
+      std::cout << options;
+      return given.count("help") ? 0 : 2;
+    }
+    for (const auto& [name, value] : {std::pair("from", request.from), std::pair("max-error", request.max_error),
+                                      std::pair("max-step-ms", request.max_step_ms)})
+      if (!(value >= 0.0 && value <= 1e6)) throw po::error("--" + std::string(name) + " must be 0 to 1e6");
+  } catch (const po::error& error) {
+    std::cerr << "scene_accuracy: " << error.what() << '\n';
+    return 2;
+  }
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  try {
+    return run(request);
+  } catch (const std::exception& error) {
+    std::cerr << "scene_accuracy: " << error.what() << '\n';
+    return 1;
+  }
+}

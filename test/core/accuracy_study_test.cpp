@@ -1,0 +1,176 @@
+// Measuring settings on a scene: the errors are those that a closed form gives, and what cannot be known is not told.
+#include "make_scene.h"
+
+#include "rigid_body_sim/accuracy.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+const auto kAlways = [](double, const AccuracyStudy&) { return true; };
+
+constexpr double kFriction = 0.5, kSpeed = 8.0;
+
+SceneDef slidingBox() {
+  SceneDef scene = onFloor(1.0 / 60.0, kFriction);
+  scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1)));
+  scene.bodies.back().material.friction = kFriction;
+  scene.bodies.back().twist.v_WB.x() = kSpeed;
+  return scene;
+}
+
+const SettingCost& costOf(const AccuracyStudy& study, const Setting& setting) {
+  for (const SettingCost& cost : study.settings)
+    if (cost.setting == setting) return cost;
+  throw std::out_of_range(settingName(setting));
+}
+
+// Sliding: x = v t - mu g t²/2.
+TEST(AccuracyStudy, FindsTheErrorThatTheClosedFormGives) {
+  AccuracyOptions options;
+  options.windows = 1;
+  const World world(slidingBox());
+  const AccuracyStudy study = measureAccuracy(world, options, kAlways);
+  ASSERT_EQ(study.trouble, "");
+  EXPECT_TRUE(study.complete);
+  const double t = study.window;
+  EXPECT_NEAR(t, 0.25, 1e-12);
+  for (const Fidelity fidelity : kFidelities) {
+    World run(world);
+    run.setFidelity(fidelity);
+    advance(run, t);
+    const Vec3 exact(kSpeed * t - 0.5 * kFriction * kGravity * t * t, 0.0, 0.1);
+    const double error = (stateOf(run, "box").pose.p_WB - exact).norm() / t;
+    const SettingCost& cost = costOf(study, fidelity);
+    EXPECT_NEAR(cost.error.distance, error, 1e-3 * error + 1e-9) << fidelityName(fidelity);
+    EXPECT_EQ(cost.worst.distance, cost.error.distance);
+    EXPECT_GT(cost.step_ms, 0.0);
+  }
+  EXPECT_GT(costOf(study, Fidelity::Preview).error.distance, 1e-4);
+  EXPECT_LT(costOf(study, Fidelity::Accurate).error.distance, 1e-6);
+}
+
+TEST(AccuracyStudy, SaysTheSameErrorsAgain) {
+  AccuracyOptions options;
+  options.windows = 3;
+  options.seconds = 1.0;
+  const World world(slidingBox());
+  const AccuracyStudy a = measureAccuracy(world, options, kAlways), b = measureAccuracy(world, options, kAlways);
+  ASSERT_EQ(a.settings.size(), usualSettings().size());
+  for (std::size_t k = 0; k < a.settings.size(); ++k) {
+    EXPECT_EQ(a.settings[k].error.distance, b.settings[k].error.distance);
+    EXPECT_EQ(a.settings[k].worst.angle, b.settings[k].worst.angle);
+  }
+}
+
+TEST(AccuracyStudy, LeavesTheWorldAlone) {
+  const World world(slidingBox());
+  const std::uint64_t before = world.stateHash();
+  AccuracyOptions options;
+  options.windows = 1;
+  measureAccuracy(world, options, kAlways);
+  EXPECT_EQ(world.stateHash(), before);
+}
+
+TEST(AccuracyStudy, EndsWhenToldToAndWhenItsTimeIsOver) {
+  const World world(slidingBox());
+  AccuracyOptions options;
+  int calls = 0;
+  const AccuracyStudy stopped =
+      measureAccuracy(world, options, [&](double, const AccuracyStudy&) { return ++calls < 10; });
+  EXPECT_EQ(calls, 10);
+  EXPECT_FALSE(stopped.complete);
+  EXPECT_THAT(stopped.trouble, testing::HasSubstr("not one window"));
+  EXPECT_EQ(cheapestWithin(stopped, 1.0), nullptr);
+  EXPECT_EQ(mostAccurateWithin(stopped, 1e9), nullptr);
+
+  options.windows = 1000;
+  options.max_cpu_seconds = 0.2;
+  const AccuracyStudy some = measureAccuracy(world, options, kAlways);
+  EXPECT_FALSE(some.complete);
+  EXPECT_LT(some.windows, 1000u);
+}
+
+TEST(AccuracyStudy, TellsHowFarItIs) {
+  const World world(slidingBox());
+  AccuracyOptions options;
+  options.windows = 4;
+  double before = 0.0;
+  measureAccuracy(world, options, [&](double share, const AccuracyStudy&) {
+    EXPECT_GE(share, before);
+    EXPECT_LE(share, 1.0);
+    before = share;
+    return true;
+  });
+  EXPECT_GE(before, 0.75);
+}
+
+TEST(AccuracyStudy, SaysWhyThereIsNoError) {
+  World still(onFloor(1.0 / 60.0, 0.5));
+  EXPECT_EQ(measureAccuracy(still, {}, kAlways).trouble, "nothing moves in this scene");
+}
+
+// A pencil on its point falls over to a side that rounding decides: with the shortest window it does not have the
+// time to, in a long one halving the step of the truth changes everything.
+TEST(AccuracyStudy, DropsWindowsInWhichTheTruthIsNotKnown) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies[0].material.restitution = 0.9;
+  for (int k = 0; k < 6; ++k) {
+    scene.bodies.push_back(box("cube_" + std::to_string(k), Vec3(0.3, 0.3, 0.3), Vec3(0.05 * k, 0.03 * k, 0.5 + 0.5 * k)));
+    scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.3 + k, Vec3(1.0, k, 0.5).normalized()));
+    scene.bodies.back().material.restitution = 0.9;
+    scene.bodies.back().twist.w_WB = Vec3(3.0, 10.0 - k, 5.0);
+  }
+  AccuracyOptions options;
+  options.settings = {Fidelity::Reference};
+  options.settings[0].divisions = 4;
+  options.windows = 1;
+  options.window = 10.0;
+  const AccuracyStudy study = measureAccuracy(World(scene), options, kAlways);
+  EXPECT_EQ(study.windows, 0u);
+  EXPECT_EQ(study.dropped, 1u);
+  EXPECT_THAT(study.trouble, testing::HasSubstr("the reference did not converge"));
+}
+
+TEST(AccuracyStudy, RefusesWhatMakesNoSense) {
+  const World world(slidingBox());
+  const auto refused = [&](auto change) {
+    AccuracyOptions options;
+    change(options);
+    EXPECT_THROW(measureAccuracy(world, options, kAlways), InvalidInput);
+  };
+  refused([](AccuracyOptions& o) { o.seconds = 0.0; });
+  refused([](AccuracyOptions& o) { o.window = NAN; });
+  refused([](AccuracyOptions& o) { o.windows = 0; });
+  refused([](AccuracyOptions& o) { o.max_cpu_seconds = -1.0; });
+  refused([](AccuracyOptions& o) { o.settings.resize(1), o.settings[0].divisions = 0; });
+}
+
+TEST(Choice, TakesTheCheapestThatIsGoodEnoughAndTheBestThatIsCheapEnough) {
+  AccuracyStudy study;
+  study.windows = 1;
+  study.uncertainty.distance = 1e-9;
+  const auto add = [&](Fidelity fidelity, double ms, double error) {
+    study.settings.emplace_back();
+    study.settings.back().setting = fidelity;
+    study.settings.back().step_ms = ms;
+    study.settings.back().error.distance = error;
+  };
+  add(Fidelity::Preview, 0.1, 1e-2);
+  add(Fidelity::Interactive, 0.4, 1e-4);
+  add(Fidelity::Accurate, 2.0, 1e-11);
+  add(Fidelity::Reference, 3.0, 1e-12);
+  EXPECT_EQ(cheapestWithin(study, 1e-3)->setting, Setting(Fidelity::Interactive));
+  EXPECT_EQ(cheapestWithin(study, 1.0)->setting, Setting(Fidelity::Preview));
+  EXPECT_EQ(cheapestWithin(study, 1e-13), nullptr);
+  EXPECT_EQ(mostAccurateWithin(study, 1.0)->setting, Setting(Fidelity::Interactive));
+  EXPECT_EQ(mostAccurateWithin(study, 10.0)->setting, Setting(Fidelity::Accurate)) << "both are below the doubt";
+  EXPECT_EQ(mostAccurateWithin(study, 0.01), nullptr);
+}
+
+}  // namespace

@@ -1,0 +1,159 @@
+// A governor keeps a goal, says why, and repeats itself.
+#include "make_scene.h"
+
+#include "rigid_body_sim/governor.h"
+
+#include <gmock/gmock.h>
+
+using namespace rbs;
+using namespace rbs::test;
+using testing::HasSubstr;
+
+namespace {
+
+// Boxes that slide for ever: the soft step is wrong about them in every window.
+SceneDef sliding() {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.gravity = slopeGravity(0.7);
+  for (int k = 0; k < 3; ++k) {
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(1.0, 1.0, 0.2), Vec3(0.0, 2.0 * k, 0.1)));
+    scene.bodies.back().material.friction = 0.5;
+  }
+  return scene;
+}
+
+void run(Governor& governor, World& world, double seconds) {
+  const auto steps = static_cast<int>(std::lround(seconds / world.scene().step));
+  for (int k = 0; k < steps; ++k) governor.step(world);
+}
+
+TEST(Governor, WithoutAGoalTheWorldGoesItsWay) {
+  World world(sliding()), governed(world);
+  Governor governor;
+  run(governor, governed, 1.0);
+  advance(world, 1.0);
+  EXPECT_EQ(world.stateHash(), governed.stateHash());
+  EXPECT_FALSE(governor.estimate());
+  EXPECT_EQ(governor.reason(), "");
+}
+
+TEST(Governor, EstimatingChangesNothingInTheWorld) {
+  World world(sliding()), governed(world);
+  Governor governor;
+  governor.setEstimating(true);
+  run(governor, governed, 1.0);
+  advance(world, 1.0);
+  EXPECT_EQ(world.stateHash(), governed.stateHash());
+  ASSERT_TRUE(governor.estimate());
+  EXPECT_EQ(governor.estimate()->setting, Setting(Fidelity::Interactive));
+  EXPECT_EQ(governor.estimate()->beside.divisions, 2u);
+  EXPECT_NEAR(governor.estimate()->window, 0.25, 1e-12);
+  EXPECT_GT(governor.estimate()->error.distance, 0.0);
+  governor.setEstimating(false);
+  governor.step(governed);
+  EXPECT_FALSE(governor.estimate());
+}
+
+// Sliding down from where it is with v: x = v t + g (sin a - mu cos a) t²/2.
+TEST(Governor, TheEstimateIsTheErrorOfAClosedFormButForAFactorOfTwo) {
+  SceneDef scene = sliding();
+  scene.fidelity = Fidelity::Preview;
+  World world(scene);
+  Governor governor;
+  governor.setEstimating(true);
+  run(governor, world, 0.5);
+  const Vec3 p = stateOf(world, "box_0").pose.p_WB, v = stateOf(world, "box_0").twist.v_WB;
+  run(governor, world, 0.25);
+  const double t = governor.estimate()->window;
+  const double a = kGravity * (std::sin(0.7) - 0.5 * std::cos(0.7));
+  const double exact = p.x() + v.x() * t + 0.5 * a * t * t;
+  const double error = std::abs(stateOf(world, "box_0").pose.p_WB.x() - exact) / t;
+  EXPECT_LT(governor.estimate()->error.distance, 2.0 * error);
+  EXPECT_GT(governor.estimate()->error.distance, 0.25 * error);
+}
+
+TEST(Governor, AGoalOfErrorClimbsUntilItIsMetAndSaysWhy) {
+  SceneDef scene = sliding();
+  scene.fidelity = Fidelity::Preview;
+  scene.goal = Goal{1e-6, std::nullopt};
+  World world(scene);
+  Governor governor;
+  run(governor, world, 2.0);
+  EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Accurate));
+  EXPECT_THAT(governor.reason(), HasSubstr("accurate: an error of"));
+  EXPECT_THAT(governor.reason(), HasSubstr("mm/s is above 0.001 mm/s"));
+  EXPECT_LE(governor.estimate()->error.distance, 1e-6);
+}
+
+TEST(Governor, AGoalOfErrorComesDownWhereLessWillDo) {
+  SceneDef scene = sliding();
+  scene.fidelity = Fidelity::Reference;
+  scene.fidelity.divisions = 8;
+  scene.goal = Goal{10.0, std::nullopt};
+  World world(scene);
+  Governor governor;
+  run(governor, world, 10.0);
+  EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
+  EXPECT_THAT(governor.reason(), HasSubstr("is well below 10000 mm/s"));
+}
+
+TEST(Governor, AGoalOfErrorRepeatsItself) {
+  const auto hash = [] {
+    SceneDef scene = sliding();
+    scene.goal = Goal{1e-4, std::nullopt};
+    World world(scene);
+    Governor governor;
+    run(governor, world, 3.0);
+    return world.stateHash();
+  };
+  EXPECT_EQ(hash(), hash());
+}
+
+TEST(Governor, TurningTheDialMakesNoJump) {
+  SceneDef scene = sliding();
+  scene.goal = Goal{1e-6, std::nullopt};
+  World world(scene);
+  Governor governor;
+  Setting before = world.scene().fidelity;
+  int turns = 0;
+  for (int k = 0; k < 120; ++k) {
+    const BodyState then = stateOf(world, "box_1");
+    governor.step(world);
+    const BodyState now = stateOf(world, "box_1");
+    EXPECT_LE((now.pose.p_WB - then.pose.p_WB - then.twist.v_WB / 60.0).norm(), kGravity / 3600.0);
+    EXPECT_LE((now.twist.v_WB - then.twist.v_WB).norm(), 1.01 * kGravity / 60.0);
+    turns += world.scene().fidelity != before;
+    before = world.scene().fidelity;
+  }
+  EXPECT_GE(turns, 1);
+}
+
+TEST(Governor, AnEditBeginsTheWindowAnew) {
+  World world(sliding());
+  Governor governor;
+  governor.setEstimating(true);
+  for (int k = 0; k < 100; ++k) {
+    if (k % 10 == 0) world.applyImpulse(world.find("box_0"), Vec3(0.0, 0.0, 1.0), Vec3::Zero());
+    governor.step(world);
+  }
+  EXPECT_FALSE(governor.estimate()) << "no window was ever over";
+  world.removeBody(world.find("box_0"));
+  run(governor, world, 0.5);
+  EXPECT_TRUE(governor.estimate());
+}
+
+TEST(Governor, AGoalOfTimeGoesDownAndUpTheLadder) {
+  SceneDef scene = sliding();
+  scene.fidelity = Fidelity::Accurate;
+  scene.goal = Goal{std::nullopt, 1e-9};
+  World world(scene);
+  Governor governor;
+  run(governor, world, 2.0);
+  EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
+  EXPECT_THAT(governor.reason(), HasSubstr("the first rung, although"));
+  world.setGoal(Goal{std::nullopt, 1e5});
+  run(governor, world, 40.0);
+  EXPECT_EQ(world.scene().fidelity.preset, Fidelity::Reference);
+}
+
+}  // namespace
