@@ -54,6 +54,8 @@ void EventPublisher::compareSurroundings(const Snapshot& before, const Snapshot&
 }
 
 void EventPublisher::compareRun(const Snapshot& before, const Snapshot& now) {
+  if (before.dial_reason != now.dial_reason && !now.dial_reason.empty())
+    ROS_INFO_STREAM_NAMED("dial", now.dial_reason);
   if (before.paused != now.paused) send(now.paused ? "paused" : "resumed", "", words("at ", now.time, " s"));
   for (std::size_t k = 0; k < now.pipeline.size() && k < before.pipeline.size(); ++k) {
     const StageInfo& stage = now.pipeline[k];

@@ -29,12 +29,13 @@ void append(const std::vector<Marker>& markers, MarkerArray& news) {
 
 }  // namespace
 
-MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, TfMode tf, const std::string& tf_prefix)
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf,
+                                 const std::string& tf_prefix)
     : tf_(tf), tf_prefix_(tf_prefix) {
   constexpr int kQueue = 100;
   std::lock_guard<std::mutex> lock(mutex_);
   publisher_ = private_node.advertise<MarkerArray>(
-      "visualization_marker_array", kQueue,
+      topic, kQueue,
       [this](const ros::SingleSubscriberPublisher& newcomer) { greet(newcomer); });
 }
 
@@ -47,6 +48,10 @@ void MarkerPublisher::greet(const ros::SingleSubscriberPublisher& newcomer) {
 }
 
 void MarkerPublisher::publish(const Snapshot& snapshot) {
+  if (isTime(snapshot)) publishNow(snapshot);
+}
+
+void MarkerPublisher::publishNow(const Snapshot& snapshot) {
   std::lock_guard<std::mutex> lock(mutex_);
   if (publisher_.getNumSubscribers() == 0) {
     shown_.clear();
@@ -54,7 +59,6 @@ void MarkerPublisher::publish(const Snapshot& snapshot) {
     described_.reset();
     return;
   }
-  if (!isTime(snapshot)) return;
   MarkerArray removals, news;
   if (snapshot.bodies != described_) follow(snapshot, removals, news);
   flood(snapshot, removals, news);
@@ -66,6 +70,7 @@ void MarkerPublisher::publish(const Snapshot& snapshot) {
 }
 
 bool MarkerPublisher::isTime(const Snapshot& snapshot) {
+  std::lock_guard<std::mutex> lock(mutex_);
   constexpr double kPeriod = 1.0 / 30.0, kBodiesPerSecond = 10000.0;
   constexpr double kEarly = 0.9;  // the caller's timer may come a little early
   const double period = std::max(kPeriod, snapshot.states.size() / kBodiesPerSecond);

@@ -21,15 +21,17 @@
 
 namespace rbs {
 
-/// Publishes ~visualization_marker_array. A new subscriber gets every body once; later messages hold what
+/// Publishes the bodies of snapshots on a topic. A new subscriber gets every body once; later messages hold what
 /// changed since. Thread-safe.
 class MarkerPublisher {
  public:
   /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name.
-  MarkerPublisher(ros::NodeHandle& private_node, TfMode tf, const std::string& tf_prefix);
+  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf, const std::string& tf_prefix);
 
   /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
   void publish(const Snapshot& snapshot);
+  /// Sends what changed, however little time has passed.
+  void publishNow(const Snapshot& snapshot);
 
  private:
   /// A body as the subscribers know it.

@@ -15,7 +15,8 @@ using rigid_body_sim::SetSpeed;
 using rigid_body_sim::Step;
 using std_srvs::Trigger;
 
-Services::Services(Session& session) : session_(session), simulator_(session.simulator()), node_("~") {
+Services::Services(Session& session) : session_(session), simulator_(session.simulator()),
+      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(node_, simulator_) {
   offerBodyEdits();
   offerPushes();
   offerSurroundings();
@@ -23,6 +24,7 @@ Services::Services(Session& session) : session_(session), simulator_(session.sim
   offerQueries();
   offerRun();
   offerScenes();
+  offerDial();
 }
 
 void Services::offerRun() {

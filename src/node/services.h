@@ -4,6 +4,8 @@
 // world is as it was. The call itself never fails.
 #pragma once
 
+#include "accuracy_job.h"
+#include "ghost.h"
 #include "session.h"
 
 #include <ros/ros.h>
@@ -47,10 +49,13 @@ class Services {
   void offerSurroundings();
   void offerRun();
   void offerScenes();
+  void offerDial();
 
   Session& session_;
   Simulator& simulator_;
   ros::NodeHandle node_;
+  AccuracyJob accuracy_;
+  Ghost ghost_;
   std::vector<ros::ServiceServer> servers_;
 };
 

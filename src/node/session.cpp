@@ -7,7 +7,7 @@ Session::Session(const Options& options)
 
 SceneDef Session::read(const Options& options, const std::string& file) {
   SceneDef scene = readScene(file, options.seed).scene;
-  if (options.fidelity) scene.fidelity = *options.fidelity;
+  if (options.fidelity) scene.fidelity = *options.fidelity, scene.goal.reset();
   return scene;
 }
 

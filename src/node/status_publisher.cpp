@@ -76,6 +76,24 @@ void fillTotals(const Totals& totals, rigid_body_sim::Status& msg) {
   msg.angular_momentum = toMsg(totals.angular_momentum);
 }
 
+void fillDial(const Snapshot& snapshot, rigid_body_sim::Status& msg) {
+  msg.fidelity = settingName(snapshot.fidelity);
+  msg.dial_reason = snapshot.dial_reason;
+  const Goal goal = snapshot.goal.value_or(Goal{});
+  msg.max_error = goal.max_error.value_or(0.0);
+  msg.max_step_ms = goal.max_step_ms.value_or(0.0);
+  if (!snapshot.estimate) return;
+  const ErrorEstimate& estimate = *snapshot.estimate;
+  rigid_body_sim::ErrorEstimate& told = msg.estimate.emplace_back();
+  told.distance = finite(estimate.error.distance);
+  told.angle = finite(estimate.error.angle);
+  told.energy = finite(estimate.error.energy);
+  told.window = estimate.window;
+  told.fidelity = settingName(estimate.setting);
+  told.beside = settingName(estimate.beside);
+  told.beside_ms = estimate.beside_ms;
+}
+
 rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
   const Snapshot& snapshot = *moment.snapshot;
   rigid_body_sim::Status msg;
@@ -95,7 +113,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
   msg.hash = hexadecimal(snapshot.hash);
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
-  msg.fidelity = fidelityName(snapshot.fidelity);
+  fillDial(snapshot, msg);
   fillCertificates(snapshot.report.certificates, msg);
   for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
   return msg;

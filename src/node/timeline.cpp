@@ -22,6 +22,11 @@ Timeline::Moment Timeline::advance(const Simulator& simulator, bool again) {
   return moment;
 }
 
+ros::Time Timeline::stamp() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  return stamp_;
+}
+
 void Timeline::replaceWorld(const Simulator& simulator, const Replacement& replacement,
                             const std::function<void()>& load) {
   std::lock_guard<std::mutex> lock(mutex_);

@@ -39,6 +39,9 @@ class Timeline {
   /// made, or where it is asked for, to send again what has not changed.
   Moment advance(const Simulator& simulator, bool again);
 
+  /// The stamp of the last moment.
+  ros::Time stamp() const;
+
   /// Runs `load`, which replaces the world of `simulator`. The new world goes on at the stamp of the old.
   void replaceWorld(const Simulator& simulator, const Replacement& replacement,
                     const std::function<void()>& load);
@@ -47,7 +50,7 @@ class Timeline {
   void follow(const Snapshot& snapshot);
 
   const bool wall_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   double elapsed_ = 0.0;  ///< physics time simulated since the node started, s
   double time_;           ///< physics time of the last snapshot, s
   std::uint64_t edits_;   ///< of the last snapshot

@@ -28,4 +28,13 @@ std::string describe(const AirState& air) {
   return words("air of ", air.density, " kg/m³, wind ", inWords(air.mean), " m/s, gust ", air.gust, " m/s");
 }
 
+std::vector<std::string> stageChanges(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after) {
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;
+    lines.push_back(words(after[k].name, after[k].active ? " on: " : " off: ", after[k].reason));
+  }
+  return lines;
+}
+
 }  // namespace rbs

@@ -5,6 +5,7 @@
 
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace rbs {
 
@@ -20,5 +21,7 @@ std::string inWords(const Vec3& v);           ///< "(1, 0, 2.5)"
 std::string bodyCount(std::size_t n);         ///< "1 body", "3 bodies"
 std::string describe(const BodyDescription& body);  ///< kind, shape, size, mass and material
 std::string describe(const AirState& air);          ///< density, wind and gust
+/// The stages that an edit has switched, or given another reason.
+std::vector<std::string> stageChanges(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after);
 
 }  // namespace rbs

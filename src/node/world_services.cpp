@@ -9,7 +9,6 @@
 #include <rigid_body_sim/GetBody.h>
 #include <rigid_body_sim/ListBodies.h>
 #include <rigid_body_sim/SetEffects.h>
-#include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetGravity.h>
 #include <rigid_body_sim/SetWind.h>
 #include <std_srvs/SetBool.h>
@@ -22,7 +21,6 @@ namespace {
 using rigid_body_sim::GetBody;
 using rigid_body_sim::ListBodies;
 using rigid_body_sim::SetEffects;
-using rigid_body_sim::SetFidelity;
 using rigid_body_sim::SetGravity;
 using rigid_body_sim::SetWind;
 using std_srvs::SetBool;
@@ -76,25 +74,6 @@ std::string setGravity(World& world, const SetGravity::Request& request, SetGrav
   return words("gravity is ", inWords(world.scene().gravity), " m/s²");
 }
 
-/// The stages that an edit has switched, or given another reason, in words.
-std::vector<std::string> changes(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after) {
-  std::vector<std::string> lines;
-  for (std::size_t k = 0; k < after.size(); ++k) {
-    if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;
-    lines.push_back(words(after[k].name, after[k].active ? " on: " : " off: ", after[k].reason));
-  }
-  return lines;
-}
-
-std::string setFidelity(World& world, const SetFidelity::Request& request, SetFidelity::Response& response) {
-  const Fidelity fidelity = fidelityNamed(request.fidelity);
-  const std::vector<StageInfo> before = world.pipeline();
-  const bool same = world.scene().fidelity == fidelity;
-  world.setFidelity(fidelity);
-  response.changes = changes(before, world.pipeline());
-  return words("fidelity ", same ? "stays " : "is ", request.fidelity);
-}
-
 /// The overrides that a request leaves. Throws InvalidInput for an unknown effect, or one named twice.
 EffectOverrides overridden(EffectOverrides effects, const SetEffects::Request& request) {
   std::set<Effect> named;
@@ -133,7 +112,7 @@ std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
     const EffectOverrides effects = overridden(world.scene().effects, request);
     const std::vector<StageInfo> before = world.pipeline();
     world.setEffects(effects);
-    response.changes = changes(before, world.pipeline());
+    response.changes = stageChanges(before, world.pipeline());
     message = describe(effects);
     if (request.force_off.empty()) return;
     scene = world.capture();
@@ -169,7 +148,6 @@ void Services::offerSurroundings() {
   });
   offerEdit<SetWind>("set_wind", setWind);
   offerEdit<SetGravity>("set_gravity", setGravity);
-  offerEdit<SetFidelity>("set_fidelity", setFidelity);
   offer<SetEffects>("set_effects", [this](const SetEffects::Request& request, SetEffects::Response& response) {
     return setEffects(simulator_, request, response);
   });

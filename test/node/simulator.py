@@ -18,6 +18,8 @@ TYPES = {
     'list_bodies': srv.ListBodies, 'cast_ray': srv.CastRay,
     'closest_points': srv.ClosestPoints, 'overlaps': srv.Overlaps, 'list_scenes': srv.ListScenes, 'enable_wind': SetBool, 'set_wind': srv.SetWind,
     'set_gravity': srv.SetGravity, 'set_effects': srv.SetEffects, 'set_fidelity': srv.SetFidelity,
+    'tune_fidelity': srv.TuneFidelity, 'seek_accuracy': srv.AccuracyGoal, 'apply_accuracy': srv.AccuracyGoal,
+    'measure_accuracy': srv.MeasureAccuracy, 'stop_accuracy': Trigger, 'estimate_error': SetBool, 'show_ghost': SetBool,
     'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'step': srv.Step,
     'reset': Trigger, 'set_speed': srv.SetSpeed, 'load_scene': srv.LoadScene, 'save_scene': srv.File,
     'save_state': srv.File, 'load_state': srv.File,

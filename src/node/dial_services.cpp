@@ -1,0 +1,121 @@
+// Services that turn the dial from fast to exact, and that tell what each setting costs.
+#include "services.h"
+
+#include "words.h"
+
+#include <rigid_body_sim/AccuracyGoal.h>
+#include <rigid_body_sim/MeasureAccuracy.h>
+#include <rigid_body_sim/SetFidelity.h>
+#include <rigid_body_sim/TuneFidelity.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+namespace rbs {
+namespace {
+
+using rigid_body_sim::AccuracyGoal;
+using rigid_body_sim::MeasureAccuracy;
+using rigid_body_sim::SetFidelity;
+using rigid_body_sim::TuneFidelity;
+using std_srvs::SetBool;
+using std_srvs::Trigger;
+
+/// Puts the dial to a setting, where no goal turns it any more. Answers in words.
+std::string turn(World& world, const Setting& setting) {
+  const bool same = world.scene().fidelity == setting;
+  world.setFidelity(setting);
+  world.setGoal(std::nullopt);
+  return words("fidelity ", same ? "stays " : "is ", settingName(setting));
+}
+
+std::string setFidelity(World& world, const SetFidelity::Request& request, SetFidelity::Response& response) {
+  const std::vector<StageInfo> before = world.pipeline();
+  const std::string message = turn(world, fidelityNamed(request.fidelity));
+  response.changes = stageChanges(before, world.pipeline());
+  return message;
+}
+
+std::string tuneFidelity(World& world, const TuneFidelity::Request& request, TuneFidelity::Response& response) {
+  Setting setting = request.preset.empty() ? world.scene().fidelity.preset : fidelityNamed(request.preset);
+  if (request.divisions != 0) setting.divisions = request.divisions;
+  if (request.sub_steps != 0) setting.sub_steps = request.sub_steps;
+  if (request.tolerance != 0.0) setting.tolerance = request.tolerance;
+  if (request.max_solve_ms != 0.0) setting.max_solve_ms = request.max_solve_ms;
+  const std::string message = turn(world, setting);
+  response.fidelity = settingName(setting);
+  return message;
+}
+
+Goal goalOf(const AccuracyGoal::Request& request) {
+  Goal goal;
+  if (request.max_error != 0.0) goal.max_error = request.max_error;
+  if (request.max_step_ms != 0.0) goal.max_step_ms = request.max_step_ms;
+  const std::vector<Problem> problems = validate(goal);
+  if (!problems.empty()) throw InvalidInput(problems);
+  return goal;
+}
+
+std::string inWords(const Goal& goal) {
+  return goal.max_error ? words("an error of at most ", *goal.max_error, " m for each second simulated")
+                        : words("at most ", *goal.max_step_ms, " ms a step");
+}
+
+std::string seek(World& world, const AccuracyGoal::Request& request, AccuracyGoal::Response& response) {
+  const Goal goal = goalOf(request);
+  world.setGoal(goal);
+  response.fidelity = settingName(world.scene().fidelity);
+  return words("the dial is turned for ", inWords(goal), "; it begins at ", response.fidelity,
+               goal.max_step_ms ? "; results now depend on how fast the machine is" : "");
+}
+
+/// Puts the dial to the setting that a study recommends.
+std::string apply(Simulator& simulator, const std::optional<AccuracyStudy>& study, const AccuracyGoal::Request& request,
+                  AccuracyGoal::Response& response) {
+  const Goal goal = goalOf(request);
+  if (!study) throw std::runtime_error("nothing has been measured: call measure_accuracy, and wait until ~accuracy is done");
+  if (!study->trouble.empty()) throw std::runtime_error("no errors are known: " + study->trouble);
+  const SettingCost* cost =
+      goal.max_error ? cheapestWithin(*study, *goal.max_error) : mostAccurateWithin(*study, *goal.max_step_ms);
+  if (!cost) throw std::runtime_error("no setting that was measured has " + inWords(goal));
+  std::string message;
+  simulator.edit([&](World& world) { message = turn(world, cost->setting); });
+  response.fidelity = settingName(cost->setting);
+  return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance, " m for each second simulated, ",
+               cost->step_ms, " ms a step, as measured on '", study->scene, "'");
+}
+
+}  // namespace
+
+void Services::offerDial() {
+  offerEdit<SetFidelity>("set_fidelity", setFidelity);
+  offerEdit<TuneFidelity>("tune_fidelity", tuneFidelity);
+  offerEdit<AccuracyGoal>("seek_accuracy", seek);
+  offer<AccuracyGoal>("apply_accuracy", [this](const AccuracyGoal::Request& request, AccuracyGoal::Response& response) {
+    return apply(simulator_, accuracy_.found(), request, response);
+  });
+  offer<MeasureAccuracy>(
+      "measure_accuracy", [this](const MeasureAccuracy::Request& request, MeasureAccuracy::Response& response) {
+        AccuracyOptions options;
+        if (request.seconds != 0.0) options.seconds = request.seconds;
+        if (request.window != 0.0) options.window = request.window;
+        if (request.windows != 0) options.windows = request.windows;
+        if (request.max_cpu_seconds != 0.0) options.max_cpu_seconds = request.max_cpu_seconds;
+        response.job = accuracy_.start(options);
+        return words("job ", response.job, ": measuring for up to ", options.max_cpu_seconds,
+                     " s of CPU time; ~accuracy tells how far it is");
+      });
+  offer<Trigger>("stop_accuracy", [this](const Trigger::Request&, Trigger::Response&) {
+    return accuracy_.stop() ? "stopped; what is known stays in ~accuracy" : "nothing was being measured";
+  });
+  offer<SetBool>("estimate_error", [this](const SetBool::Request& request, SetBool::Response&) {
+    simulator_.estimateErrors(request.data);
+    return request.data ? "a copy in half the steps runs beside the scene; ~status tells how far the two go apart"
+                        : "errors are not estimated";
+  });
+  offer<SetBool>("show_ghost", [this](const SetBool::Request& request, SetBool::Response&) {
+    ghost_.show(request.data);
+    return request.data ? "the reference run of this scene begins here; ~ghost shows it" : "the ghost is gone";
+  });
+}
+
+}  // namespace rbs

@@ -1,0 +1,178 @@
+#!/usr/bin/python3
+"""What accuracy costs: measured beside the running simulation, estimated live, applied, sought, and shown."""
+import os
+import subprocess
+import sys
+import unittest
+
+import roslib.packages
+import rospy
+import rostest
+from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from rigid_body_sim.msg import AccuracyStudy
+from visualization_msgs.msg import Marker, MarkerArray
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from simulator import SMALL, Listener, StatusListener, ask, body, call, wait  # noqa: E402
+
+
+def at(x, y, z):
+    return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
+
+
+def push_the_crate():
+    """Something for settings to differ about: a box that slides."""
+    call('load_scene', name=SMALL)
+    call('set_body', name='crate', twist=[Twist(Vector3(-5, 0, 0), Vector3())])
+
+
+class AccuracyTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.status = StatusListener()
+        cls.studies = Listener('/sim/accuracy', AccuracyStudy)
+        cls.ghost = Listener('/sim/ghost', MarkerArray)
+
+    def setUp(self):
+        call('pause')
+        push_the_crate()
+
+    def measured(self, **request):
+        job = call('measure_accuracy', **request).job
+        return wait(lambda: next((s for s in self.studies.all() if s.job == job and s.done), None), 'the study is done')
+
+    def test_the_running_scene_is_measured_and_goes_on_meanwhile(self):
+        before = self.status.fresh().hash
+        call('resume')
+        study = self.measured(seconds=1.0, windows=2)
+        self.assertGreater(self.status.fresh().steps, 0)
+        call('pause')
+        self.assertNotEqual(self.status.fresh().hash, before)
+        self.assertEqual(study.trouble, '')
+        self.assertTrue(study.complete)
+        self.assertEqual(study.windows + study.dropped, 2)
+        self.assertAlmostEqual(study.window, 0.25)
+        costs = {cost.name: cost for cost in study.settings}
+        for name in ('preview', 'interactive', 'accurate', 'reference'):
+            self.assertGreater(costs[name].step_ms, 0.0)
+        self.assertGreater(costs['preview'].error, 10 * costs['accurate'].error)
+        self.assertGreaterEqual(costs['preview'].worst_error, costs['preview'].error)
+
+    def test_a_measured_setting_is_applied(self):
+        refused = ask('apply_accuracy', max_error=1e-3, max_step_ms=1.0)
+        self.assertFalse(refused.success)
+        self.assertIn('one of them', refused.message)
+        study = self.measured(seconds=0.5, windows=1)
+        within = [cost for cost in study.settings if cost.error <= 1e-3]
+        cheapest = min(within, key=lambda cost: cost.step_ms)
+        self.assertEqual(call('apply_accuracy', max_error=1e-3).fidelity, cheapest.name)
+        self.assertEqual(self.status.fresh().fidelity, cheapest.name)
+        self.assertIn('no setting that was measured', ask('apply_accuracy', max_step_ms=1e-9).message)
+
+    def test_a_measurement_can_be_stopped_and_replaced(self):
+        call('measure_accuracy', seconds=1000.0, window=10.0, windows=1000, max_cpu_seconds=1000.0)
+        second = call('measure_accuracy', seconds=1000.0, window=10.0, windows=1000, max_cpu_seconds=1000.0).job
+        wait(lambda: any(s.job == second for s in self.studies.all()), 'the second one runs')
+        self.assertIn('stopped', call('stop_accuracy').message)
+        last = wait(lambda: next((s for s in self.studies.all() if s.job == second and s.done), None), 'it is done')
+        self.assertFalse(last.complete)
+        self.assertIn('nothing', call('stop_accuracy').message)
+
+    def test_what_makes_no_sense_is_refused(self):
+        for request in (dict(seconds=-1.0), dict(window=float('nan')), dict(windows=1001), dict(max_cpu_seconds=-1.0)):
+            self.assertIn('allowed', ask('measure_accuracy', **request).message)
+        for service in ('seek_accuracy', 'apply_accuracy'):
+            for request in (dict(), dict(max_error=-1.0), dict(max_error=float('nan')), dict(max_step_ms=-1.0)):
+                self.assertFalse(ask(service, **request).success, request)
+        before = self.status.fresh()
+        for request in (dict(preset='exact'), dict(divisions=1001), dict(sub_steps=1001), dict(tolerance=-1e-6),
+                        dict(tolerance=float('nan')), dict(tolerance=1.0)):
+            self.assertFalse(ask('tune_fidelity', **request).success, request)
+        after = self.status.fresh()
+        self.assertEqual((before.fidelity, before.hash), (after.fidelity, after.hash))
+
+    def test_the_dial_is_tuned_by_numbers(self):
+        pose = body('crate').pose
+        self.assertEqual(call('tune_fidelity', preset='preview', divisions=2, sub_steps=4).fidelity,
+                         'preview, 2 divisions, 4 sub-steps')
+        self.assertEqual(body('crate').pose, pose)
+        self.assertEqual(self.status.fresh().fidelity, 'preview, 2 divisions, 4 sub-steps')
+        call('step', n=3)
+        self.assertEqual(call('tune_fidelity', tolerance=1e-4).fidelity, 'preview, tolerance 0.0001')
+
+    def test_the_error_is_estimated_on_request(self):
+        call('step', n=20)
+        self.assertEqual(len(self.status.fresh().estimate), 0)
+        call('estimate_error', data=True)
+        call('step', n=20)
+        estimate, = self.status.fresh().estimate
+        self.assertEqual((estimate.fidelity, estimate.beside), ('interactive', 'interactive, 2 divisions'))
+        self.assertGreater(estimate.distance, 0.0)
+        self.assertGreater(estimate.beside_ms, 0.0)
+        call('estimate_error', data=False)
+        call('step', n=1)
+        self.assertEqual(len(self.status.fresh().estimate), 0)
+
+    def test_a_goal_turns_the_dial_and_says_why(self):
+        call('set_fidelity', fidelity='preview')
+        self.assertIn('begins at preview', call('seek_accuracy', max_error=1e-6).message)
+        call('step', n=60)
+        status = self.status.fresh()
+        self.assertEqual(status.fidelity, 'accurate')
+        self.assertIn('accurate: an error of', status.dial_reason)
+        self.assertEqual(status.max_error, 1e-6)
+        call('set_fidelity', fidelity='preview')
+        self.assertEqual(self.status.fresh().max_error, 0.0)
+        call('step', n=60)
+        self.assertEqual(self.status.fresh().fidelity, 'preview')
+
+    def test_the_ghost_is_the_reference_run(self):
+        call('set_fidelity', fidelity='preview')
+        call('show_ghost', data=True)
+        self.addCleanup(call, 'show_ghost', data=False)
+        names = {(m.ns, m.id): m for a in [self.ghost.next('the ghost is there')] for m in a.markers}
+        self.assertTrue(all(0.0 < m.color.a < 0.5 for m in names.values()))
+        start = body('crate').pose.position.x
+        call('step', n=30)
+        # Exact: x = v t + mu g t^2 / 2.
+        exact = start - 5 * 0.5 + 0.5 * 0.6 * 9.81 * 0.25
+
+        def ghosts():
+            return [m.pose.position for a in self.ghost.all() for m in a.markers if m.action == Marker.ADD]
+
+        wait(lambda: any(abs(p.x - exact) < 2e-4 for p in ghosts()), 'the ghost is where the closed form says')
+        self.assertGreater(abs(body('crate').pose.position.x - exact), 1e-3)
+        call('move_body', name='crate', pose=at(0, 3, 0.25))
+        wait(lambda: any(abs(p.y - 3.0) < 1e-3 for p in ghosts()), 'the ghost follows an edit')
+        self.ghost.clear()
+        call('show_ghost', data=False)
+        wait(lambda: any(m.action == Marker.DELETE for a in self.ghost.all() for m in a.markers), 'the ghost is gone')
+
+    def test_the_client_prints_the_cost_of_each_setting(self):
+        client = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]
+        done = subprocess.run([client, 'accuracy', '--seconds', '0.5', '--windows', '1'], capture_output=True, text=True,
+                              timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for word in ('preview', 'interactive, 2 divisions', 'reference', 'ms a step'):
+            self.assertIn(word, done.stdout)
+        self.assertIn('fidelity is', subprocess.run([client, 'apply', '--max-error', '0.01'], capture_output=True,
+                                                    text=True, timeout=60).stdout)
+
+    def test_a_scene_file_is_measured_without_a_node(self):
+        program = roslib.packages.find_node('rigid_body_sim', 'scene_accuracy')[0]
+
+        def run(*arguments):
+            return subprocess.run([program, *arguments], capture_output=True, text=True, timeout=120)
+
+        done = run(SMALL, '--windows', '1', '--max-error', '0.001')
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn('Cheapest within 1 mm a second:', done.stdout)
+        self.assertEqual(run('nowhere').returncode, 1)
+        self.assertEqual(run(SMALL, '--windows', '0').returncode, 1)
+        self.assertEqual(run(SMALL, '--max-error', '-1').returncode, 2)
+        self.assertEqual(run().returncode, 2)
+
+
+if __name__ == '__main__':
+    rospy.init_node('accuracy_test')
+    rostest.rosrun('rigid_body_sim', 'accuracy', AccuracyTest)
