@@ -20,6 +20,7 @@ SimulationPanel::SimulationPanel()
       node_(new QLineEdit("sim")),
       message_(new QLabel),
       status_(new StatusView),
+      dial_(new DialView(simulator_)),
       pipeline_(new PipelineTable) {
   layOut();
   connectWidgets();
@@ -48,6 +49,7 @@ void SimulationPanel::layOut() {
   rows->addWidget(transport_);
   rows->addLayout(choices);
   rows->addWidget(status_);
+  rows->addWidget(dial_);
   rows->addWidget(pipeline_, 1);
 
   auto* last_row = new QHBoxLayout;
@@ -108,6 +110,7 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   look(status);
   transport_->show(status);
   status_->show(status);
+  dial_->show(status);
   pipeline_->show(status.pipeline);
   scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
   wind_->setChecked(status.wind);

@@ -1,6 +1,7 @@
 // SimulationPanel: the simulation's controls and its state, as a panel of RViz.
 #pragma once
 
+#include "dial_view.h"
 #include "pipeline_table.h"
 #include "simulator_client.h"
 #include "status_view.h"
@@ -48,6 +49,7 @@ class SimulationPanel : public rviz::Panel {
   QLineEdit* node_;
   QLabel* message_;
   StatusView* status_;
+  DialView* dial_;
   PipelineTable* pipeline_;
   QPointer<QShortcut> wind_key_;  ///< a child of RViz's window, which may go first
 };

@@ -2,8 +2,11 @@
 
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
+#include <rigid_body_sim/MeasureAccuracy.h>
+#include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetSpeed.h>
 #include <rigid_body_sim/Step.h>
+#include <rigid_body_sim/TuneFidelity.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
@@ -26,8 +29,10 @@ void SimulatorClient::follow(const QString& node) {
   node_ = node;
   setHeard(false);
   status_.shutdown();
+  studies_.shutdown();
   try {
     status_ = ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this);
+    studies_ = ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this);
   } catch (const ros::InvalidNameException& error) {
     Q_EMIT told(QString::fromStdString(error.what()), true);
   }
@@ -38,6 +43,11 @@ void SimulatorClient::receive(const rigid_body_sim::Status& status) {
   wind_ = status.wind;
   setHeard(true);
   Q_EMIT statusReceived(status);
+}
+
+void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
+  Q_EMIT studyReceived(study);
+  if (study.done && !study.trouble.empty()) Q_EMIT told(QString::fromStdString(study.trouble), true);
 }
 
 void SimulatorClient::watch() {
@@ -108,10 +118,41 @@ void SimulatorClient::loadScene(const QString& name) {
   call<rigid_body_sim::LoadScene>("load_scene", request);
 }
 
+void SimulatorClient::setFidelity(const QString& preset) {
+  rigid_body_sim::SetFidelity::Request request;
+  request.fidelity = preset.toStdString();
+  call<rigid_body_sim::SetFidelity>("set_fidelity", request);
+}
+
+void SimulatorClient::tuneFidelity(const rigid_body_sim::SettingCost& setting) {
+  rigid_body_sim::TuneFidelity::Request request;
+  request.preset = setting.preset;
+  request.divisions = setting.divisions;
+  request.sub_steps = setting.sub_steps;
+  request.tolerance = setting.tolerance;
+  call<rigid_body_sim::TuneFidelity>("tune_fidelity", request);
+}
+
+void SimulatorClient::measureAccuracy() {
+  call<rigid_body_sim::MeasureAccuracy>("measure_accuracy", {});
+}
+
+void SimulatorClient::estimateError(bool on) {
+  callSwitch("estimate_error", on);
+}
+
+void SimulatorClient::showGhost(bool on) {
+  callSwitch("show_ghost", on);
+}
+
 void SimulatorClient::enableWind(bool on) {
+  callSwitch("enable_wind", on);
+}
+
+void SimulatorClient::callSwitch(const char* service, bool on) {
   std_srvs::SetBool::Request request;
   request.data = on;
-  call<std_srvs::SetBool>("enable_wind", request);
+  call<std_srvs::SetBool>(service, request);
 }
 
 }  // namespace rbs

@@ -3,6 +3,8 @@
 
 #include "service_worker.h"
 
+#include <rigid_body_sim/AccuracyStudy.h>
+#include <rigid_body_sim/SettingCost.h>
 #include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
 
@@ -34,9 +36,15 @@ class SimulatorClient : public QObject {
   void loadScene(const QString& name);
   void enableWind(bool on);
   void toggleWind() { enableWind(!wind_); }
+  void setFidelity(const QString& preset);
+  void tuneFidelity(const rigid_body_sim::SettingCost& setting);
+  void measureAccuracy();
+  void estimateError(bool on);
+  void showGhost(bool on);
 
  Q_SIGNALS:
   void statusReceived(const rigid_body_sim::Status& status);
+  void studyReceived(const rigid_body_sim::AccuracyStudy& study);
   void heardChanged(bool is_heard);
   /// The catalogue of the node: names, and what each scene shows.
   void scenesListed(const QStringList& names, const QStringList& properties);
@@ -45,17 +53,19 @@ class SimulatorClient : public QObject {
 
  private:
   void receive(const rigid_body_sim::Status& status);
+  void receiveStudy(const rigid_body_sim::AccuracyStudy& study);
   void watch();
   void setHeard(bool is_heard);
   void listScenes();
   void tellAnswer(const QString& service, bool success, const QString& message);
   template <class Service>
   void call(const char* service, const typename Service::Request& request);
+  void callSwitch(const char* service, bool on);
   std::string inNode(const char* name) const;
 
   ServiceWorker worker_;
   ros::NodeHandle ros_;
-  ros::Subscriber status_;
+  ros::Subscriber status_, studies_;
   QString node_;
   QTimer watchdog_;
   QElapsedTimer last_heard_;

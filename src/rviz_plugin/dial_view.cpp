@@ -1,0 +1,66 @@
+#include "dial_view.h"
+
+#include <QHBoxLayout>
+#include <QVBoxLayout>
+
+namespace rbs {
+
+DialView::DialView(SimulatorClient& simulator)
+    : simulator_(simulator),
+      preset_(new QComboBox),
+      measure_(new QPushButton("Measure")),
+      error_(new QCheckBox("Error")),
+      ghost_(new QCheckBox("Ghost")),
+      text_(new QLabel),
+      plot_(new AccuracyPlot) {
+  preset_->addItems({"preview", "interactive", "accurate", "reference"});
+  preset_->setToolTip("How finely contacts are solved: from fast to exact");
+  measure_->setToolTip("Measures what each setting costs for the scene as it is now");
+  error_->setToolTip("Estimates the error of the present setting while the simulation runs, by a copy in half the steps");
+  ghost_->setToolTip("Shows the reference run from here on, translucent, beside the bodies");
+  text_->setWordWrap(true);
+  text_->hide();
+  plot_->hide();
+
+  auto* row = new QHBoxLayout;
+  row->setSpacing(4);
+  row->addWidget(preset_, 1);
+  row->addWidget(measure_);
+  row->addWidget(error_);
+  row->addWidget(ghost_);
+  auto* rows = new QVBoxLayout(this);
+  rows->setContentsMargins(0, 0, 0, 0);
+  rows->setSpacing(2);
+  rows->addLayout(row);
+  rows->addWidget(text_);
+  rows->addWidget(plot_);
+
+  connect(preset_, qOverload<int>(&QComboBox::activated), this,
+          [this](int index) { simulator_.setFidelity(preset_->itemText(index)); });
+  connect(measure_, &QPushButton::clicked, &simulator_, &SimulatorClient::measureAccuracy);
+  connect(error_, &QCheckBox::clicked, &simulator_, &SimulatorClient::estimateError);
+  connect(ghost_, &QCheckBox::clicked, &simulator_, &SimulatorClient::showGhost);
+  connect(plot_, &AccuracyPlot::chosen, &simulator_, &SimulatorClient::tuneFidelity);
+  connect(&simulator_, &SimulatorClient::studyReceived, this, &DialView::showStudy);
+}
+
+void DialView::show(const rigid_body_sim::Status& status) {
+  const QString setting = QString::fromStdString(status.fidelity);
+  preset_->setCurrentText(setting.section(", ", 0, 0));
+  QString text = setting.contains(", ") ? setting : QString();
+  if (!status.dial_reason.empty() && (status.max_error > 0.0 || status.max_step_ms > 0.0))
+    text = QString::fromStdString(status.dial_reason);
+  for (const rigid_body_sim::ErrorEstimate& estimate : status.estimate)
+    text += (text.isEmpty() ? "" : "; ") + QString("error %1 mm/s").arg(1e3 * estimate.distance, 0, 'g', 3);
+  text_->setText(text);
+  text_->setVisible(!text.isEmpty());
+  const double error = status.estimate.empty() ? 0.0 : status.estimate[0].distance;
+  plot_->showLive(1e3 * status.step_seconds, error);
+}
+
+void DialView::showStudy(const rigid_body_sim::AccuracyStudy& study) {
+  measure_->setText(study.done ? "Measure" : QString("%1 %").arg(int(100.0 * study.progress)));
+  plot_->show(study);
+}
+
+}  // namespace rbs

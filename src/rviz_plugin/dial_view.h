@@ -1,0 +1,33 @@
+// The dial from fast to exact: where it stands, what its settings cost for this scene, and what error it has now.
+#pragma once
+
+#include "accuracy_plot.h"
+#include "simulator_client.h"
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QLabel>
+#include <QPushButton>
+#include <QWidget>
+
+namespace rbs {
+
+class DialView : public QWidget {
+  Q_OBJECT
+ public:
+  explicit DialView(SimulatorClient& simulator);
+
+  void show(const rigid_body_sim::Status& status);
+
+ private:
+  void showStudy(const rigid_body_sim::AccuracyStudy& study);
+
+  SimulatorClient& simulator_;
+  QComboBox* preset_;
+  QPushButton* measure_;
+  QCheckBox *error_, *ghost_;
+  QLabel* text_;
+  AccuracyPlot* plot_;
+};
+
+}  // namespace rbs
