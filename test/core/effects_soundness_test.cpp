@@ -109,7 +109,7 @@ struct Comparison {
 };
 
 Comparison compare(const SceneDef& scene, const SceneDef& other) {
-  const double open = leftOpen(scene.fidelity);
+  const double open = leftOpen(scene.fidelity.preset);
   const double chaos = std::max(1e-7, 10.0 * open);
   World a(scene), b(other);
   SplitMix64 random(5);
@@ -157,7 +157,7 @@ TEST(Soundness, WhatDetectionLeavesOutDoesNotMatter) {
     cut += result.steps < kSteps;
     if (!result.fails()) continue;
     if (++failures <= 5)
-      ADD_FAILURE() << "seed " << seed << ", " << fidelityName(scene.fidelity) << ", step " << result.steps << ": "
+      ADD_FAILURE() << "seed " << seed << ", " << fidelityName(scene.fidelity.preset) << ", step " << result.steps << ": "
                     << result.found << " > " << result.allowed << "\n" << writeScene(shrunk(scene));
   }
   EXPECT_EQ(failures, 0);
