@@ -14,6 +14,7 @@ namespace rbs {
 namespace {
 
 constexpr double kLeast = 1e-15;  // m/s: what is drawn for less
+constexpr std::size_t kTimes = 15;  // whose median is shown
 constexpr double kNear = 12.0;    // pixels from a point that a click may be
 
 QPointF pointOf(const rigid_body_sim::SettingCost& cost) {
@@ -77,10 +78,15 @@ void AccuracyPlot::show(const rigid_body_sim::AccuracyStudy& study) {
 
 void AccuracyPlot::showLive(double step_ms, double error) {
   if (settings_.empty() || step_ms <= 0.0) return;
+  times_.push_back(step_ms);
+  if (times_.size() > kTimes) times_.pop_front();
+  std::vector<double> sorted(times_.begin(), times_.end());
+  std::sort(sorted.begin(), sorted.end());
+  const double median = sorted[sorted.size() / 2];
   const bool known = error > 0.0;
   live_.setLineStyle(known ? QwtPlotMarker::NoLine : QwtPlotMarker::VLine);
   live_.setSymbol(known ? new QwtSymbol(QwtSymbol::Diamond, QColor("#d98a00"), QPen(Qt::NoPen), QSize(11, 11)) : nullptr);
-  live_.setValue(step_ms, known ? std::max(error, kLeast) : pointOf(settings_.front()).y());
+  live_.setValue(median, known ? std::max(error, kLeast) : pointOf(settings_.front()).y());
   replot();
 }
 

@@ -8,6 +8,7 @@
 #include <qwt_plot_curve.h>
 #include <qwt_plot_marker.h>
 
+#include <deque>
 #include <vector>
 
 namespace rbs {
@@ -20,7 +21,7 @@ class AccuracyPlot : public QwtPlot {
   AccuracyPlot();
 
   void show(const rigid_body_sim::AccuracyStudy& study);
-  /// The live simulation: a dot, or without an error (0) a line at its time.
+  /// The live simulation: a dot at the median time of its last steps, or without an error (0) a line there.
   void showLive(double step_ms, double error);
   using QwtPlot::hide;
 
@@ -31,6 +32,7 @@ class AccuracyPlot : public QwtPlot {
   void choose(const QPointF& where);
 
   std::vector<rigid_body_sim::SettingCost> settings_;
+  std::deque<double> times_;  ///< of the last steps, ms
   QwtPlotCurve points_, front_;
   QwtPlotMarker live_;
 };
