@@ -36,7 +36,7 @@ struct AccuracyStudy {
 struct AccuracyOptions {
   double seconds = 2.0;           ///< of physics time to look ahead, 1e-6 to 1000
   double window = 0.25;           ///< s, 1e-6 to 1000; rounded to whole steps, at most 1000 of them
-  std::uint32_t windows = 8;      ///< 1 to 1000, begun at equal distances along `seconds`
+  std::uint32_t windows = 16;     ///< 1 to 1000, begun at equal distances along `seconds`
   double max_cpu_seconds = 60.0;  ///< in which it must be done, > 0
   std::vector<Setting> settings;  ///< empty: usualSettings()
 };
@@ -49,7 +49,8 @@ std::vector<Problem> validate(const AccuracyOptions& options);
 
 /// Measures settings against a truth: Fidelity::Reference in eighths of a step. All begin each window with the same
 /// state, one of a run at Fidelity::Reference from the state of `world`, so that what chaos makes of an error in the
-/// long run does not count. A window in which the truth is not known counts for nothing. `goOn(share, study)` is told
+/// long run does not count. A window in which the truth is not known counts for nothing, and where these are the most
+/// there are no errors. `goOn(share, study)` is told
 /// after each step how much is done, with what is known so far, and ends the study by returning false. Throws
 /// InvalidInput for faulty options.
 AccuracyStudy measureAccuracy(const World& world, const AccuracyOptions& options,

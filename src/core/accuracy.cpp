@@ -163,10 +163,11 @@ class Study {
   }
 
   void explain() {
-    if (result_.windows > 0) return;
+    if (result_.windows > result_.dropped) return;
     if (result_.dropped > 0)
-      result_.trouble = "the reference did not converge: in " + text(result_.window) + " s, halving its step moves a body by " +
-                        text(dropped_doubt_) + " m";
+      result_.trouble = "the reference did not converge in " + std::to_string(result_.dropped) + " of " +
+                        std::to_string(result_.dropped + result_.windows) + " windows of " + text(result_.window) +
+                        " s: halving its step moves a body by up to " + text(dropped_doubt_) + " m; a shorter window may do";
     else
       result_.trouble = "not one window of " + text(result_.window) + " s was done in " + text(options_.max_cpu_seconds) +
                         " s of CPU time: allow more, or take a shorter window";
