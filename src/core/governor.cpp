@@ -81,6 +81,7 @@ struct Governor::Impl {
     Setting other = halved(setting);
     if (wants_error) {
       const std::size_t k = rungOf(setting);
+      tries_below = tries_below && k > 0;  // somebody else may have turned the dial
       if (tries_below)
         other = kLadder[k - 1];
       else if (k + 1 < kLadder.size())
@@ -155,6 +156,7 @@ const StepReport& Governor::step(World& world) {
   if (!goal && !g.estimating) {
     g.beside.reset();
     g.estimate.reset();
+    g.goal.reset();
     return world.step();
   }
   const bool wants_beside = g.estimating || goal->max_error;

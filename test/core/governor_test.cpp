@@ -142,6 +142,23 @@ TEST(Governor, AnEditBeginsTheWindowAnew) {
   EXPECT_TRUE(governor.estimate());
 }
 
+// Also in the window in which the rung below is tried: there is none below the first.
+TEST(Governor, TheDialMayBePutAnywhereMeanwhile) {
+  for (int windows = 1; windows <= 6; ++windows) {
+    SceneDef scene = sliding();
+    scene.fidelity = Fidelity::Accurate;
+    scene.goal = Goal{10.0, std::nullopt};
+    World world(scene);
+    Governor governor;
+    run(governor, world, 0.25 * windows);
+    world.setFidelity(Fidelity::Preview);
+    run(governor, world, 0.5);
+    EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
+    ASSERT_TRUE(governor.estimate());
+    EXPECT_EQ(governor.estimate()->beside, Setting(Fidelity::Interactive)) << windows;
+  }
+}
+
 TEST(Governor, AGoalOfTimeGoesDownAndUpTheLadder) {
   SceneDef scene = sliding();
   scene.fidelity = Fidelity::Accurate;
