@@ -1,7 +1,6 @@
 #include "islands.h"
 
 #include "algebra.h"
-#include "effects/rolling.h"
 #include "fidelity.h"
 #include "impact_loop.h"
 #include "methods/methods.h"
@@ -91,19 +90,6 @@ void moveLedBodies(Context& context) {
 
 }  // namespace
 
-// What the exact step has no law for: rolling resistance, and bodies that are not to turn.
-bool needsSoftStep(const Context& context, const Island& island) {
-  const SceneStore& scene = context.scene;
-  if (!scene.effects[Effect::Rotation])
-    for (const Index i : island.bodies)
-      if (!scene.bodies.inertia[i].unturned) return true;
-  if (!scene.effects[Effect::Rolling]) return false;
-  return std::any_of(island.pairs.begin(), island.pairs.end(), [&](Index k) {
-    const ContactPair& pair = context.step.contacts.pairs[k];
-    return rolling::resists(scene, pair.i, pair.j);
-  });
-}
-
 void bringTo(Context& context, Island& island, double time) {
   advanceBatch(context, {island.bodies, island.pairs}, island.exact, island.time, time);
   island.time = std::max(island.time, time);
@@ -146,8 +132,8 @@ void link(Context& context) {
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   for (Island& island : step.islands)
-    island.exact = !needsSoftStep(context, island) && (settings.exact || (settings.promotes && !island.pairs.empty() &&
-                                                                          isPromoted(context, island)));
+    island.exact =
+        settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island));
 }
 
 void advance(Context& context) {

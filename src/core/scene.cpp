@@ -110,7 +110,7 @@ void checkMass(const BodyDef& body, const std::string& path, Faults& faults) {
   if (std::holds_alternative<Plane>(body.shape)) return;
   if (body.mass) faults.number(path + ".mass", *body.mass, Limits::min_mass, Limits::max_mass, "kg");
   if (body.density) {
-    faults.number(path + ".density", *body.density, Limits::min_density, Limits::max_density, "kg/m³");
+    faults.number(path + ".density", *body.density, Limits::min_density, Limits::max_density, "kg/m^3");
   }
   if (body.mass && body.density) {
     faults.add(path + ".density", numberText(*body.density), "at most one of mass and density");
@@ -146,12 +146,12 @@ void checkColor(const Color& color, const std::string& path, Faults& faults) {
 }
 
 void checkSurroundings(const SceneDef& scene, Faults& faults) {
-  faults.vector("gravity", scene.gravity, Limits::max_gravity, "m/s²");
+  faults.vector("gravity", scene.gravity, Limits::max_gravity, "m/s^2");
   faults.number("step", scene.step, Limits::min_step, Limits::max_step, "s");
   faults.append(validate(scene.fidelity));
   if (scene.goal) faults.append(validate(*scene.goal));
   if (scene.air) {
-    faults.number("air.density", scene.air->density, Limits::min_density, Limits::max_density, "kg/m³");
+    faults.number("air.density", scene.air->density, Limits::min_density, Limits::max_density, "kg/m^3");
   }
   if (scene.wind) {
     if (!scene.air) faults.add("wind", vectorText(scene.wind->velocity), "only together with air");
@@ -159,7 +159,7 @@ void checkSurroundings(const SceneDef& scene, Faults& faults) {
     faults.number("wind.gust", scene.wind->gust, 0.0, Limits::max_wind, "m/s");
   }
   if (scene.fluid) {
-    faults.number("fluid.density", scene.fluid->density, Limits::min_density, Limits::max_density, "kg/m³");
+    faults.number("fluid.density", scene.fluid->density, Limits::min_density, Limits::max_density, "kg/m^3");
     faults.number("fluid.level", scene.fluid->level, -Limits::max_position, Limits::max_position, "m");
   }
   faults.vector("view.eye", scene.view.eye, Limits::max_position, "m from the origin");

@@ -321,7 +321,7 @@ void World::grab(BodyId id, const Grab& grab) {
   checkVector(grab.p_B, Limits::max_position, "grab.p_B", "m", problems);
   checkVector(grab.p_W, Limits::max_position, "grab.p_W", "m", problems);
   checkPositive(grab.frequency, 1e4, "grab.frequency", "Hz", problems);
-  checkPositive(grab.max_acceleration, 1e9, "grab.max_acceleration", "m/s²", problems);
+  checkPositive(grab.max_acceleration, 1e9, "grab.max_acceleration", "m/s^2", problems);
   if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
     problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
   throwIfAny(problems);

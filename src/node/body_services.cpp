@@ -35,7 +35,7 @@ std::string spawnMessage(const SpawnBody::Request& request, const Snapshot& snap
   std::string assumed;
   if (isZero(request.pose)) assumed += ", the first free place above the origin";
   if (isZero(request.size) && request.shape != "hull") assumed += ", the size";
-  if (request.mass == 0.0 && request.density == 0.0) assumed += words(", density ", body.density, " kg/m³");
+  if (request.mass == 0.0 && request.density == 0.0) assumed += words(", density ", body.density, " kg/m^3");
   return assumed.empty() ? message : message + "; assumed: " + assumed.substr(2);
 }
 

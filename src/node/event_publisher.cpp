@@ -49,7 +49,7 @@ void EventPublisher::compareBodies(const Snapshot& before, const Snapshot& now) 
 }
 
 void EventPublisher::compareSurroundings(const Snapshot& before, const Snapshot& now) {
-  if (before.gravity != now.gravity) send("edited", "", words("gravity ", inWords(now.gravity), " m/s²"));
+  if (before.gravity != now.gravity) send("edited", "", words("gravity ", inWords(now.gravity), " m/s^2"));
   if (describe(before.air) != describe(now.air)) send("edited", "", describe(now.air));
 }
 

@@ -24,8 +24,8 @@ std::string describe(const BodyDescription& body) {
 
 std::string describe(const AirState& air) {
   if (!air.air) return "no air";
-  if (!air.wind) return words("air of ", air.density, " kg/m³ at rest");
-  return words("air of ", air.density, " kg/m³, wind ", inWords(air.mean), " m/s, gust ", air.gust, " m/s");
+  if (!air.wind) return words("air of ", air.density, " kg/m^3 at rest");
+  return words("air of ", air.density, " kg/m^3, wind ", inWords(air.mean), " m/s, gust ", air.gust, " m/s");
 }
 
 std::vector<std::string> stageChanges(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after) {

@@ -60,7 +60,7 @@ class ClientTest(unittest.TestCase):
 
         text = run(SMALL).stdout
         self.assertIn('forces.gravity', text)
-        self.assertIn('9.81 m/s² on 2 bodies', text)
+        self.assertIn('9.81 m/s^2 on 2 bodies', text)
         stages = {stage['name']: stage for stage in json.loads(run(SMALL, '--json').stdout)['stages']}
         self.assertFalse(stages['forces.drag']['active'])
         self.assertIn('air', stages['forces.drag']['reason'])

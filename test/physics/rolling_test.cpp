@@ -83,6 +83,125 @@ TEST_P(Rolling, ASpinningMarbleStopsAtTheRightInstant) {
 INSTANTIATE_TEST_SUITE_P(Settings, Rolling, ::testing::ValuesIn(kFidelities),
                          [](const auto& info) { return std::string(fidelityName(info.param)); });
 
+// --- the exact step: closed forms to its tolerance, whichever step the stop falls into
+
+class ExactRolling : public ::testing::TestWithParam<Fidelity> {
+ protected:
+  double tolerance() const { return GetParam() == Fidelity::Accurate ? 1e-6 : 1e-9; }
+
+  // Runs until it should stand for a while, and compares it with a motion that is slowed by `a` from `v` on.
+  void expectSlowed(const SceneDef& scene, const std::string& name, const Vec3& v, double a) const {
+    World world(scene);
+    const Vec3 start = stateOf(world, name).pose.p_WB;
+    const double stop = v.norm() / a;
+    while (world.time() < stop + 0.2) {
+      const StepReport& report = world.step();
+      for (const IslandCertificate& certificate : report.certificates)
+        EXPECT_TRUE(certificate.converged) << world.time();
+      const double t = std::min(world.time(), stop);
+      const BodyState state = stateOf(world, name);
+      ASSERT_LE((state.twist.v_WB - (1.0 - t / stop) * v).norm(), tolerance() * v.norm()) << world.time();
+      ASSERT_LE((state.pose.p_WB - start - (t - 0.5 * t * t / stop) * v).norm(),
+                tolerance() * stop * v.norm())
+          << world.time();
+    }
+    EXPECT_LE(stateOf(world, name).twist.w_WB.norm(), tolerance());
+  }
+};
+
+TEST_P(ExactRolling, AMarbleStopsAtTheRightInstantAndPlace) {
+  const double c = 0.02;
+  const Vec3 v(0.3, -0.4, 0.0);
+  SceneDef scene = marble(GetParam(), c, 0.0);
+  scene.bodies.back().twist = {v, Vec3::UnitZ().cross(v) / kRadius};
+  expectSlowed(scene, "marble", v, 5.0 / 7.0 * c * kGravity);
+}
+
+// Its moment of inertia is m R²/2, and its contact a line.
+TEST_P(ExactRolling, ACylinderRollsToRest) {
+  const double c = 0.03;
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(body("roller", Cylinder{kRadius, 0.3}, {0.0, 0.0, kRadius}));
+  scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.5 * kPi, Vec3::UnitX()));
+  scene.bodies.back().material.rolling_resistance = c;
+  scene.bodies.back().twist = {{0.5, 0.0, 0.0}, {0.0, 0.5 / kRadius, 0.0}};
+  expectSlowed(scene, "roller", {0.5, 0.0, 0.0}, 2.0 / 3.0 * c * kGravity);
+}
+
+// A plate of mass M on n marbles of mass m is twice as fast as they are. What they dissipate below and above
+// it is the power c v g ((M + n m) + M), and so v' = -c g (2 M + n m)/(4 M + 7/5 n m).
+TEST_P(ExactRolling, APlateOnMarblesIsSlowedByAllOfThem) {
+  const double c = 0.02, v = 0.2, M = 3.0, m = 0.5;
+  SceneDef scene = marble(GetParam(), c, 0.0);
+  scene.bodies.pop_back();
+  for (int k = 0; k < 4; ++k) {
+    scene.bodies.push_back(
+        ball("marble_" + std::to_string(k), kRadius, {k & 1 ? 0.4 : -0.4, k & 2 ? 0.3 : -0.3, kRadius}));
+    scene.bodies.back().mass = m;
+    scene.bodies.back().material.rolling_resistance = c;
+    scene.bodies.back().twist = {{v, 0.0, 0.0}, {0.0, v / kRadius, 0.0}};
+  }
+  scene.bodies.push_back(box("plate", {2.0, 2.0, 0.1}, {0.0, 0.0, 2.0 * kRadius + 0.05}));
+  scene.bodies.back().mass = M;
+  scene.bodies.back().twist.v_WB.x() = 2.0 * v;
+  expectSlowed(scene, "plate", {2.0 * v, 0.0, 0.0},
+               2.0 * c * kGravity * (2.0 * M + 4.0 * m) / (4.0 * M + 1.4 * 4.0 * m));
+}
+
+TEST_P(ExactRolling, AMarbleStaysOnASlopeUpToItsResistanceAndNoFurther) {
+  const double c = 0.05;
+  for (const double beyond : {-10.0 * tolerance(), 0.01}) {
+    const double angle = std::atan((1.0 + beyond) * c);
+    SceneDef scene = marble(GetParam(), c, 0.0);
+    scene.gravity = slopeGravity(angle);
+    World world(scene);
+    advance(world, 2.0);
+    const double a = 5.0 / 7.0 * kGravity * (std::sin(angle) - c * std::cos(angle));
+    EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), beyond < 0.0 ? 0.0 : 0.5 * a * 4.0,
+                tolerance() * kRadius);
+  }
+}
+
+TEST_P(ExactRolling, ASpinningMarbleStopsAtTheRightInstant) {
+  const double s = 0.01, w = 5.0, rate = 2.5 * s * kGravity / kRadius;
+  SceneDef scene = marble(GetParam(), 0.02, s);
+  scene.bodies.back().twist.w_WB = {0.0, 0.0, w};
+  World world(scene);
+  while (world.time() < w / rate + 0.2) {
+    world.step();
+    const BodyState state = stateOf(world, "marble");
+    ASSERT_NEAR(state.twist.w_WB.z(), std::max(w - rate * world.time(), 0.0), tolerance() * w)
+        << world.time();
+    ASSERT_LE(state.twist.v_WB.norm(), tolerance()) << world.time();
+  }
+  // And it has turned by w²/(2 rate).
+  const Quat turned(Eigen::AngleAxisd(0.5 * w * w / rate, Vec3::UnitZ()));
+  EXPECT_LE(stateOf(world, "marble").pose.q_WB.angularDistance(turned), tolerance() * w * w / rate);
+}
+
+// A marble falls on four and drives them apart: no closed form, but every solve obeys the law.
+TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.fidelity = GetParam();
+  for (int k = 0; k < 5; ++k) {
+    const Vec3 p = k == 4 ? Vec3(0.1, 0.1, 0.25) : Vec3(0.201 * (k % 2), 0.201 * (k / 2), kRadius);
+    scene.bodies.push_back(ball("marble_" + std::to_string(k), kRadius, p));
+    scene.bodies.back().material.rolling_resistance = 0.05;
+    scene.bodies.back().material.torsional_resistance = 0.02;
+  }
+  World world(scene);
+  int solved = 0, failed = 0;
+  for (int k = 0; k < 60 * 4; ++k)
+    for (const IslandCertificate& certificate : world.step().certificates)
+      ++(certificate.converged ? solved : failed);
+  EXPECT_EQ(failed, 0) << "of " << solved + failed;
+  for (const BodyState& state : world.snapshot().states) EXPECT_LE(state.twist.v_WB.norm(), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Settings, ExactRolling, ::testing::Values(Fidelity::Accurate, Fidelity::Reference),
+                         [](const auto& info) { return std::string(fidelityName(info.param)); });
+
 // 1/R = 1/R_a + 1/R_b and c_a + c_b: a ball in the middle of a larger static one's top is slowed by the smaller
 // lever arm. A box has no radius and feels nothing.
 TEST(RollingPairs, ABoxFeelsNoRollingResistance) {

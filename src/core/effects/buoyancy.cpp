@@ -18,8 +18,8 @@ namespace rbs::buoyancy {
 Need need(const Census& c) {
   if (c.fluid_density == 0.0) return {false, "the scene has no fluid"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
-  return {true, "a fluid of " + text(c.fluid_density) + " kg/m³ up to z = " + text(c.fluid_level) + " m, for " +
-                    count(c.moved_by_forces, "body", "bodies") +
+  return {true, "a fluid of " + text(c.fluid_density) + " kg/m^3 up to z = " + text(c.fluid_level) +
+                    " m, for " + count(c.moved_by_forces, "body", "bodies") +
                     (c.gravity > 0.0 ? "" : "; without gravity it has no weight, but it drags")};
 }
 

@@ -141,8 +141,11 @@ Need need(const Census& c) {
   if (c.air_density == 0.0 && !fluid) return {false, "the scene has neither air nor a fluid"};
   if (c.dragged == 0) return {false, "no body that forces move has a drag coefficient above 0"};
   std::string medium;
-  if (c.air_density > 0.0) medium = std::string(c.wind ? "wind" : "still air") + " of " + text(c.air_density) + " kg/m³";
-  if (fluid) medium += (medium.empty() ? "" : " and ") + std::string("a fluid of ") + text(c.fluid_density) + " kg/m³";
+  if (c.air_density > 0.0)
+    medium = std::string(c.wind ? "wind" : "still air") + " of " + text(c.air_density) + " kg/m^3";
+  if (fluid)
+    medium +=
+        (medium.empty() ? "" : " and ") + std::string("a fluid of ") + text(c.fluid_density) + " kg/m^3";
   return {true, medium + " on " + count(c.dragged, "body", "bodies")};
 }
 

@@ -2,15 +2,18 @@
 // numbers a body: c (rolling) and s (torsional). With R the radius of relative curvature, N the normal force
 // and w the angular velocity of j against i, split along the normal n and across it,
 //   |M_T| <= (c_i + c_j) R N,  against w_T;      |M_n| <= (s_i + s_j) R N,  against w_n:
-// Coulomb's law with torques for forces (K. L. Johnson, "Contact Mechanics", 1985, 8.2 and 9.2, has what c comes
-// from). For a ball of radius R on a plane it follows that it rolls to rest with a = -(5/7) c g, stays on a slope
-// up to tan(slope) = c, and spins down with -(5/2) s g/R.
+// Coulomb's law with torques for forces (K. L. Johnson, "Contact Mechanics", 1985, 8.2 and 9.2, has what c
+// comes from). For a ball of radius R on a plane it follows that it rolls to rest with a = -(5/7) c g, stays
+// on a slope up to tan(slope) = c, and spins down with -(5/2) s g/R.
 //
-// A row is solved like friction in the soft step: the torque impulse that ends the turning, cut at its bound. What
-// ends it depends on the contact. On one that sticks, friction answers a torque L and a slip u_T with
+// A row is solved like friction in the soft step: the torque impulse that ends the turning, cut at its bound.
+// What ends it depends on the contact. On one that sticks, friction answers a torque L and a slip u_T with
 //   f = -S^-1 (u_T + B^T L),   A = I_i^-1 + I_j^-1,   B = I_i^-1 [r_i] T + I_j^-1 [r_j] T,   S^-1 = mass_t,
-// T = (t1, t2), so that w becomes w - B S^-1 u_T + (A - B S^-1 B^T) L: for a ball on a plane, L does 2/7 of what it
-// would do without friction. Solved so, a ball stops within a sub-step; with A alone it would take many.
+// T = (t1, t2), so that w becomes w - B S^-1 u_T + (A - B S^-1 B^T) L: for a ball on a plane, L does 2/7 of
+// what it would do without friction. Solved so, a ball stops within a sub-step; with A alone it would take
+// many.
+//
+// The exact step solves it together with the forces (methods/coulomb.h, CoulombCouple).
 #include "effects/rolling.h"
 
 #include "algebra.h"
@@ -80,17 +83,22 @@ void solveRow(SolverContacts& contacts, Row& row) {
 
 }  // namespace
 
+double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
+  const double curved = curvature(bodies, i, n_W) + curvature(bodies, j, n_W);
+  return curved > 0.0 ? 1.0 / curved : 0.0;
+}
+
 std::vector<Row> find(const SceneStore& scene, const SolverContacts& contacts) {
   std::vector<Row> rows;
   for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {
     const SolverBlock& block = contacts.blocks[k];
     const Index i = contacts.bodies[block.i].body, j = contacts.bodies[block.j].body;
     if (!resists(scene, i, j)) continue;
-    const double curved = curvature(scene.bodies, i, block.n) + curvature(scene.bodies, j, block.n);
-    if (!(curved > 0.0)) continue;
+    const double lever = radius(scene.bodies, i, j, block.n);
+    if (lever == 0.0) continue;
     const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
-    rows.push_back({k, (a.rolling_resistance + b.rolling_resistance) / curved,
-                    (a.torsional_resistance + b.torsional_resistance) / curved});
+    rows.push_back({k, (a.rolling_resistance + b.rolling_resistance) * lever,
+                    (a.torsional_resistance + b.torsional_resistance) * lever});
   }
   return rows;
 }

@@ -20,6 +20,9 @@ inline bool resists(const SceneStore& scene, Index i, Index j) {
   return some && round;
 }
 
+/// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; 0 where it is flat.
+double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
+
 /// The resistance of one pair in the soft step.
 struct Row {
   std::size_t block;           ///< in SolverContacts::blocks

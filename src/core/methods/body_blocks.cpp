@@ -104,32 +104,42 @@ void BodyBlocks::order() {
   }
 }
 
-void BodyBlocks::assemble(const std::vector<Mat3>& D) {
+void BodyBlocks::addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot) {
+  if (rows.i != kNone) diagonal_[place_[rows.i]].noalias() += rows.J_i.transpose() * DJ_i;
+  if (rows.j != kNone) diagonal_[place_[rows.j]].noalias() += rows.J_j.transpose() * DJ_j;
+  if (rows.i == kNone || rows.j == kNone) return;
+  const bool i_first = place_[rows.i] < place_[rows.j];
+  Mat6& A_ji = i_first ? lower_[slot] : upper_[slot];
+  Mat6& A_ij = i_first ? upper_[slot] : lower_[slot];
+  A_ji.noalias() += rows.J_j.transpose() * DJ_i;
+  A_ij.noalias() += rows.J_i.transpose() * DJ_j;
+}
+
+void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
   for (Mat6& block : diagonal_) block.setIdentity();
   for (Mat6& block : lower_) block.setZero();
   for (Mat6& block : upper_) block.setZero();
-  for (std::size_t k = 0; k < D.size(); ++k) {
-    const Point& point = system_.points()[k];
+  const std::vector<Point>& points = system_.points();
+  for (std::size_t k = 0; k < points.size(); ++k) {
     Mat36 DJ_i, DJ_j;
-    if (point.i != kNone) {
-      DJ_i.noalias() = D[k] * point.J_i;
-      diagonal_[place_[point.i]].noalias() += point.J_i.transpose() * DJ_i;
+    if (points[k].i != kNone) DJ_i.noalias() = D[k] * points[k].J_i;
+    if (points[k].j != kNone) DJ_j.noalias() = D[k] * points[k].J_j;
+    addBlocks(points[k], DJ_i, DJ_j, slot_[k]);
+  }
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    const Couple& couple = system_.couples()[k];
+    const Mat3& own = D[points.size() + k];
+    Mat36 DJ_i = own * couple.J_i, DJ_j = own * couple.J_j;
+    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) {
+      DJ_i.noalias() += D[p](2, 2) * g[k] * points[p].J_i.row(2);
+      DJ_j.noalias() += D[p](2, 2) * g[k] * points[p].J_j.row(2);
     }
-    if (point.j != kNone) {
-      DJ_j.noalias() = D[k] * point.J_j;
-      diagonal_[place_[point.j]].noalias() += point.J_j.transpose() * DJ_j;
-    }
-    if (point.i == kNone || point.j == kNone) continue;
-    const bool i_first = place_[point.i] < place_[point.j];
-    Mat6& A_ji = i_first ? lower_[slot_[k]] : upper_[slot_[k]];
-    Mat6& A_ij = i_first ? upper_[slot_[k]] : lower_[slot_[k]];
-    A_ji.noalias() += point.J_j.transpose() * DJ_i;
-    A_ij.noalias() += point.J_i.transpose() * DJ_j;
+    addBlocks(couple, DJ_i, DJ_j, slot_[couple.first]);
   }
 }
 
-bool BodyBlocks::factor(const std::vector<Mat3>& D) {
-  assemble(D);
+bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
+  assemble(D, g);
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
     const Mat6 inverse = inverseOf(diagonal_[k]);
     if (!inverse.allFinite()) return false;

@@ -1,6 +1,8 @@
 // The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
 //
-// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch.
+// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A couple has
+// one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
+// already.
 //
 // Bodies are eliminated in the order of least degree (Tinney and Walker 1967; George and Liu 1989): at each
 // step the one tied to the fewest that are left, the first of them where several are; eliminating it ties all
@@ -24,14 +26,16 @@ class BodyBlocks {
  public:
   explicit BodyBlocks(const System& system);
 
-  /// Factors 1 + J^T D J, D by point. False where a block on the diagonal is singular or not finite.
-  bool factor(const std::vector<Mat3>& D);
+  /// Factors 1 + J^T D J, D by point, and by couple where they are given, with g by couple. False where a
+  /// block on the diagonal is singular or not finite.
+  bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g = {});
   /// (1 + J^T D J)^-1 y, from the factors.
   Velocities solve(const Velocities& y) const;
 
  private:
   void order();
-  void assemble(const std::vector<Mat3>& D);
+  void assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
+  void addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot);
 
   const System& system_;
   std::vector<Index> order_, place_;  // body by place in the order, and the inverse

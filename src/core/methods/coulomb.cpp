@@ -42,16 +42,21 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 //   Newton from the best of these
 //   the interior point's path by arc length, where that turns back
 //   ADMM again, from the best of these
-// Where time is over before that, a few sweeps of Gauss-Seidel are still made, so that bodies do not fall through.
-// Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to finish.
-// Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives one can
-// do without: then the last resorts are left out, and the interior point as well unless every digit is asked.
+// Where time is over before that, a few sweeps of Gauss-Seidel are still made, so that bodies do not fall
+// through. Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to
+// finish. Couples are known to Newton and Gauss-Seidel alone: there Newton starts once more, softer, and that
+// is all. Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives
+// one can do without: then the last resorts are left out, and the interior point as well unless every digit
+// is asked.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
   constexpr std::size_t kFewBodies = 4, kSomePoints = 500, kManyPoints = 4000;
   constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
   const double near = std::min(tolerance, kGuess * aim);
   const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
-  if (closing <= near) return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
+  if (closing <= near) {
+    for (CoulombCouple& couple : problem.couples) couple.impulse.setZero();
+    return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
+  }
   const System system(problem);
   CoulombSolver solver = CoulombSolver::Guess;
   Answer best;
@@ -74,7 +79,8 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     // A little more than asked, so that the same impulses pass as the guess of the next step.
     const double target = 0.1 * aim, rough = std::max(0.1 * tolerance, kFinish);
     BodyBlocks matrix(system);
-    const Impulses cold = Impulses::Zero(3, size);
+    const bool turns = !system.couples().empty();
+    const Impulses cold = Impulses::Zero(3, best.r.cols());
     const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
       consider(of, answer);
       if (!best.within(aim)) consider(of, newton(system, matrix, answer, 1e3, target, cap, tolerance));
@@ -87,21 +93,24 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
       const Answer start{cold, system.residuals(cold)};
       consider(CoulombSolver::Newton, newton(system, matrix, start, 100.0, target, 20, tolerance));
     }
-    if (!best.within(tolerance) && is_large) {
+    for (const double stiffness : {10.0, 1.0})
+      if (turns && !best.within(tolerance))
+        consider(CoulombSolver::Newton, newton(system, matrix, best, stiffness, target, 200, tolerance));
+    if (!best.within(tolerance) && is_large && !turns) {
       finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
     }
-    if (!best.within(tolerance) && (patient || !slides)) {
+    if (!best.within(tolerance) && (patient || !slides) && !turns) {
       finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), patient ? 40 : 20);
     }
-    if (!best.within(tolerance) && !slides) {
+    if (!best.within(tolerance) && !slides && !turns) {
       consider(CoulombSolver::Newton, newton(system, matrix, best, 10.0, target, 30, tolerance));
     }
-    if (!best.within(tolerance) && !slides && (patient || size <= kSomePoints)) {
+    if (!best.within(tolerance) && !slides && !turns && (patient || size <= kSomePoints)) {
       const int cap = !patient ? 150 : is_large ? 100 : 600;
       finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, cap), patient ? 40 : 20);
     }
     // Only who asks for every digit waits for the last resort.
-    for (int round = 0; round < (is_large ? 1 : 4) && patient && !slides && !best.within(tolerance);
+    for (int round = 0; round < (is_large ? 1 : 4) && patient && !slides && !turns && !best.within(tolerance);
          ++round) {
       finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
     }

@@ -6,6 +6,11 @@
 //   |r_T| <= mu r_n                                                (Coulomb's cone, circular)
 //   u_T = -a r_T,  a >= 0,  a (mu r_n - |r_T|) = 0                 (friction dissipates all it can).
 // Nothing is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
+//
+// A pair may also resist rolling and spinning. With the sum N of the normal impulses of its points, the
+// couple L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
+//   |L_T| <= c R N,  against w_T;   |L_n| <= s R N,  against w_n
+// in the same sense: each does what ends the turning, or dissipates all it can.
 #pragma once
 
 #include "bodies.h"
@@ -23,6 +28,7 @@ struct CoulombBody {
   /// Of the centre, m/s, and angular, rad/s, both in W. In: the velocity it would have without contact
   /// impulses (after the forces of the step). Out: with them.
   Vec3 v, w;
+  bool turns = true;  ///< false: no impulse changes w, and the inertia is not read
 };
 
 /// A contact point of two sides. At least one of them is a body.
@@ -42,6 +48,23 @@ struct CoulombPoint {
   Vec3 impulse{0.0, 0.0, 0.0};
 };
 
+/// What a pair resists turning with.
+struct CoulombCouple {
+  Index i, j;         ///< as in CoulombPoint
+  Index first, size;  ///< its points, in CoulombProblem::points
+  Mat3 frame;         ///< likewise: n is the axis of spinning, t1 and t2 those of rolling
+  double radius;      ///< R, m, > 0
+  double roll, spin;  ///< c and s, >= 0
+  /// In the frame, R times the angular velocity that sides add which impulses do not move, m/s.
+  Vec3 drive{0.0, 0.0, 0.0};
+  /// The pair is known to roll about this axis in (t1, t2), of length 1, and to spin this way, 1 or -1. Zero:
+  /// the law decides.
+  Eigen::Vector2d rolls{0.0, 0.0};
+  double spins = 0.0;
+  /// In the frame, L/R on j, N s. In: a guess. Out: the solution.
+  Vec3 impulse{0.0, 0.0, 0.0};
+};
+
 struct CoulombProblem {
   std::vector<CoulombBody> bodies;
   std::vector<CoulombPoint> points;
@@ -50,6 +73,7 @@ struct CoulombProblem {
   double speed_unit;
   /// When the solvers are to end with the best they have; empty: when they are done.
   std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
+  std::vector<CoulombCouple> couples{};
 };
 
 enum class CoulombSolver { Guess, GaussSeidel, Newton, InteriorPoint, Admm };
@@ -57,8 +81,9 @@ enum class CoulombSolver { Guess, GaussSeidel, Newton, InteriorPoint, Admm };
 struct CoulombResult {
   CoulombSolver solver;  ///< whose impulses these are
   int iterations;  ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the guess passed
-  /// How far the answer is from the three laws above, the worst over the points, in impulse and in velocity,
-  /// as a fraction of their units. Measured on the impulses alone: velocities are recomputed from them.
+  /// How far the answer is from the laws above, the worst over points and couples, in impulse and in
+  /// velocity, as a fraction of their units. Measured on the impulses alone: velocities are recomputed from
+  /// them.
   double signorini, coulomb, dissipation;
   /// All three are within the tolerance, once each point is forgiven the rounding of its velocity: a light
   /// body under a heavy one feels the last digit of the impulses it stands on.

@@ -22,10 +22,18 @@ Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
   return -q[2] / response * along;
 }
 
+// A step towards the law of one couple under the normal impulses of its points: its own block is nearly a
+// multiple of the identity.
+Vec3 improveCouple(const Couple& couple, const Vec3& old, const Vec3& u, const Impulses& r) {
+  const double n = r.row(2).segment(couple.first, couple.size).sum();
+  const double most = 3.0 * couple.response;  // more than the largest eigenvalue
+  return nearestCouple(couple, old - u / most, n);
+}
+
 }  // namespace
 
 bool separable(const System& system) {
-  if (system.points().size() > kMostPoints) return false;
+  if (system.points().size() > kMostPoints || !system.couples().empty()) return false;
   const Index bodies = static_cast<Index>(system.free().cols());
   std::vector<Index> group(bodies + 1);  // the last: all that impulses do not move
   std::iota(group.begin(), group.end(), 0);
@@ -44,7 +52,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
     W.push_back(point.J_i * point.J_i.transpose() + point.J_j * point.J_j.transpose());
   }
   Answer answer;
-  answer.r = Impulses::Zero(3, points.size());
+  answer.r = Impulses::Zero(3, points.size() + system.couples().size());
   Velocities y = system.free();
   while (answer.iterations < cap) {
     ++answer.iterations;
@@ -53,6 +61,12 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
       const Vec3 q = system.velocity(points[k], y) - W[k] * old;
       answer.r.col(k) = solvePoint(points[k], W[k], q);
       System::push(points[k], answer.r.col(k) - old, y);
+    }
+    for (std::size_t k = 0; k < system.couples().size(); ++k) {
+      const Couple& couple = system.couples()[k];
+      const Vec3 old = answer.r.col(points.size() + k);
+      answer.r.col(points.size() + k) = improveCouple(couple, old, system.velocity(couple, y), answer.r);
+      System::push(couple, answer.r.col(points.size() + k) - old, y);
     }
     answer.residuals = system.residuals(answer.r);
     if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isLate())) break;

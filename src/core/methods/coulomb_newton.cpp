@@ -16,6 +16,9 @@
 // stiffness w/response), w the smallest eigenvalue of J J^T that matters (1/n^2 in a stack of n): it grows
 // where they are slow. Newton's steps want it small as long as points still change their state.
 //
+// A couple's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
+// block, the column g of it by N, and N changes by -D_nn J_n of each of its points.
+//
 // u_r is summed in long double. It is all that rho multiplies which is not itself as small as the error, so
 // that rho may be as large as it likes without its rounding in the answer.
 #include "methods/coulomb_solvers.h"
@@ -39,12 +42,19 @@ class Round {
   struct State {
     Velocities x, F;
     Impulses d;
-    std::vector<Mat3> D;
-    double norm;  // of F
+    std::vector<Mat3> D;  // by column
+    std::vector<Vec3> g;  // by couple
+    double norm;          // of F
   };
 
   State at(const Velocities& x, double stiffness) const {
-    State state{x, x, Impulses(3, r_.cols()), std::vector<Mat3>(system_.points().size()), 0.0};
+    const std::size_t points = system_.points().size();
+    State state{x,
+                x,
+                Impulses(3, r_.cols()),
+                std::vector<Mat3>(r_.cols()),
+                std::vector<Vec3>(system_.couples().size()),
+                0.0};
     for (std::size_t k = 0; k < system_.points().size(); ++k) {
       const Point& point = system_.points()[k];
       Vec3 u = u_r_.col(k);
@@ -54,6 +64,19 @@ class Round {
       project(point, r_.col(k), u, stiffness / point.response, d, state.D[k]);
       state.d.col(k) = d;
       System::push(point, -d, state.F);
+    }
+    for (std::size_t k = 0; k < system_.couples().size(); ++k) {
+      const Couple& couple = system_.couples()[k];
+      Vec3 u = u_r_.col(points + k);
+      if (couple.i != kNone) u.noalias() += couple.J_i * x.col(couple.i);
+      if (couple.j != kNone) u.noalias() += couple.J_j * x.col(couple.j);
+      double n = 0.0;
+      for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += r_(2, p) + state.d(2, p);
+      Vec3 d;
+      project(couple, r_.col(points + k), u, n, stiffness / couple.response, d, state.D[points + k],
+              state.g[k]);
+      state.d.col(points + k) = d;
+      System::push(couple, -d, state.F);
     }
     state.norm = state.F.norm();
     return state;
@@ -88,6 +111,34 @@ class Round {
     }
   }
 
+  // d, D and g of one couple.
+  static void project(const Couple& couple, const Vec3& r, const Vec3& u, double n, double rho, Vec3& d,
+                      Mat3& D, Vec3& g) {
+    D.setZero();
+    g.setZero();
+    const Vec3 x = r - rho * u, next = nearestCouple(couple, x, n);
+    d = next - r;
+    const double length = x.head<2>().norm(), limit = couple.roll * n;
+    if (!couple.rolls.isZero(0.0)) {
+      g.head<2>() = -couple.roll * couple.rolls;
+    } else if (length <= limit) {
+      d.head<2>() = -rho * u.head<2>();
+      D(0, 0) = D(1, 1) = rho;
+    } else {
+      const Vec2 t = x.head<2>() / length;
+      g.head<2>() = couple.roll * t;
+      D.topLeftCorner<2, 2>() = rho * limit / length * (Eigen::Matrix2d::Identity() - t * t.transpose());
+    }
+    if (couple.spins != 0.0) {
+      g[2] = -couple.spin * couple.spins;
+    } else if (std::abs(x[2]) <= couple.spin * n) {
+      d[2] = -rho * u[2];
+      D(2, 2) = rho;
+    } else {
+      g[2] = std::copysign(couple.spin, x[2]);
+    }
+  }
+
   const System& system_;
   const Impulses &r_, &u_r_;
 };
@@ -105,7 +156,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
     bool found = false;
     for (int step = 0; step < kMostSteps && best.iterations < cap && !found && !system.isLate(); ++step) {
       ++best.iterations;
-      if (!matrix.factor(state.D)) break;
+      if (!matrix.factor(state.D, state.g)) break;
       const Velocities dx = matrix.solve(state.F);
       double part = 1.0;
       Round::State trial = round.at(state.x - dx, stiffness);

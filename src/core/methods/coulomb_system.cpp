@@ -33,6 +33,13 @@ Mat36 jacobian(double mass, const Mat3& L, const Vec3& arm, const Mat3& frame, d
   return J;
 }
 
+Mat36 turning(const Mat3& L, const Mat3& frame, double radius, double total_mass) {
+  // u = R frame^T w.
+  Mat36 J = Mat36::Zero();
+  J.rightCols<3>() = radius * solveLower(L, frame).transpose() * std::sqrt(total_mass);
+  return J;
+}
+
 }  // namespace
 
 System::System(const CoulombProblem& problem) {
@@ -46,12 +53,20 @@ System::System(const CoulombProblem& problem) {
   roots_.reserve(problem.bodies.size());
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
-    const Mat3 L = roots_.emplace_back(body.inertia_W).matrixL();
+    turns_.push_back(body.turns);
+    const Mat3 L = roots_.emplace_back(body.turns ? body.inertia_W : Mat3::Identity()).matrixL();
     free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
         L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
+    if (!body.turns) free_.col(k).tail<3>().setZero();
   }
-  const auto jacobianOf = [&](Index body, const Vec3& arm, const Mat3& frame) {
-    return jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), arm, frame, total_mass);
+  // The spin of a body that does not turn is part of what drives its points.
+  const auto jacobianOf = [&](Index body, const Vec3& arm, const Mat3& frame, double sign, Vec3& drive) {
+    Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), arm, frame, total_mass);
+    if (!turns_[body]) {
+      J.rightCols<3>().setZero();
+      drive += sign * (frame.transpose() * problem.bodies[body].w.cross(arm));
+    }
+    return J;
   };
   points_.reserve(problem.points.size());
   for (const CoulombPoint& given : problem.points) {
@@ -59,21 +74,42 @@ System::System(const CoulombProblem& problem) {
     point.i = given.i, point.j = given.j;
     point.J_i.setZero();
     point.J_j.setZero();
-    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame);
-    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame);
+    point.drive = given.drive;
+    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame, -1.0, point.drive);
+    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame, 1.0, point.drive);
     point.mu = given.mu;
-    point.drive = given.drive / speed_;
+    point.drive /= speed_;
     point.slides = given.mu > 0.0 && given.slide != Vec2::Zero();
     point.slide = given.slide;
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
     points_.push_back(point);
   }
+  for (const CoulombCouple& given : problem.couples) {
+    Couple couple;
+    couple.i = given.i, couple.j = given.j;
+    couple.first = given.first, couple.size = given.size;
+    couple.drive = given.drive;
+    const auto turningOf = [&](Index body, double sign) -> Mat36 {
+      if (body == kNone) return Mat36::Zero();
+      if (turns_[body])
+        return sign * turning(roots_[body].matrixLLT(), given.frame, given.radius, total_mass);
+      couple.drive += sign * given.radius * (given.frame.transpose() * problem.bodies[body].w);
+      return Mat36::Zero();
+    };
+    couple.J_i = turningOf(given.i, -1.0);
+    couple.J_j = turningOf(given.j, 1.0);
+    couple.drive /= speed_;
+    couple.roll = given.roll, couple.spin = given.spin;
+    couple.rolls = given.rolls, couple.spins = given.spins;
+    couple.response = (couple.J_i.squaredNorm() + couple.J_j.squaredNorm()) / 3.0;
+    couples_.push_back(couple);
+  }
 }
 
 Impulses System::relativeVelocities(const Impulses& r) const {
   Eigen::Matrix<long double, 6, Eigen::Dynamic> y = free_.cast<long double>();
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& point = rows(k);
     for (int row = 0; row < 3; ++row) {
       const long double push = r(row, k);
       for (int c = 0; c < 6; ++c) {
@@ -82,9 +118,9 @@ Impulses System::relativeVelocities(const Impulses& r) const {
       }
     }
   }
-  Impulses u(3, points_.size());
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
+  Impulses u(3, columns());
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& point = rows(k);
     for (int row = 0; row < 3; ++row) {
       long double sum = point.drive[row];
       for (int c = 0; c < 6; ++c) {
@@ -104,15 +140,16 @@ Impulses System::relativeVelocities(const Impulses& r) const {
 //   dissipation  |response r_T - P(response r_T - u_T)|, P onto the disc of radius response mu r_n.
 // Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
 // the same in speed, and both are within what is returned. The third is zero where and only where friction
-// lies on the cone against sliding, or sliding is zero, given the second.
+// lies on the cone against sliding, or sliding is zero, given the second. A couple has the last two, of its
+// rolling and of its spinning, whichever is worse.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
 // between heavy ones feels the last digit of their impulses.
 Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   Eigen::VectorXd rounding = free_.colwise().norm().transpose();
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Point& point = points_[k];
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& point = rows(k);
     if (point.i != kNone) rounding[point.i] += (point.J_i.transpose() * r.col(k)).norm();
     if (point.j != kNone) rounding[point.j] += (point.J_j.transpose() * r.col(k)).norm();
   }
@@ -122,6 +159,17 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
         std::numeric_limits<double>::infinity();
     return worst;
   }
+  const auto count = [&](const Rows& of, const Vec3& push, double signorini, double coulomb,
+                         double dissipation) {
+    worst.signorini = std::max(worst.signorini, signorini);
+    worst.coulomb = std::max(worst.coulomb, coulomb);
+    worst.dissipation = std::max(worst.dissipation, dissipation);
+    double floor = push.norm() + of.drive.norm();
+    if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
+    if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
+    worst.beyond_rounding = std::max(worst.beyond_rounding,
+                                     std::max(signorini, std::max(coulomb, dissipation)) - kEpsilon * floor);
+  };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
     const Vec3 u = velocity.col(k);
@@ -138,23 +186,33 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
       if (length > limit) target *= limit / length;
       dissipation = (push.head<2>() - target).norm();
     }
-    worst.signorini = std::max(worst.signorini, signorini);
-    worst.coulomb = std::max(worst.coulomb, coulomb);
-    worst.dissipation = std::max(worst.dissipation, dissipation);
-    double floor = push.norm() + point.drive.norm();
-    if (point.i != kNone) floor += point.J_i.norm() * rounding[point.i];
-    if (point.j != kNone) floor += point.J_j.norm() * rounding[point.j];
-    worst.beyond_rounding = std::max(worst.beyond_rounding,
-                                     std::max(signorini, std::max(coulomb, dissipation)) - kEpsilon * floor);
+    count(point, push, signorini, coulomb, dissipation);
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = couples_[k];
+    double n = 0.0;
+    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += std::max(r(2, p), 0.0);
+    n *= couple.response;
+    const Vec3 push = couple.response * r.col(points_.size() + k);
+    const double coulomb =
+        std::max({0.0, push.head<2>().norm() - couple.roll * n, std::abs(push[2]) - couple.spin * n});
+    const Vec3 target = nearestCouple(couple, push - velocity.col(points_.size() + k), n);
+    count(couple, push, 0.0, coulomb, (push - target).norm());
   }
   return worst;
 }
 
 Impulses System::guess(const CoulombProblem& problem) const {
-  Impulses r(3, points_.size());
+  Impulses r(3, columns());
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Vec3 given = problem.points[k].impulse / impulse_;
     r.col(k) = given.allFinite() ? nearestOnCone(points_[k], given) : Vec3::Zero();
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = couples_[k];
+    const Vec3 given = problem.couples[k].impulse / impulse_;
+    const double n = r.row(2).segment(couple.first, couple.size).sum();
+    r.col(points_.size() + k) = given.allFinite() ? nearestCouple(couple, given, n) : Vec3::Zero();
   }
   return r;
 }
@@ -166,11 +224,31 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
     const Vec3 impulse_W = point.frame * point.impulse;
     const auto apply = [&](Index body, const Vec3& arm, const Vec3& push) {
       problem.bodies[body].v += push / problem.bodies[body].mass;
-      problem.bodies[body].w += roots_[body].solve(arm.cross(push));
+      if (turns_[body]) problem.bodies[body].w += roots_[body].solve(arm.cross(push));
     };
     if (point.i != kNone) apply(point.i, point.r_i, -impulse_W);
     if (point.j != kNone) apply(point.j, point.r_j, impulse_W);
   }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    CoulombCouple& couple = problem.couples[k];
+    couple.impulse = impulse_ * r.col(points_.size() + k);
+    const Vec3 turn_W = couple.radius * (couple.frame * couple.impulse);
+    if (couple.i != kNone && turns_[couple.i]) problem.bodies[couple.i].w -= roots_[couple.i].solve(turn_W);
+    if (couple.j != kNone && turns_[couple.j]) problem.bodies[couple.j].w += roots_[couple.j].solve(turn_W);
+  }
+}
+
+Vec3 nearestCouple(const Couple& couple, const Vec3& x, double n) {
+  const double roll = couple.roll * n, spin = couple.spin * n;
+  Vec3 nearest = x;
+  const double length = x.head<2>().norm();
+  if (!couple.rolls.isZero(0.0)) {
+    nearest.head<2>() = -roll * couple.rolls;
+  } else if (length > roll) {
+    nearest.head<2>() *= roll / length;
+  }
+  nearest[2] = couple.spins != 0.0 ? -spin * couple.spins : std::clamp(x[2], -spin, spin);
+  return nearest;
 }
 
 Vec3 nearestOnCone(const Point& point, const Vec3& x) {

@@ -18,18 +18,30 @@ using Vec2 = Eigen::Vector2d;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Mat36 = Eigen::Matrix<double, 3, 6>;
-using Impulses =
-    Eigen::Matrix<double, 3, Eigen::Dynamic>;  ///< r, a column a point: two tangents and the normal
+using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point, then one a couple: two
+                                                              ///< tangents and the normal
 using Velocities = Eigen::Matrix<double, 6, Eigen::Dynamic>;  ///< y, a column a body
 
-struct Point {
+/// The rows of J of a point or a couple.
+struct Rows {
   Index i, j;      ///< bodies; kNone: a side that impulses do not move
   Mat36 J_i, J_j;  ///< u changes by J_i y_i + J_j y_j; zero where there is no body
-  double mu;
   Vec3 drive;
-  bool slides;      ///< along `slide`, whatever u_T
-  Vec2 slide;       ///< of length 1 where it slides
-  double response;  ///< mean eigenvalue of the point's own block of J J^T: speed for an impulse
+  double response;  ///< mean eigenvalue of their own block of J J^T: speed for an impulse
+};
+
+struct Point : Rows {
+  double mu;
+  bool slides;  ///< along `slide`, whatever u_T
+  Vec2 slide;   ///< of length 1 where it slides
+};
+
+/// Its velocity is that of turning times its length, so that it has the units of a point.
+struct Couple : Rows {
+  std::size_t first, size;  ///< its points
+  double roll, spin;
+  Vec2 rolls;    ///< of length 1: about this axis, whatever u_T; or zero
+  double spins;  ///< 1 or -1: this way, whatever u_n; or zero
 };
 
 /// How far impulses are from the law; the greatest over the points. See CoulombResult.
@@ -45,20 +57,21 @@ class System {
   explicit System(const CoulombProblem& problem);
 
   const std::vector<Point>& points() const { return points_; }
+  const std::vector<Couple>& couples() const { return couples_; }
   const Velocities& free() const { return free_; }  ///< y_free
 
-  Vec3 velocity(const Point& point, const Velocities& y) const {
-    Vec3 u = point.drive;
-    if (point.i != kNone) u.noalias() += point.J_i * y.col(point.i);
-    if (point.j != kNone) u.noalias() += point.J_j * y.col(point.j);
+  Vec3 velocity(const Rows& rows, const Velocities& y) const {
+    Vec3 u = rows.drive;
+    if (rows.i != kNone) u.noalias() += rows.J_i * y.col(rows.i);
+    if (rows.j != kNone) u.noalias() += rows.J_j * y.col(rows.j);
     return u;
   }
-  /// Adds J^T r of one point.
-  static void push(const Point& point, const Vec3& r, Velocities& y) {
-    if (point.i != kNone) y.col(point.i).noalias() += point.J_i.transpose() * r;
-    if (point.j != kNone) y.col(point.j).noalias() += point.J_j.transpose() * r;
+  /// Adds J^T r of one point or couple.
+  static void push(const Rows& rows, const Vec3& r, Velocities& y) {
+    if (rows.i != kNone) y.col(rows.i).noalias() += rows.J_i.transpose() * r;
+    if (rows.j != kNone) y.col(rows.j).noalias() += rows.J_j.transpose() * r;
   }
-  /// u of impulses r, a column a point, with the rounding of r only: summed in long double.
+  /// u of impulses r, with the rounding of r only: summed in long double.
   Impulses relativeVelocities(const Impulses& r) const;
   /// Of impulses r, with their relative velocities where those are known.
   Residuals residuals(const Impulses& r, const Impulses& velocity) const;
@@ -72,12 +85,23 @@ class System {
   void store(const Impulses& r, CoulombProblem& problem) const;
 
  private:
+  std::size_t columns() const { return points_.size() + couples_.size(); }
+  const Rows& rows(std::size_t k) const {  // of a column of impulses
+    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
+  }
+
   double speed_, impulse_;               // the units, m/s and N s
   std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
+  std::vector<bool> turns_;              // by body
   std::vector<Point> points_;
+  std::vector<Couple> couples_;
   Velocities free_;
   std::optional<std::chrono::steady_clock::time_point> until_;
 };
+
+/// Where a couple's impulse belongs for x: on its disc of rolling and its interval of spinning, under the sum
+/// n of the normal impulses of its points.
+Vec3 nearestCouple(const Couple& couple, const Vec3& x, double n);
 
 /// The nearest impulse on the point's cone, |r_T| <= mu r_n; on the ray of its sliding where that is known.
 Vec3 nearestOnCone(const Point& point, const Vec3& x);

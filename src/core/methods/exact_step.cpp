@@ -18,10 +18,14 @@
 // middle of the segment, where the point goes on sliding; so the scheme stays of second order where sliding
 // turns.
 //
+// What resists turning (CoulombCouple) is friction with torques for forces: all that is said of sliding holds
+// for rolling and spinning.
+//
 // Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
-// segment. The segment is then cut where its sliding speed, with friction still against the old direction,
-// passes zero. The onset of sliding and lift-off are continuous in the force, so a step that oversees them is
-// wrong by the third power of its length. Impacts cut the segment from outside (impact_loop.h).
+// segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still
+// against the old direction, passes zero. The onset of sliding and lift-off are continuous in the force, so a
+// step that oversees them is wrong by the third power of its length. Impacts cut the segment from outside
+// (impact_loop.h).
 #include "certificate.h"
 #include "fidelity.h"
 #include "methods/island_motion.h"
@@ -76,6 +80,11 @@ class Stepper {
   void store();
 
  private:
+  // How fast closed points slide, and couples turn, in their frames; zero where they do not.
+  struct Slip {
+    std::vector<Vec2> points;
+    std::vector<Vec3> couples;
+  };
   // How a segment ends.
   struct Segment {
     std::vector<BodyMotion> end;
@@ -90,14 +99,16 @@ class Stepper {
   bool takeOverlapsAway();
   void settle();
   Segment attempt(double tau, Friction friction);
-  std::vector<Vec2> slipNow() const;
+  Slip slipNow() const;
+  Vec3 turningOf(const Movers& movers, const CoulombCouple& couple) const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                         std::vector<double>& curvature) const;
   void aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const;
+  void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+                  Touching& later) const;
   CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
-  double slipLeft(const std::vector<Vec2>& slip, const Touching& later, const Movers& movers,
-                  Friction friction) const;
+  double slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;
@@ -160,6 +171,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
   if (!(problem.speed_unit > 0.0)) {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
+    for (CoulombCouple& law : problem.couples) law.impulse.setZero();
     return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
   }
   problem.until = step_.solve_until;
@@ -232,6 +244,20 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
     problem.points.push_back(touching.law[k]);
     problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);
   }
+  std::vector<std::size_t> borne;
+  for (std::size_t k = 0; k < touching.couples.size(); ++k) {
+    const TouchingCouple& couple = touching.couples[k];
+    const auto place = [&](Index point) {
+      return static_cast<Index>(std::lower_bound(closed.begin(), closed.end(), point) - closed.begin());
+    };
+    CoulombCouple law = couple.law;
+    law.first = place(couple.law.first);
+    law.size = place(couple.law.first + couple.law.size) - law.first;
+    if (law.size == 0) continue;
+    law.impulse = seconds * (law.frame.transpose() * couple.force_W);
+    borne.push_back(k);
+    problem.couples.push_back(law);
+  }
   CoulombResult result = solve(problem);
   if (friction == Friction::Free) {
     // A point that would be driven back by its friction has stopped: there the law decides.
@@ -243,6 +269,12 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
         law.slide.setZero();
         fixed = true;
       }
+      for (CoulombCouple& law : problem.couples) {
+        const Vec3 u = turningAt(problem.bodies, law);
+        if (!law.rolls.isZero(0.0) && !(result.converged && law.rolls.dot(u.head<2>()) >= 0.0))
+          law.rolls.setZero(), fixed = true;
+        if (law.spins != 0.0 && !(result.converged && law.spins * u[2] >= 0.0)) law.spins = 0.0, fixed = true;
+      }
       if (!fixed) break;
       problem.bodies = movers;
       result = solve(problem);
@@ -250,6 +282,8 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
   }
   movers = problem.bodies;
   for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
+  for (std::size_t k = 0; k < borne.size(); ++k)
+    touching.couples[borne[k]].law.impulse = problem.couples[k].impulse;
   return result;
 }
 
@@ -264,15 +298,28 @@ void Stepper::settle() {
 
 // --- one segment
 
-// The velocity of sliding at closed points; zero where they do not.
-std::vector<Vec2> Stepper::slipNow() const {
+// What a couple resists of how its pair turns; zero where it does not turn, or nothing resists.
+Vec3 Stepper::turningOf(const Movers& movers, const CoulombCouple& couple) const {
+  Vec3 u = turningAt(movers, couple);
+  if (couple.roll == 0.0 || u.head<2>().norm() <= slow_) u.head<2>().setZero();
+  if (couple.spin == 0.0 || std::abs(u[2]) <= slow_) u[2] = 0.0;
+  return u;
+}
+
+Stepper::Slip Stepper::slipNow() const {
   const Movers now = island_.movers();
-  std::vector<Vec2> slip(touching_.points.size(), Vec2::Zero());
-  for (std::size_t k = 0; k < slip.size(); ++k) {
+  Slip slip{std::vector<Vec2>(touching_.points.size(), Vec2::Zero()), {}};
+  for (const TouchingCouple& couple : touching_.couples) {
+    bool closed = false;
+    for (Index k = couple.law.first; k < couple.law.first + couple.law.size; ++k)
+      closed = closed || touching_.points[k].gap <= kTouch * touching_.points[k].length;
+    slip.couples.push_back(closed ? turningOf(now, couple.law) : Vec3(Vec3::Zero()));
+  }
+  for (std::size_t k = 0; k < slip.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     if (touching_.law[k].mu == 0.0 || point.gap > kTouch * point.length) continue;
     const Vec2 u_T = velocityAt(now, touching_.law[k]).head<2>();
-    if (u_T.norm() > slow_) slip[k] = u_T;
+    if (u_T.norm() > slow_) slip.points[k] = u_T;
   }
   return slip;
 }
@@ -327,19 +374,53 @@ void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction fri
     later.law[m].slide = ahead.normalized();
     if (friction == Friction::KeepsDirection && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
   }
+  aimCouples(kick, drifted, tau, friction, later);
 }
 
-double Stepper::slipLeft(const std::vector<Vec2>& slip, const Touching& later, const Movers& movers,
+void Stepper::aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+                         Touching& later) const {
+  for (std::size_t k = 0; k < kick.couples.size(); ++k) {
+    const CoulombCouple& law = kick.couples[k];
+    const Index m = later.matching(touching_.couples[k]);
+    if (m == kNone) continue;
+    later.couples[m].force_W = 2.0 / tau * (law.frame * law.impulse);
+    double n = 0.0;
+    for (Index p = law.first; p < law.first + law.size; ++p) n += kick.points[p].impulse[2];
+    if (!(n > 0.0)) continue;
+    CoulombCouple& aimed = later.couples[m].law;
+    const Vec3 u = turningOf(kick.bodies, law), ahead = turningAt(drifted, aimed);
+    const bool keeps = friction == Friction::KeepsDirection;
+    if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) aimed.rolls = ahead.head<2>().normalized();
+    if (keeps && u.head<2>().dot(law.rolls) < 0.0) aimed.rolls *= -1.0;
+    if (keeps ? law.spins != 0.0 : u[2] != 0.0) aimed.spins = std::copysign(1.0, ahead[2]);
+    if (keeps && u[2] * law.spins < 0.0) aimed.spins *= -1.0;
+  }
+}
+
+double Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& movers,
                          Friction friction) const {
   double least = 1.0;
-  for (std::size_t k = 0; k < slip.size(); ++k) {
-    if (slip[k].isZero(0.0)) continue;
+  const auto keeps = [&](const Vec3& left_W, const Vec3& before_W) {
+    least = std::min(least, left_W.dot(before_W) / before_W.squaredNorm());
+  };
+  for (std::size_t k = 0; k < slip.couples.size(); ++k) {
+    const Index m = later.matching(touching_.couples[k]);
+    if (m == kNone || later.couples[m].force_W.isZero(0.0)) continue;
+    const Vec3 u = turningAt(movers, later.couples[m].law), left_W = later.couples[m].law.frame * u;
+    const Mat3& frame = touching_.couples[k].law.frame;
+    const bool free = friction == Friction::Free;
+    if (!slip.couples[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
+      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>());
+    if (slip.couples[k][2] != 0.0 && !(free && std::abs(u[2]) > slow_))
+      keeps(left_W, frame.col(2) * slip.couples[k][2]);
+  }
+  for (std::size_t k = 0; k < slip.points.size(); ++k) {
+    if (slip.points[k].isZero(0.0)) continue;
     const Index m = later.matching(touching_.points[k]);
     if (m == kNone || later.points[m].force_W.isZero(0.0)) continue;
     const Vec3 u = velocityAt(movers, later.law[m]);
     if (friction == Friction::Free && u.head<2>().norm() > slow_) continue;
-    const Vec3 before_W = touching_.law[k].frame.leftCols<2>() * slip[k];
-    least = std::min(least, (later.law[m].frame * u).dot(before_W) / before_W.squaredNorm());
+    keeps(later.law[m].frame * u, touching_.law[k].frame.leftCols<2>() * slip.points[k]);
   }
   return least;
 }
@@ -347,20 +428,28 @@ double Stepper::slipLeft(const std::vector<Vec2>& slip, const Touching& later, c
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
 Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
-  const std::vector<Vec2> slip = slipNow();
+  const Slip slip = slipNow();
   CoulombProblem kick{island_.movers(), touching_.law, 0.0};
   island_.addLoad(kick.bodies, 0.5 * tau);
   const Movers loaded = kick.bodies;
-  for (std::size_t k = 0; k < slip.size(); ++k) {
+  const bool keeps = friction == Friction::KeepsDirection;
+  for (std::size_t k = 0; k < slip.points.size(); ++k) {
     CoulombPoint& law = kick.points[k];
     law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.points[k].force_W);
-    if (friction == Friction::KeepsDirection && !slip[k].isZero(0.0)) law.slide = slip[k].normalized();
+    if (keeps && !slip.points[k].isZero(0.0)) law.slide = slip.points[k].normalized();
+  }
+  for (std::size_t k = 0; k < slip.couples.size(); ++k) {
+    CoulombCouple& law = kick.couples.emplace_back(touching_.couples[k].law);
+    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.couples[k].force_W);
+    const Vec3& u = slip.couples[k];
+    if (keeps && !u.head<2>().isZero(0.0)) law.rolls = u.head<2>().normalized();
+    if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
 
   Segment segment;
-  std::vector<double> curvature(slip.size(), 0.0);
+  std::vector<double> curvature(slip.points.size(), 0.0);
   for (int corrections = 0;; ++corrections) {
-    for (std::size_t k = 0; k < slip.size(); ++k)
+    for (std::size_t k = 0; k < slip.points.size(); ++k)
       kick.points[k].drive[2] =
           touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
     kick.bodies = loaded;
@@ -385,6 +474,11 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     if (!expected) point.force_W = 2.0 / tau * impulse_W;
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
+  }
+  for (std::size_t k = 0; k < later.couples.size(); ++k) {
+    CoulombCouple& law = later.couples[k].law;
+    later.couples[k].force_W = 2.0 / tau * (law.frame * aimed.couples[k].law.impulse);
+    law.rolls.setZero(), law.spins = 0.0;
   }
   if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
     segment.slip_left = slipLeft(slip, later, after, friction);
@@ -435,7 +529,7 @@ bool Stepper::run() {
     const double left = end_ - now_;
     double tau = left > 1.5 * longest ? longest : left;
     Segment segment = attempt(tau, Friction::Free);
-    const int points = static_cast<int>(touching_.points.size());
+    const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
     if (segment.slip_left <= 1e-9 && cuts_ >= points) {
       cuts_ -= points;
       cutAtStop(tau, segment);

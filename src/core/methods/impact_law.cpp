@@ -90,8 +90,10 @@ class Impact {
     CoulombProblem problem{{}, {}, closingSpeedIn()};
     const auto add = [&](const ImpactSide& side) {
       if (side.inv_mass == 0.0) return kNone;
-      problem.bodies.push_back(
-          {1.0 / side.inv_mass, side.inv_inertia_W.inverse(), side.twist.v_WB, side.twist.w_WB});
+      const bool turns = !side.inv_inertia_W.isZero(0.0);
+      problem.bodies.push_back({1.0 / side.inv_mass,
+                                turns ? side.inv_inertia_W.inverse().eval() : Mat3::Identity().eval(),
+                                side.twist.v_WB, side.twist.w_WB, turns});
       return static_cast<Index>(problem.bodies.size() - 1);
     };
     const Index i = add(a_), j = add(b_);

@@ -15,6 +15,13 @@ Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
   return law.frame.transpose() * u_W + law.drive;
 }
 
+Vec3 turningAt(const Movers& movers, const CoulombCouple& couple) {
+  Vec3 w_W = Vec3::Zero();
+  if (couple.j != kNone) w_W += movers[couple.j].w;
+  if (couple.i != kNone) w_W -= movers[couple.i].w;
+  return couple.radius * (couple.frame.transpose() * w_W) + couple.drive;
+}
+
 IslandMotion::IslandMotion(Context& context, std::vector<Index> bodies)
     : step_(context.step), bodies_(context.scene.bodies), indices_(std::move(bodies)) {
   double load = 0.0;
@@ -32,7 +39,7 @@ Movers IslandMotion::movers() const {
   for (const Index i : indices_) {
     const Mat3 R = bodies_.R_WB(i);
     out.push_back({bodies_.traits[i].mass, R * bodies_.inertia[i].moments.asDiagonal() * R.transpose(),
-                   bodies_.twist[i].v_WB, bodies_.twist[i].w_WB});
+                   bodies_.twist[i].v_WB, bodies_.twist[i].w_WB, !bodies_.inertia[i].steady});
   }
   return out;
 }

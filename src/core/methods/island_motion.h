@@ -13,6 +13,9 @@ using Movers = std::vector<CoulombBody>;
 /// Velocity of j against i at a point, in its frame, what drives it included, m/s.
 Vec3 velocityAt(const Movers& movers, const CoulombPoint& law);
 
+/// Angular velocity of j against i times the couple's length, in its frame, what drives it included, m/s.
+Vec3 turningAt(const Movers& movers, const CoulombCouple& couple);
+
 struct BodyMotion {
   Pose pose;
   Twist twist;

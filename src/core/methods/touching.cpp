@@ -1,6 +1,8 @@
 #include "methods/touching.h"
 
 #include "algebra.h"
+#include "effects/rolling.h"
+#include "effects_built.h"
 #include "narrowphase/collide.h"
 
 #include <algorithm>
@@ -23,6 +25,31 @@ Vec3 velocityAt(const Twist& twist, const Vec3& r) {
   return twist.v_WB + twist.w_WB.cross(r);
 }
 
+// The couple of a pair whose points have just been found, from the `first` on; none where it resists nothing.
+void addCouple(const Context& context, Index pair, std::size_t first, Touching& out) {
+  const SceneStore& scene = context.scene;
+  const Index i = context.step.contacts.pairs[pair].i, j = context.step.contacts.pairs[pair].j;
+  if (first == out.law.size() || !rolling::resists(scene, i, j)) return;
+  const CoulombPoint& point = out.law[first];
+  const auto turns = [&](Index slot, Index body) {
+    return slot != kNone && !scene.bodies.inertia[body].steady;
+  };
+  CoulombCouple law;
+  law.radius = rolling::radius(scene.bodies, i, j, point.frame.col(2));
+  if (law.radius == 0.0 || !(turns(point.i, i) || turns(point.j, j))) return;
+  const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
+  law.i = point.i, law.j = point.j;
+  law.first = static_cast<Index>(first), law.size = static_cast<Index>(out.law.size() - first);
+  law.frame = point.frame;
+  law.roll = a.rolling_resistance + b.rolling_resistance;
+  law.spin = a.torsional_resistance + b.torsional_resistance;
+  Vec3 led_W = Vec3::Zero();
+  if (law.j == kNone) led_W += scene.bodies.twist[j].w_WB;
+  if (law.i == kNone) led_W -= scene.bodies.twist[i].w_WB;
+  law.drive = law.radius * (law.frame.transpose() * led_W);
+  out.couples.push_back({pair, law});
+}
+
 }  // namespace
 
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
@@ -43,6 +70,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
                          surfaceSpeed(bodies, j) + 0.5 * span * (step.load[j].a_W - step.load[i].a_W).norm();
     const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, span * speed + kMargin * length);
     const auto [t1, t2] = tangents(manifold.n_W);
+    const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
       const ManifoldPoint& found = manifold.points[p];
       CoulombPoint law;
@@ -58,6 +86,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
           {k, found.feature, found.separation, length, fallSpeed(gravity, length), found.p_W, law.drive});
       out.law.push_back(law);
     }
+    if constexpr (built::rolling)
+      if (context.scene.effects[Effect::Rolling]) addCouple(context, k, first, out);
   }
   return out;
 }
@@ -70,12 +100,23 @@ Index Touching::matching(const TouchingPoint& other) const {
   return kNone;
 }
 
+Index Touching::matching(const TouchingCouple& other) const {
+  const auto c =
+      std::lower_bound(couples.begin(), couples.end(), other.pair,
+                       [](const TouchingCouple& couple, Index pair) { return couple.pair < pair; });
+  return c != couples.end() && c->pair == other.pair ? static_cast<Index>(c - couples.begin()) : kNone;
+}
+
 void Touching::inherit(const Touching& other) {
   for (TouchingPoint& point : points) {
     const Index m = other.matching(point);
     if (m == kNone) continue;
     point.force_W = other.points[m].force_W;
     point.impulse_W = other.points[m].impulse_W;
+  }
+  for (TouchingCouple& couple : couples) {
+    const Index m = other.matching(couple);
+    if (m != kNone) couple.force_W = other.couples[m].force_W;
   }
 }
 

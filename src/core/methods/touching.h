@@ -21,12 +21,22 @@ struct TouchingPoint {
   Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far
 };
 
+/// What a pair that touches resists turning with.
+struct TouchingCouple {
+  Index pair;                   ///< in step.contacts.pairs
+  CoulombCouple law;            ///< without impulse, and driven by led sides alone
+  Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
+};
+
 struct Touching {
   std::vector<TouchingPoint> points;  ///< by pair
   std::vector<CoulombPoint> law;      ///< of the same points, without impulse, and driven by led sides alone
+  std::vector<TouchingCouple> couples;  ///< by pair
 
   /// The point of the same pair and feature as this one of another instant; kNone when there is none.
   Index matching(const TouchingPoint& other) const;
+  /// The couple of the same pair; kNone when there is none.
+  Index matching(const TouchingCouple& other) const;
   /// Takes over forces and impulses of another instant.
   void inherit(const Touching& other);
 };
