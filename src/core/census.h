@@ -8,7 +8,11 @@
 #include "rigid_body_sim/scene.h"
 
 #include <array>
+#include <map>
+#include <set>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace rbs {
 
@@ -44,9 +48,31 @@ struct Need {
   std::string reason;
 };
 
+/// What the last census made of each body, so that an edit of one need not look at all.
+struct CensusTally {
+  /// Group, mask, and whether forces move it: bodies of one kind may meet the same others. There are few kinds.
+  using Layer = std::tuple<std::uint32_t, std::uint32_t, bool>;
+  struct Entry {
+    Layer layer{};
+    std::size_t shape = 0;       ///< index of its Shape
+    std::uint32_t features = 0;  ///< what it was counted for, by bit
+  };
+  std::map<Layer, Index> layers;  ///< how many bodies are of a kind
+  std::set<Layer> partnered;      ///< kinds that may meet another body, one of the two moved by forces
+  std::vector<Entry> entries;     ///< by body
+  Census census;
+};
+
 struct SceneStore;
 /// Goes through the bodies once: remakes the dense lists, decides the effects and what each body feels of them.
 /// Returns the census.
 Census takeCensus(SceneStore& scene);
+/// The same after an edit of these bodies and of what pulls at them, and of nothing else but that bodies were appended:
+/// looks only at those. Looks at all where what others feel has changed: an effect, or whom they may meet.
+Census takeCensus(SceneStore& scene, const std::vector<Index>& changed);
+/// Takes a body out of tally and lists, before it is erased.
+void uncountBody(SceneStore& scene, Index i);
+/// How many bodies the censuses of this thread have looked at.
+std::uint64_t bodiesLookedAt();
 
 }  // namespace rbs

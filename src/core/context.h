@@ -77,6 +77,7 @@ struct SceneStore {
   Vec3 gravity_W = Vec3::Zero();   ///< as simulated: zero when gravity is off, m/s²
   double ballistic_until = 0.0;    ///< no ballistic body leaves the limits before this time, s
   Rosters rosters;
+  CensusTally tally;
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
   std::vector<HandHold> holds;

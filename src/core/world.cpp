@@ -36,24 +36,27 @@ struct World::Impl {
     return i;
   }
 
-  // To be called after every edit; `described` when a description changed.
-  void edited(bool described) {
+  // To be called after every edit; `described` when a description changed. `changed` lists the bodies that the edit was
+  // about, besides those it appended, where it was about nothing else.
+  void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
     ++edits;
     if (described) {
       ++description_version;
       descriptions.reset();
     }
-    begunAnew();
+    begunAnew(changed);
   }
 
   // To be called when what the stages go by has changed.
-  void begunAnew() {
+  void begunAnew(const std::optional<std::vector<Index>>& changed = std::nullopt) {
+    const bool some_rest = !scene.rest.empty();
     sleep::wakeAll(scene);
-    recount();
+    changed && !some_rest ? adopt(takeCensus(scene, *changed)) : recount();
   }
 
-  void recount() {
-    Census now = takeCensus(scene);
+  void recount() { adopt(takeCensus(scene)); }
+
+  void adopt(Census now) {
     if (now == census) return;
     census = std::move(now);
     pipeline.filter(census);
@@ -174,7 +177,7 @@ std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
     ids.push_back({impl_->next_serial++});
     impl_->scene.bodies.append(ids.back(), body);
   }
-  impl_->edited(true);
+  impl_->edited(true, std::vector<Index>{});
   return ids;
 }
 
@@ -185,8 +188,9 @@ void World::removeBody(BodyId id) {
   scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
                                       [id](const TimedWrench& w) { return w.body == id; }),
                        scene.wrenches.end());
+  uncountBody(scene, i);
   scene.bodies.erase(i);
-  impl_->edited(true);
+  impl_->edited(true, std::vector<Index>{});
 }
 
 void World::clear() {
@@ -240,7 +244,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
                            !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
                            !edit.torsional_resistance && !edit.color && !old.frozen;
-  impl_->edited(!only_motion);
+  impl_->edited(!only_motion, std::vector<Index>{i});
 }
 
 BodyId World::find(const std::string& name) const {
@@ -295,7 +299,7 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
                              text(Limits::max_spin) + " rad/s"}});
   bodies.bringAttitude(i, impl_->scene.time);
   bodies.twist[i] = twist;
-  impl_->edited(false);
+  impl_->edited(false, std::vector<Index>{});
 }
 
 void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
@@ -312,7 +316,7 @@ void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, co
   throwIfAny(problems);
   const Vec3 couple = torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W);
   impl_->scene.wrenches.push_back({id, force_W, couple, impl_->scene.time + seconds});
-  impl_->edited(false);
+  impl_->edited(false, std::vector<Index>{i});
 }
 
 void World::grab(BodyId id, const Grab& grab) {
@@ -333,7 +337,7 @@ void World::grab(BodyId id, const Grab& grab) {
   }
   release(id);
   impl_->scene.grabs.push_back({id, grab});
-  impl_->edited(false);
+  impl_->edited(false, std::vector<Index>{i});
 }
 
 void World::hold(BodyId id, const Pose& target) {
@@ -355,7 +359,7 @@ void World::hold(BodyId id, const Pose& target) {
   impl_->scene.holds.push_back({id, unit});
   impl_->scene.bodies.traits[i].held = true;
   impl_->scene.bodies.refresh(i);
-  impl_->edited(false);
+  impl_->edited(false, std::vector<Index>{i});
 }
 
 void World::release(BodyId id) {
@@ -367,7 +371,7 @@ void World::release(BodyId id) {
     bodies.twist[i] = {};
     bodies.refresh(i);
   }
-  impl_->edited(false);
+  impl_->edited(false, std::vector<Index>{i});
 }
 
 // --- surroundings

@@ -74,6 +74,8 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
+// With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that has none.
+template <bool kRolling>
 class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
@@ -86,8 +88,7 @@ class Solver {
 
   void begin() {
     contacts_.find(t0_, dt_, h_);
-    if constexpr (built::rolling)
-      if (context_.scene.effects[Effect::Rolling]) rolling_ = rolling::find(context_.scene, contacts_);
+    if constexpr (kRolling) rolling_ = rolling::find(context_.scene, contacts_);
   }
   void goOn();
   void rebound();
@@ -95,11 +96,13 @@ class Solver {
   int subStepCount() const { return sub_steps_; }
 
  private:
-  void kick();
-  void warmStart();
+  // Inlined whatever their size, which depends on the effects that this build has: what it lacks is to save no more
+  // than its own instructions.
+  [[gnu::always_inline]] void kick();
+  [[gnu::always_inline]] void warmStart();
   template <bool kBias>
-  void solve();
-  void drift();
+  [[gnu::always_inline]] void solve();
+  [[gnu::always_inline]] void drift();
   static void apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse);
 
   Context& context_;
@@ -113,25 +116,26 @@ class Solver {
 
 // --- one sub-step
 
-void Solver::goOn() {
+template <bool kRolling>
+void Solver<kRolling>::goOn() {
   if (done_ > 0) contacts_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
   kick();
   warmStart();
-  if constexpr (built::rolling)
-    if (!rolling_.empty()) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
+  if constexpr (kRolling) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
   solve<true>();
   drift();
   // Twice with rolling rows, whose bounds are the normal forces as they are then.
-  for (int pass = built::rolling && !rolling_.empty() ? 0 : 1; pass < 2; ++pass) {
+  for (int pass = kRolling && !rolling_.empty() ? 0 : 1; pass < 2; ++pass) {
     solve<false>();
-    if constexpr (built::rolling)
+    if constexpr (kRolling)
       if (pass == 0) rolling::solve(contacts_, rolling_);
   }
   for (SolverPoint& point : contacts_.points) point.sum_n += point.l_n, point.sum_t += point.l_t;
   ++done_;
 }
 
-void Solver::kick() {
+template <bool kRolling>
+inline void Solver<kRolling>::kick() {
   for (SolverBody& s : contacts_.bodies) {
     if (s.inv_mass == 0.0) continue;
     const Load& load = context_.step.load[s.body];
@@ -141,7 +145,8 @@ void Solver::kick() {
   }
 }
 
-void Solver::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse) {
+template <bool kRolling>
+void Solver<kRolling>::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse) {
   if (!i.still) {
     i.v -= i.inv_mass * impulse;
     i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
@@ -152,7 +157,8 @@ void Solver::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const
   }
 }
 
-void Solver::warmStart() {
+template <bool kRolling>
+inline void Solver<kRolling>::warmStart() {
   for (const SolverBlock& block : contacts_.blocks) {
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = contacts_.points[k];
@@ -163,8 +169,9 @@ void Solver::warmStart() {
   }
 }
 
+template <bool kRolling>
 template <bool kBias>
-void Solver::solve() {
+inline void Solver<kRolling>::solve() {
   for (const SolverBlock& block : contacts_.blocks) {
     SolverBody& i = contacts_.bodies[block.i];
     SolverBody& j = contacts_.bodies[block.j];
@@ -211,7 +218,8 @@ void Solver::solve() {
   }
 }
 
-void Solver::drift() {
+template <bool kRolling>
+inline void Solver<kRolling>::drift() {
   Bodies& bodies = context_.scene.bodies;
   for (SolverBody& s : contacts_.bodies) {
     if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
@@ -239,7 +247,8 @@ void Solver::drift() {
 }
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
-void Solver::rebound() {
+template <bool kRolling>
+void Solver<kRolling>::rebound() {
   const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
   for (const SolverBlock& block : contacts_.blocks) {
     SolverBody& i = contacts_.bodies[block.i];
@@ -254,6 +263,19 @@ void Solver::rebound() {
       apply(i, j, point, impulse * block.n);
     }
   }
+}
+
+template <class SomeSolver>
+void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
+  ContactClock clock(context.step);
+  SomeSolver solver(context, batch, t0, t1);
+  solver.begin();
+  clock.charge(kCollide);
+  for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
+  if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
+  clock.charge(kSolve);
+  solver.store();
+  clock.charge(kStore);
 }
 
 }  // namespace
@@ -278,15 +300,9 @@ double subStep(const Context& context, const std::vector<Index>& pairs) {
 
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
-  ContactClock clock(context.step);
-  Solver solver(context, batch, t0, t1);
-  solver.begin();
-  clock.charge(kCollide);
-  for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
-  if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
-  clock.charge(kSolve);
-  solver.store();
-  clock.charge(kStore);
+  if constexpr (built::rolling)
+    if (context.scene.effects[Effect::Rolling]) return advanceBy<Solver<true>>(context, batch, t0, t1);
+  advanceBy<Solver<false>>(context, batch, t0, t1);
 }
 
 }  // namespace rbs::soft_step
