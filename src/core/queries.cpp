@@ -120,8 +120,8 @@ std::vector<Neighbour> overlaps(const Snapshot& snapshot, const Shape& shape, co
     const Pose& X_WB = snapshot.states[i].pose;
     const double far = 1.01 * (reach + boundingRadius(body.shape));
     if ((X_WB.p_WB - at.p_WB).squaredNorm() > far * far) continue;
-    const double distance = gap(shape, at, body.shape, X_WB).distance;
-    if (distance <= margin) found.push_back({body.id, distance});
+    if (!areWithin(shape, at, body.shape, X_WB, margin)) continue;
+    found.push_back({body.id, gap(shape, at, body.shape, X_WB).distance});
   }
   return found;
 }

@@ -29,12 +29,16 @@ using oracle::Pair;
 constexpr int kPairs = 500, kRounds = 5;
 constexpr std::uint64_t kSeed = 1;
 
-/// What a library says of a pair.
+/// What a library says of a pair: the gap and its direction, or no more than whether they meet.
 struct Answer {
   double gap = 0.0;
   Vec3 n = Vec3::Zero();
-  bool only_apart = false;  ///< it says no more than that they are apart
+  bool only_sign = false;  ///< no more is known of `gap` than whether it is above 0
 };
+
+Answer whetherTheyMeet(bool they_do) {
+  return {they_do ? -1.0 : 1.0, Vec3::Zero(), true};
+}
 
 /// A library, ready to be asked about one pair.
 using Question = std::function<Answer()>;
@@ -44,6 +48,10 @@ Question askOurs(const Pair& pair) {
     const Gap found = gap(pair.a, pair.X_WA, pair.b, pair.X_WB);
     return Answer{found.distance, found.n_W};
   };
+}
+
+Question askOursWhether(const Pair& pair) {
+  return [&pair] { return whetherTheyMeet(areWithin(pair.a, pair.X_WA, pair.b, pair.X_WB, 0.0)); };
 }
 
 std::shared_ptr<fcl::CollisionGeometryd> fclShape(const Shape& shape) {
@@ -97,6 +105,18 @@ Question askFcl(const Pair& pair, fcl::GJKSolverType solver) {
   };
 }
 
+Question askFclWhether(const Pair& pair, fcl::GJKSolverType solver) {
+  const auto a = fclShape(pair.a), b = fclShape(pair.b);
+  const fcl::Transform3d X_WA = fclPose(pair.X_WA), X_WB = fclPose(pair.X_WB);
+  fcl::CollisionRequestd request(1, false);
+  request.gjk_solver_type = solver;
+  return [=] {
+    fcl::CollisionResultd result;
+    fcl::collide(a.get(), X_WA, b.get(), X_WB, request, result);
+    return whetherTheyMeet(result.isCollision());
+  };
+}
+
 /// A shape as libccd sees it: a support function.
 struct CcdShape {
   Shape shape;
@@ -131,20 +151,35 @@ void ccdCentre(const void* object, ccd_vec3_t* out) {
   ccdVec3Set(out, p.x(), p.y(), p.z());
 }
 
+CcdShape ccdShape(const Shape& shape, const Pose& X_WB) {
+  return {shape, X_WB.q_WB.toRotationMatrix(), X_WB.p_WB};
+}
+ccd_t ccdSettings(double tolerance) {
+  ccd_t ccd;
+  CCD_INIT(&ccd);
+  ccd.support1 = ccd.support2 = ccdSupport;
+  ccd.center1 = ccd.center2 = ccdCentre;
+  ccd.max_iterations = 500;
+  ccd.epa_tolerance = ccd.mpr_tolerance = tolerance;
+  return ccd;
+}
+
 Question askCcd(const Pair& pair, decltype(&ccdGJKPenetration) ask, double tolerance) {
-  const CcdShape a{pair.a, pair.X_WA.q_WB.toRotationMatrix(), pair.X_WA.p_WB};
-  const CcdShape b{pair.b, pair.X_WB.q_WB.toRotationMatrix(), pair.X_WB.p_WB};
+  const CcdShape a = ccdShape(pair.a, pair.X_WA), b = ccdShape(pair.b, pair.X_WB);
   return [=] {
-    ccd_t ccd;
-    CCD_INIT(&ccd);
-    ccd.support1 = ccd.support2 = ccdSupport;
-    ccd.center1 = ccd.center2 = ccdCentre;
-    ccd.max_iterations = 500;
-    ccd.epa_tolerance = ccd.mpr_tolerance = tolerance;
+    const ccd_t ccd = ccdSettings(tolerance);
     ccd_real_t depth;
     ccd_vec3_t n, p;
-    if (ask(&a, &b, &ccd, &depth, &n, &p) != 0) return Answer{0.0, Vec3::Zero(), true};
+    if (ask(&a, &b, &ccd, &depth, &n, &p) != 0) return whetherTheyMeet(false);
     return Answer{-depth, Vec3(n.v[0], n.v[1], n.v[2])};
+  };
+}
+
+Question askCcdWhether(const Pair& pair, decltype(&ccdGJKIntersect) ask) {
+  const CcdShape a = ccdShape(pair.a, pair.X_WA), b = ccdShape(pair.b, pair.X_WB);
+  return [=] {
+    const ccd_t ccd = ccdSettings(1e-4);
+    return whetherTheyMeet(ask(&a, &b, &ccd) != 0);
   };
 }
 
@@ -168,7 +203,7 @@ void judgeAnswers(std::vector<Contestant>& contestants, const Pair& pair,
   oracle::Real best = judge(pair, Vec3::UnitX()).truth.gap;
   std::vector<oracle::Real> along(answers.size());
   for (std::size_t c = 0; c < answers.size(); ++c) {
-    if (!sound(answers[c]) || answers[c]->only_apart) continue;
+    if (!sound(answers[c]) || answers[c]->only_sign) continue;
     const oracle::Judged judged = judge(pair, answers[c]->n);
     along[c] = judged.along;
     best = std::max(best, judged.truth.gap);
@@ -178,11 +213,9 @@ void judgeAnswers(std::vector<Contestant>& contestants, const Pair& pair,
     Contestant& contestant = contestants[c];
     if (!sound(answers[c])) {
       ++contestant.failed;
-    } else if (answers[c]->only_apart) {
-      contestant.wrong += truth < -1e-13 * size;
     } else if (std::abs(truth) > 1e-13 * size && (answers[c]->gap > 0.0) != (truth > 0.0)) {
       ++contestant.wrong;
-    } else {
+    } else if (!answers[c]->only_sign) {
       contestant.errors.push_back(std::abs(answers[c]->gap - truth) / size);
       contestant.turned.push_back(static_cast<double>(std::abs(along[c] - best)) / size);
     }
@@ -219,18 +252,24 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-void race(const std::string& kind, const std::vector<Pair>& pairs) {
-  std::vector<Contestant> contestants;
-  contestants.push_back({"rigid_body_sim", askOurs});
-  contestants.push_back({"FCL, libccd solver", [](const Pair& p) { return askFcl(p, fcl::GST_LIBCCD); }});
-  contestants.push_back({"FCL, own solver", [](const Pair& p) { return askFcl(p, fcl::GST_INDEP); }});
-  contestants.push_back(
-      {"libccd, EPA to 1e-4", [](const Pair& p) { return askCcd(p, ccdGJKPenetration, 1e-4); }});
-  contestants.push_back(
-      {"libccd, EPA to 1e-10", [](const Pair& p) { return askCcd(p, ccdGJKPenetration, 1e-10); }});
-  contestants.push_back(
-      {"libccd, MPR to 1e-4", [](const Pair& p) { return askCcd(p, ccdMPRPenetration, 1e-4); }});
+std::vector<Contestant> askedForTheGap() {
+  return {{"rigid_body_sim", askOurs},
+          {"FCL, libccd solver", [](const Pair& p) { return askFcl(p, fcl::GST_LIBCCD); }},
+          {"FCL, own solver", [](const Pair& p) { return askFcl(p, fcl::GST_INDEP); }},
+          {"libccd, EPA to 1e-4", [](const Pair& p) { return askCcd(p, ccdGJKPenetration, 1e-4); }},
+          {"libccd, EPA to 1e-10", [](const Pair& p) { return askCcd(p, ccdGJKPenetration, 1e-10); }},
+          {"libccd, MPR to 1e-4", [](const Pair& p) { return askCcd(p, ccdMPRPenetration, 1e-4); }}};
+}
 
+std::vector<Contestant> askedWhetherTheyMeet() {
+  return {{"rigid_body_sim", askOursWhether},
+          {"FCL, libccd solver", [](const Pair& p) { return askFclWhether(p, fcl::GST_LIBCCD); }},
+          {"FCL, own solver", [](const Pair& p) { return askFclWhether(p, fcl::GST_INDEP); }},
+          {"libccd, GJK", [](const Pair& p) { return askCcdWhether(p, ccdGJKIntersect); }},
+          {"libccd, MPR", [](const Pair& p) { return askCcdWhether(p, ccdMPRIntersect); }}};
+}
+
+void race(const std::string& kind, const std::vector<Pair>& pairs, std::vector<Contestant> contestants) {
   std::vector<std::vector<Question>> questions(contestants.size());
   for (std::size_t c = 0; c < contestants.size(); ++c)
     for (const Pair& pair : pairs) questions[c].push_back(contestants[c].ask(pair));
@@ -290,24 +329,31 @@ std::vector<Pair> ordinaryPairs(const std::string& a, const std::string& b, bool
   return pairs;
 }
 
-}  // namespace
-
-int main() {
+void raceAll(std::vector<Contestant> (*contestants)()) {
+  const std::pair<const char*, const char*> kinds[] = {{"box", "box"},           {"hull", "hull"},
+                                                       {"sphere", "box"},        {"capsule", "capsule"},
+                                                       {"cylinder", "cylinder"}, {"cylinder", "box"}};
   std::printf(
       "| pairs | library | median, us | 99th percentile, us | wrong sign | failed | gap off by | gap along "
       "the normal "
       "off by |\n|---|---|--:|--:|--:|--:|--:|--:|\n");
-  const std::pair<const char*, const char*> kinds[] = {{"box", "box"},           {"hull", "hull"},
-                                                       {"sphere", "box"},        {"capsule", "capsule"},
-                                                       {"cylinder", "cylinder"}, {"cylinder", "box"}};
   for (const auto& [a, b] : kinds)
     for (const bool overlapping : {false, true})
       race(std::string(a) + ", " + b + (overlapping ? ", overlapping" : ", apart"),
-           ordinaryPairs(a, b, overlapping));
+           ordinaryPairs(a, b, overlapping), contestants());
   for (const char* kind : {"box", "hull"}) {
     oracle::Random random(kSeed);
     std::vector<Pair> pairs;
     for (int k = 0; k < kPairs; ++k) pairs.push_back(oracle::randomPair(random, kind, kind));
-    race(std::string(kind) + ", " + kind + ", hard", pairs);
+    race(std::string(kind) + ", " + kind + ", hard", pairs, contestants());
   }
+}
+
+}  // namespace
+
+int main() {
+  std::printf("The gap and its direction:\n\n");
+  raceAll(askedForTheGap);
+  std::printf("\nWhether they meet:\n\n");
+  raceAll(askedWhetherTheyMeet);
 }

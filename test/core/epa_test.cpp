@@ -64,10 +64,10 @@ TEST(Epa, StartsFromEverySimplex) {
   const auto cube = [](const Vec3& centre) {
     return [centre](const Vec3& d) {
       const Vec3 w = centre + BoxCore{Vec3(1.0, 2.0, 3.0)}(d);
-      return SupportPoint{w, w, Vec3::Zero()};
+      return SupportPoint{w, w, Vec3::Zero(), Vec3::Zero(), false};
     };
   };
-  const auto corner = [](const Vec3& w) { return SupportPoint{w, w, Vec3::Zero()}; };
+  const auto corner = [](const Vec3& w) { return SupportPoint{w, w, Vec3::Zero(), Vec3::Zero(), false}; };
   {  // inside, from a segment, a triangle and a tetrahedron through the origin
     const auto support = cube(Vec3::Zero());
     Simplex s;
@@ -97,7 +97,7 @@ TEST(Epa, StartsFromEverySimplex) {
 TEST(Epa, GivesTheNormalOfAFlatDifference) {
   const SupportFunction support = [](const Vec3& d) {
     const Vec3 w(std::copysign(1.0, d.x()), std::copysign(1.0, d.y()), 0.0);
-    return SupportPoint{w, w, Vec3::Zero()};
+    return SupportPoint{w, w, Vec3::Zero(), Vec3::Zero(), false};
   };
   const GjkResult start = gjk(support, Vec3(0.1, 0.2, 0.0));
   const EpaResult result = epa(support, start.simplex, start.scale);

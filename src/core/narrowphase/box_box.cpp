@@ -182,7 +182,7 @@ Manifold collidePair(const Box& box_a, const Pose& X_WA, const Box& box_b, const
 
 // Overlapping boxes are judged by their axes. So is the direction of a tiny gap, where a face or two edges
 // span it: then the gap along the axis is the distance.
-Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
+Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, const Search& search) {
   const RelativePose X_AB(X_WA, X_WB);
   const BoxAxis axis =
       *farthestAxis(0.5 * a.size, 0.5 * b.size, X_AB, std::numeric_limits<double>::infinity());
@@ -191,13 +191,19 @@ Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB) {
     return spanAbout(X_WA.p_WB + X_WA.q_WB * middle_A, distance, X_WA.q_WB * n_A);
   };
   if (axis.separation > 0.0) {
-    const ConvexGap gap = convexGap(a, b, X_AB);
+    const ConvexGap gap = convexGap(a, b, X_AB, search);
     const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-15 * size;
     if (!spanned) return placed(std::max(gap.distance, axis.separation), gap.n_A, gap.middle_A);
     return placed(axis.separation, axis.n_A, gap.middle_A);
   }
   return placed(axis.separation, axis.n_A,
                 touchingPoint(a, b, X_AB, axis) + 0.5 * axis.separation * axis.n_A);
+}
+
+// Boxes meet where no axis separates them; how far they are apart the axes do not say.
+bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin) {
+  if (!farthestAxis(0.5 * a.size, 0.5 * b.size, RelativePose(X_WA, X_WB), margin)) return false;
+  return margin == 0.0 || gapPair(a, X_WA, b, X_WB, {}).distance <= margin;
 }
 
 }  // namespace rbs

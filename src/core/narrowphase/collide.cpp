@@ -39,18 +39,48 @@ Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   return std::visit(meet, a, b);
 }
 
-Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+namespace {
+
+Gap gapOf(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, const Search& search) {
+  const auto measure = [&](const auto& first, const Pose& X_WF, const auto& second, const Pose& X_WS) {
+    if constexpr (kSearched<std::decay_t<decltype(first)>, std::decay_t<decltype(second)>>)
+      return gapPair(first, X_WF, second, X_WS, search);
+    else
+      return gapPair(first, X_WF, second, X_WS);
+  };
   const auto meet = [&](const auto& kind_a, const auto& kind_b) {
     using A = std::decay_t<decltype(kind_a)>;
     using B = std::decay_t<decltype(kind_b)>;
     if constexpr (orderOf<A>() <= orderOf<B>()) {
-      return gapPair(kind_a, X_WA, kind_b, X_WB);
+      return measure(kind_a, X_WA, kind_b, X_WB);
     } else {
-      Gap gap = gapPair(kind_b, X_WB, kind_a, X_WA);
+      Gap gap = measure(kind_b, X_WB, kind_a, X_WA);
       gap.n_W = -gap.n_W;
       std::swap(gap.p_WA, gap.p_WB);
       return gap;
     }
+  };
+  return std::visit(meet, a, b);
+}
+
+}  // namespace
+
+Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB) {
+  return gapOf(a, X_WA, b, X_WB, {});
+}
+
+Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Simplex& kept) {
+  return gapOf(a, X_WA, b, X_WB, {std::numeric_limits<double>::infinity(), &kept});
+}
+
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
+  const auto meet = [&](const auto& kind_a, const auto& kind_b) {
+    using A = std::decay_t<decltype(kind_a)>;
+    using B = std::decay_t<decltype(kind_b)>;
+    if constexpr (orderOf<A>() <= orderOf<B>())
+      return withinPair(kind_a, X_WA, kind_b, X_WB, margin);
+    else
+      return withinPair(kind_b, X_WB, kind_a, X_WA, margin);
   };
   return std::visit(meet, a, b);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "narrowphase/manifold.h"
+#include "narrowphase/simplex.h"
 #include "rigid_body_sim/shape.h"
 
 namespace rbs {
@@ -19,5 +20,12 @@ struct Gap {
   Vec3 p_WA, p_WB;  ///< of A and of B, m; zero for two planes
 };
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
+
+/// Likewise, where the same pair is asked for again and again: `kept`, empty at first, is where the last
+/// search ended, which shortens the next one. The poses may change as they like, the shapes may not.
+Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Simplex& kept);
+
+/// Whether the gap is at most `margin` (m, >= 0): sooner known than the gap.
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
 
 }  // namespace rbs

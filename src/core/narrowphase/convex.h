@@ -24,17 +24,42 @@ struct ConvexGap {
   Vec3 middle_A;  ///< midway between the two nearest (or deepest) points, in A's frame
 };
 
-/// In closed form where there is one, else by GJK, and by EPA where the cores overlap.
+// In closed form where there is one.
 ConvexGap convexGap(const Sphere& a, const Capsule& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Sphere& a, const Cylinder& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Sphere& a, const Cone& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB);
 
+/// The pairs that have none.
 template <class ShapeA, class ShapeB>
-ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) {
+inline constexpr bool kSearched =
+    !std::is_same_v<ShapeB, Plane> &&
+    !(std::is_same_v<ShapeA, Sphere> && !std::is_same_v<ShapeB, ConvexHull>)&&  //
+    !(std::is_same_v<ShapeA, Capsule> && std::is_same_v<ShapeB, Capsule>);
+
+/// How a gap is searched for. Of one above `beyond` (m) no more comes out than a number between the two.
+/// `kept` is where the search ended for the same pair, placed nearly so (of size 0: nowhere yet), and then
+/// where this one did.
+struct Search {
+  double beyond = std::numeric_limits<double>::infinity();
+  Simplex* kept = nullptr;
+};
+
+/// By GJK, and by EPA where the cores overlap.
+template <class ShapeA, class ShapeB>
+ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, const Search& search = {}) {
   const CoreDifference difference(coreOf(a), coreOf(b), X_AB);
   const Finish finish(coreOf(a), coreOf(b), X_AB);
-  const GjkResult distance = gjk(difference, difference.centre(), finish);
+  const double radii = coreRadius(a) + coreRadius(b);
+  const Enough enough{search.beyond + radii};
+  Simplex start;
+  if (search.kept != nullptr)
+    for (int k = 0; k < search.kept->size; ++k)
+      start.add(difference.pointOf(search.kept->points[k].a, search.kept->points[k].b_B));
+  const GjkResult distance = start.size > 0 ? gjk(difference, start, finish, enough)
+                                            : gjk(difference, difference.centre(), finish, enough);
+  if (search.kept != nullptr) *search.kept = distance.simplex;
+  if (distance.enough) return {distance.lower - radii, Vec3::UnitX(), Vec3::Zero()};
   Vec3 on_a, on_b;
   ConvexGap gap;
   // Cores this near have no direction in v, or, where v does not prove its length, a bad one: EPA finds a
@@ -63,7 +88,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB) 
     gap.distance = distance.overlap ? -depth.upper : std::clamp(-depth.upper, distance.lower, distance.upper);
     on_a = depth.a, on_b = depth.b;
   }
-  gap.distance -= coreRadius(a) + coreRadius(b);
+  gap.distance -= radii;
   gap.middle_A = 0.5 * (on_a + coreRadius(a) * gap.n_A + on_b - coreRadius(b) * gap.n_A);
   return gap;
 }
@@ -79,18 +104,26 @@ inline bool comesBefore(const Pose& x, const Pose& y) {
 }
 
 /// Two shapes of one kind are measured in the order of their poses, so that the gap is the same number
-/// whichever of them is A. For two kinds the order of the kinds does that (collide.cpp).
+/// whichever of them is A; but where a search is kept, in the order in which they come, since poses change.
+/// For two kinds the order of the kinds does that (collide.cpp).
 template <class ShapeA, class ShapeB>
-ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
+ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB,
+                    const Search& search = {}) {
+  const auto measure = [&](const ShapeA& first, const ShapeB& second, const RelativePose& X) {
+    if constexpr (kSearched<ShapeA, ShapeB>)
+      return convexGap(first, second, X, search);
+    else
+      return convexGap(first, second, X);
+  };
   if constexpr (std::is_same_v<ShapeA, ShapeB>) {
-    if (comesBefore(X_WB, X_WA)) {
+    if (search.kept == nullptr && comesBefore(X_WB, X_WA)) {
       const RelativePose X_BA(X_WB, X_WA);
-      const ConvexGap gap = convexGap(b, a, X_BA);
+      const ConvexGap gap = measure(b, a, X_BA);
       const Mat3 R_AB = X_BA.R_AB.transpose();
       return {gap.distance, R_AB * -gap.n_A, R_AB * (gap.middle_A - X_BA.p_AB)};
     }
   }
-  return convexGap(a, b, RelativePose(X_WA, X_WB));
+  return measure(a, b, RelativePose(X_WA, X_WB));
 }
 
 /// The gap whose points lie half of it to either side of `middle_W`.
@@ -99,18 +132,19 @@ inline Gap spanAbout(const Vec3& middle_W, double distance, const Vec3& n_W) {
 }
 
 template <class ShapeA, class ShapeB>
-Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
-  const ConvexGap gap = convexGap(a, X_WA, b, X_WB);
+Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB,
+              const Search& search = {}) {
+  const ConvexGap gap = convexGap(a, X_WA, b, X_WB, search);
   return spanAbout(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, X_WA.q_WB * gap.n_A);
 }
 
 template <class ShapeA, class ShapeB>
 Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
-  const RelativePose X_AB(X_WA, X_WB);
-  const ConvexGap gap = convexGap(a, X_WA, b, X_WB);
+  const ConvexGap gap = convexGap(a, X_WA, b, X_WB, {margin, nullptr});
   Manifold manifold;
-  manifold.n_W = X_WA.q_WB * gap.n_A;
   if (gap.distance > margin) return manifold;
+  manifold.n_W = X_WA.q_WB * gap.n_A;
+  const RelativePose X_AB(X_WA, X_WB);
   Facet facet_b = facetTowards(b, X_AB.R_AB.transpose() * -gap.n_A);
   for (int k = 0; k < facet_b.size; ++k) facet_b.corners[k] = X_AB.p_AB + X_AB.R_AB * facet_b.corners[k];
   const Manifold patch = patchOf(
@@ -125,8 +159,21 @@ Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const
 
 // What two kinds of shapes get that have no method of their own.
 template <class ShapeA, class ShapeB>
-Gap gapPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB) {
-  return gapConvex(a, X_WA, b, X_WB);
+Gap gapPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, const Search& search = {}) {
+  return gapConvex(a, X_WA, b, X_WB, search);
+}
+/// Whether the gap is at most `margin`: a point of A - B, or a plane beside it, that is near enough or far
+/// enough, ends the search. What they leave open, the gap decides.
+template <class ShapeA, class ShapeB>
+bool withinPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
+  if constexpr (kSearched<ShapeA, ShapeB>) {
+    const CoreDifference difference(coreOf(a), coreOf(b), RelativePose(X_WA, X_WB));
+    const double reach = margin + coreRadius(a) + coreRadius(b);
+    const GjkResult distance = gjk(difference, difference.centre(), NoFinish(), {reach, reach});
+    if (distance.enough) return !(distance.lower > reach);
+    if (distance.simplex.size == 4) return true;
+  }
+  return gapPair(a, X_WA, b, X_WB).distance <= margin;
 }
 template <class ShapeA, class ShapeB>
 Manifold collidePair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {

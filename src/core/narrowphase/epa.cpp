@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory_resource>
 #include <queue>
 #include <vector>
 
@@ -55,8 +56,15 @@ int next(int edge) {
 
 class Polytope {
  public:
-  Polytope(const Simplex& s, double rounding)
-      : points_(s.points.begin(), s.points.end()), rounding_(rounding) {
+  using Memory = std::pmr::memory_resource;
+
+  Polytope(const Simplex& s, double rounding, Memory* memory)
+      : points_(s.points.begin(), s.points.end(), memory),
+        faces_(memory),
+        nearest_(memory),
+        horizon_(memory),
+        removed_(memory),
+        rounding_(rounding) {
     points_.reserve(kUsual), faces_.reserve(6 * kUsual), horizon_.reserve(kUsual), removed_.reserve(kUsual);
     const Vec3 e1 = points_[1].w - points_[0].w, e2 = points_[2].w - points_[0].w;
     if (e1.cross(e2).dot(points_[3].w - points_[0].w) > 0.0) std::swap(points_[1], points_[2]);
@@ -131,7 +139,7 @@ class Polytope {
               : b == longest ? ki.cross(ij)
                              : ij.cross(jk)};
     const double area = face.n.norm();
-    const bool sound = area > rounding_ * std::sqrt(longest);
+    const bool sound = area > 0.0 && area * area > rounding_ * rounding_ * longest;
     if (area > 0.0) face.n /= area;
     // From the corner nearest to the origin, where rounding is least.
     const auto nearer = [&](int l, int m) { return points_[l].w.squaredNorm() < points_[m].w.squaredNorm(); };
@@ -168,11 +176,11 @@ class Polytope {
   static constexpr int kUsual = 16;  // points: with fewer no memory is asked for twice
 
   using Entry = std::pair<double, int>;  // distance, face
-  std::vector<SupportPoint> points_;
-  std::vector<Face> faces_;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> nearest_;
-  std::vector<std::pair<int, int>> horizon_;
-  std::vector<int> removed_;
+  std::pmr::vector<SupportPoint> points_;
+  std::pmr::vector<Face> faces_;
+  std::priority_queue<Entry, std::pmr::vector<Entry>, std::greater<Entry>> nearest_;
+  std::pmr::vector<std::pair<int, int>> horizon_;
+  std::pmr::vector<int> removed_;
   double rounding_;
 };
 
@@ -280,15 +288,17 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   Vec3 flat_normal = Vec3::UnitZ();
   if (!makeTetrahedron(support, tetrahedron, scale, flat_normal)) return flatResult(simplex, flat_normal);
 
-  Polytope polytope(tetrahedron, kRounding * scale);
+  std::array<std::byte, 32768> usual;  // what most pairs need: none of it is asked of the heap
+  std::pmr::monotonic_buffer_resource memory(usual.data(), usual.size());
+  Polytope polytope(tetrahedron, kRounding * scale, &memory);
   EpaResult result;
   result.upper = std::numeric_limits<double>::infinity();
   result.lower = -std::numeric_limits<double>::infinity();
   Face best{};
   bool best_is_finished = false, unproved = false;
   double given_up = std::numeric_limits<double>::infinity();  // least distance of the faces given up
-  std::vector<Cap> caps;
-  std::vector<std::pair<Belt, double>> proven_belts;  // with their widths
+  std::pmr::vector<Cap> caps(&memory);
+  std::pmr::vector<std::pair<Belt, double>> proven_belts(&memory);  // with their widths
   // The directions that a face leaves open are those within this angle of its normal.
   const auto open = [&](const Face& face) { return std::acos(std::min(face.distance / result.upper, 1.0)); };
   const auto cornersOf = [&](const Face& face) {

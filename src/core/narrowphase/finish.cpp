@@ -111,6 +111,27 @@ Vec3 onSphere(const Feature& a, const Feature& b, const Vec3& start) {
   return start;
 }
 
+// Along its axis a circle has no farthest point, and near to it none that Newton's method gets on from. A
+// direction so near is turned to where the other feature lies, `outward` being that from the circle to it.
+Vec3 offAxis(const Feature& circle, const Feature& other, const Vec3& outward) {
+  constexpr double kTilt = 0.05;
+  if (circle.size != 1 || circle.radius[0] == 0.0 || circle.pin != Feature::Pin::None) return outward;
+  const auto across = [&](const Vec3& v) -> Vec3 { return v - circle.axis.dot(v) * circle.axis; };
+  if (across(outward).norm() > kTilt) return outward;
+  const Vec3 towards = across(farthest(other, -outward).point - circle.centre[0]);
+  const double length = towards.norm();
+  if (!(length > 0.0)) return outward;
+  return (std::copysign(1.0, circle.axis.dot(outward)) * circle.axis + kTilt / length * towards).normalized();
+}
+
+// Whether the separation along m is larger than that along n, by more than rounding.
+bool gains(const Feature& a, const Feature& b, const Vec3& n, const Vec3& m) {
+  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
+  const Vec3 on_a = farthest(a, m).point, on_b = farthest(b, -m).point;
+  return m.dot(on_b - on_a) >
+         n.dot(farthest(b, -n).point - farthest(a, n).point) + kRounding * (on_a.norm() + on_b.norm());
+}
+
 Vec3 directionOf(const Feature& a, const Feature& b, const Vec3& n) {
   using Pin = Feature::Pin;
   if (a.pin == Pin::Point) return a.pin_axis;
@@ -119,7 +140,9 @@ Vec3 directionOf(const Feature& a, const Feature& b, const Vec3& n) {
   if (a.pin == Pin::Circle && b.pin == Pin::Circle && !parallel(of_a, of_b)) return common(of_a, of_b, n);
   if (a.pin == Pin::Circle) return onCircle(a, b, of_a, n);
   if (b.pin == Pin::Circle) return onCircle(a, b, of_b, n);
-  return onSphere(a, b, n);
+  if (const Vec3 found = onSphere(a, b, n); found != n) return found;
+  const Vec3 turned = -offAxis(b, a, -offAxis(a, b, n)), found = onSphere(a, b, turned);
+  return gains(a, b, n, found) ? found : n;
 }
 
 // The belt of the circle to which `pin` pins its outward normals m, m.u = c, met by a point or circle of the
@@ -228,8 +251,10 @@ Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& start, Seek se
   }
   if (a.isDisc()) {
     found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0], found.margin);
+    found.between = true;
   } else if (b.isDisc()) {
     found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0], found.margin);
+    found.between = true;
   } else if (a.size * b.size <= 4) {
     for (int i = 0; i < a.size; ++i)
       for (int j = 0; j < b.size; ++j) {

@@ -45,6 +45,7 @@ struct Meeting {
   int size = 0;
   std::array<Vec3, 4> on_a, on_b;
   std::array<int, 4> corner_b{-1, -1, -1, -1};  ///< which point of the feature of B on_b is; -1: none
+  bool between = false;                         ///< the points lie between corners
   double margin = 0.0;
   std::array<Belt, 4> belts{};
 };
@@ -84,12 +85,9 @@ class Finish {
   /// features that are near.
   Finished operator()(const Vec3& n, const SupportPoint* points, int size,
                       Seek seek = Seek::Stationary) const {
-    std::array<Vec3, 4> own;
-    own.fill(n);
-    for (int i = 0; i < size; ++i) own[i] = points[i].a;
-    const Features of_a = featuresAt(a_, n, own.data(), size);
-    for (int i = 0; i < size; ++i) own[i] = points[i].b_B;
-    Features of_b = featuresAt(b_, Vec3(X_AB_.R_AB.transpose() * -n), own.data(), size);
+    const Vec3 d_B = X_AB_.R_AB.transpose() * -n;
+    const Features of_a = featuresNear(a_, n, &SupportPoint::a, points, size);
+    Features of_b = featuresNear(b_, d_B, &SupportPoint::b_B, points, size);
     Meeting best;
     std::array<Vec3, 3> corners_B;
     best.n = n;
@@ -121,12 +119,25 @@ class Finish {
       const int corner = best.corner_b[k];
       const Vec3 b_B =
           corner < 0 ? Vec3(X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)) : corners_B[corner];
-      finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k], b_B});
+      finished.nearest.add({best.on_a[k] - best.on_b[k], best.on_a[k], best.on_b[k], b_B, best.between});
     }
     return finished;
   }
 
  private:
+  // What lies between corners is no corner, however near to one it is.
+  template <class Core>
+  static Features featuresNear(const Core& core, const Vec3& d, Vec3 SupportPoint::*own,
+                               const SupportPoint* points, int size) {
+    std::array<Vec3, 4> corners;
+    corners.fill(d);
+    int count = 0;
+    for (int i = 0; i < size; ++i)
+      if (isRound<Core> || !points[i].between) corners[count++] = points[i].*own;
+    if (count == 0) corners[count++] = core(d);
+    return featuresAt(core, d, corners.data(), count);
+  }
+
   double separation(const Vec3& n) const {
     const Vec3 n_B = X_AB_.R_AB.transpose() * n;
     return n.dot(X_AB_.p_AB) + n_B.dot(b_(-n_B)) - n.dot(a_(n));

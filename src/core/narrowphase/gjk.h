@@ -23,6 +23,7 @@ struct GjkResult {
       -std::numeric_limits<double>::infinity();  ///< the distance, at least; 0 where the sets overlap
   Vec3 n = Vec3::Zero();  ///< unit, from A to B: that of v, or another that proves more; 0 if there is none
   bool finished = false;  ///< n proves `lower`: it is the direction of features, known to rounding
+  bool enough = false;    ///< the search ended since no more was asked for; then n is not set
   bool overlap = false;   ///< the origin is inside A - B, or nearer than rounding can tell
   double scale = 0.0;     ///< largest coordinate met, m: the unit of rounding
   int iterations = 0;     ///< kGjkIterations when it was cut off; the interval still holds
@@ -64,12 +65,20 @@ struct NoFinish {
   }
 };
 
+/// How much of the distance is asked for, m: no more than that it is above `beyond`, or at most `within`.
+/// With the defaults, all of it.
+struct Enough {
+  double beyond = std::numeric_limits<double>::infinity();
+  double within = -std::numeric_limits<double>::infinity();
+};
+
 /// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any
 /// will do, and those that an earlier call on nearly the same pair ended with save most of the work. `finish`
 /// turns a direction into a better one nearby (finish.h); such a direction is taken where it proves more.
 /// Round sets need it all along, others only where the last v does not prove its length.
 template <class Support, class Finish = NoFinish>
-GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {}) {
+GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {},
+              const Enough& enough = {}) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr int kStalls = 4;
   // The features are known when the interval is this small a fraction of the size, or of the distance.
@@ -103,6 +112,10 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     if (result.upper <= rounding) {
       result.overlap = true;
       break;
+    }
+    if (result.lower > enough.beyond + rounding || result.upper < enough.within - rounding) {
+      result.enough = true;
+      return result;
     }
     SupportPoint p;
     bool known = true;    // p is a corner of the simplex
@@ -156,15 +169,35 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
   }
   if (!result.overlap && result.upper > 0.0) {
     const double rounding = kRounding * result.scale;
+    const double unproved = 16.0 * rounding;
     const bool last = best_v.isZero(0.0) || along >= proved - rounding;
-    if ((Finish::kRound || !last) && !result.finished) {
-      const Vec3 n = finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size).n;
+    const auto consider = [&](const Vec3& n, double least) {
       const double separation = -n.dot(support(n).w);
-      if (separation >= result.lower - rounding)
-        result.n = n, result.finished = true, result.lower = std::max(result.lower, separation);
+      if (separation < least) return;
+      result.n = n, result.finished = true, result.lower = std::max(result.lower, separation);
+    };
+    if ((Finish::kRound || !last) && !result.finished)
+      consider(finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size).n,
+               result.lower - rounding);
+    // Where v is so short that rounding turns it, what lies beyond its plane spans the right one with points
+    // of the simplex, though it is not nearer to the origin than these by more than rounding.
+    Simplex around = result.simplex;
+    for (double before = -1.0; unproved < result.upper - result.lower && before < result.lower;) {
+      const Vec3 n = result.finished ? result.n : Vec3(-(last ? result.v : best_v).normalized());
+      const SupportPoint p = support(n);
+      if (around.size == 4 || around.contains(p.w)) break;
+      before = result.lower;
+      around.add(p);
+      consider(finish(n, around.points.data(), around.size).n, before + rounding);
+      for (int i = 0; i + 1 < around.size; ++i)
+        for (int j = 0; j < i; ++j) {
+          const Vec3 across = (around.points[i].w - p.w).cross(around.points[j].w - p.w);
+          if (const double length = across.norm(); length > 0.0)
+            consider(std::copysign(1.0 / length, across.dot(n)) * across, result.lower + rounding);
+        }
     }
     // A direction that does not prove the distance is not that of the nearest features.
-    if (result.upper - result.lower > 16.0 * rounding) result.finished = false;
+    if (result.upper - result.lower > unproved) result.finished = false;
     // Where several points are nearest but for rounding, the last v may be wrong and an earlier one right.
     if (!result.finished) result.n = -(last ? result.v : best_v).normalized();
   }
@@ -176,10 +209,11 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
 
 /// Likewise, from the point of A - B farthest from `centre`, which is any point well inside A - B.
 template <class Support, class Finish = NoFinish>
-GjkResult gjk(const Support& support, const Vec3& centre, const Finish& finish = {}) {
+GjkResult gjk(const Support& support, const Vec3& centre, const Finish& finish = {},
+              const Enough& enough = {}) {
   Simplex start;
   start.add(support(centre.isZero(0.0) ? Vec3(-Vec3::UnitX()) : Vec3(-centre)));
-  return gjk(support, start, finish);
+  return gjk(support, start, finish, enough);
 }
 
 }  // namespace rbs

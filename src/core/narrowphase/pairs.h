@@ -7,6 +7,8 @@
 
 namespace rbs {
 
+struct Search;  // convex.h
+
 Manifold collidePair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin);
 Gap gapPair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB);
 
@@ -20,6 +22,7 @@ Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB)
 /// for boxes that meet with neither, their nearest points. The normal is the separating axis on which the
 /// boxes are farthest apart (or overlap least).
 Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
-Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB);
+Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, const Search& search);
+bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
 
 }  // namespace rbs

@@ -32,7 +32,7 @@ std::optional<RayEntry> castRayOnSupport(const Core& core, double radius, const 
   constexpr int kIterations = 128;
   RayEntry entry{0.0, -d_B};
   Vec3 tip = origin_B;
-  const auto fromTip = [&](const Vec3& p) { return SupportPoint{p - tip, p, tip, Vec3::Zero()}; };
+  const auto fromTip = [&](const Vec3& p) { return SupportPoint{p - tip, p, tip, Vec3::Zero(), false}; };
 
   double scale = tip.cwiseAbs().maxCoeff() + radius;
   Simplex simplex;

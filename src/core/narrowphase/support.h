@@ -32,7 +32,7 @@ struct SegmentCore {
 
 /// The point of a circle about the z axis that is farthest along d; the circle's centre where d is the axis.
 inline Vec3 onCircle(double radius, double z, const Vec3& direction) {
-  const double across = std::hypot(direction.x(), direction.y());
+  const double across = direction.head<2>().norm();
   if (across == 0.0) return {0.0, 0.0, z};
   return {radius * (direction.x() / across), radius * (direction.y() / across), z};
 }
@@ -47,7 +47,7 @@ struct CylinderCore {
 struct ConeCore {
   double radius, height;
   Vec3 operator()(const Vec3& direction) const {
-    const double across = std::hypot(direction.x(), direction.y());
+    const double across = direction.head<2>().norm();
     if (height * direction.z() > radius * across) return {0.0, 0.0, 0.75 * height};
     return onCircle(radius, -0.25 * height, direction);
   }
@@ -111,6 +111,7 @@ struct RelativePose {
 struct SupportPoint {
   Vec3 w = Vec3::Zero(), a = Vec3::Zero(), b = Vec3::Zero();
   Vec3 b_B = Vec3::Zero();  ///< b in B's frame, where it stays when B moves
+  bool between = false;     ///< a or b is not a support point, but lies between corners that are
 };
 
 /// The support function of the Minkowski difference A - B of two cores, in A's frame.
@@ -124,7 +125,7 @@ class CoreDifference {
   }
   SupportPoint pointOf(const Vec3& a, const Vec3& b_B) const {
     const Vec3 b = X_AB_.p_AB + X_AB_.R_AB * b_B;
-    return {a - b, a, b, b_B};
+    return {a - b, a, b, b_B, false};
   }
   Vec3 centre() const { return -X_AB_.p_AB; }
 

@@ -32,12 +32,14 @@ struct Scene {
   Gap gap;
   double closed, touching;  // the gap of a pair that has closed, and of one that touches at `from`, m
 
-  Scene(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b, const Motion& motion_b, double t)
+  /// `kept` is what the looks at one pair hand on from one to the next (collide.h).
+  Scene(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b, const Motion& motion_b, double t,
+        Simplex& kept)
       : X_WA(motion_a.at(t)),
         X_WB(motion_b.at(t)),
         a(mover(shape_a, X_WA, motion_a, t)),
         b(mover(shape_b, X_WB, motion_b, t)),
-        gap(rbs::gap(shape_a, X_WA, shape_b, X_WB)) {
+        gap(rbs::gap(shape_a, X_WA, shape_b, X_WB, kept)) {
     const double length = std::min(characteristicLength(shape_a), characteristicLength(shape_b));
     double size = X_WA.p_WB.cwiseAbs().maxCoeff() + X_WB.p_WB.cwiseAbs().maxCoeff();
     for (const Shape* shape : {&shape_a, &shape_b})
@@ -109,8 +111,9 @@ std::optional<double> advance(const Shape& a, const Motion& motion_a, const Shap
                               double from, double to, int* looks) {
   double t = from, step = 0.0;
   std::optional<Watch> watch;
+  Simplex kept;
   for (int k = 0; k < kAdvances; ++k) {
-    const Scene scene(a, motion_a, b, motion_b, t);
+    const Scene scene(a, motion_a, b, motion_b, t, kept);
     if (looks != nullptr) ++*looks;
     const double distance = scene.gap.distance;
     const bool touches = distance <= (t == from ? scene.touching : scene.closed);
@@ -196,7 +199,8 @@ std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const
     return timeOfImpact(b, motion_b, a, motion_a, from, to, looks);
   if (sphere == nullptr) return advance(a, motion_a, b, motion_b, from, to, looks);
 
-  const Scene scene(a, motion_a, b, motion_b, from);
+  Simplex kept;
+  const Scene scene(a, motion_a, b, motion_b, from, kept);
   if (const auto* other = std::get_if<Sphere>(&b)) {
     const double radii = sphere->radius + other->radius;
     return within(motion_a.a_W == motion_b.a_W ? spheresOnLine(radii, scene)
