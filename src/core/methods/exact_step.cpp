@@ -53,6 +53,8 @@ constexpr double kNoChange = 4.0;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
+// Of the margin at which pairs are looked at: where to stop widening it.
+constexpr double kFarthest = 256.0;
 
 using Vec2 = Eigen::Vector2d;
 
@@ -96,6 +98,8 @@ class Stepper {
   enum class Friction { Free, KeepsDirection };
 
   Touching find(double time);
+  bool overlooked(const Touching& later) const;
+  void lookFarther();
   bool takeOverlapsAway();
   void settle();
   Segment attempt(double tau, Friction friction);
@@ -122,6 +126,7 @@ class Stepper {
   std::vector<Index> slot_;  // by body: its place in the problem
   ContactClock clock_;
   double now_, end_, span_;
+  double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, aim_;
   int corrections_, cuts_;
   bool promoted_;      // by a setting that has another method for it
@@ -157,9 +162,24 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
 
 Touching Stepper::find(double time) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, pairs_, slot_, time, span_);
+  Touching found = findTouching(context_, pairs_, slot_, time, span_, reach_);
   clock_.charge(kCollide);
   return found;
+}
+
+// Whether a pair overlaps after a drift that was too far apart before it to be looked at: others have pushed
+// it together.
+bool Stepper::overlooked(const Touching& later) const {
+  return std::any_of(later.points.begin(), later.points.end(), [&](const TouchingPoint& point) {
+    return point.gap < -kTouch * point.length && !touching_.has(point.pair);
+  });
+}
+
+void Stepper::lookFarther() {
+  reach_ *= 4.0;
+  const Touching before = std::move(touching_);
+  touching_ = find(now_);
+  touching_.inherit(before);
 }
 
 // --- solving
@@ -529,6 +549,10 @@ bool Stepper::run() {
     const double left = end_ - now_;
     double tau = left > 1.5 * longest ? longest : left;
     Segment segment = attempt(tau, Friction::Free);
+    while (reach_ < kFarthest && overlooked(segment.touching)) {
+      lookFarther();
+      segment = attempt(tau, Friction::Free);
+    }
     const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
     if (segment.slip_left <= 1e-9 && cuts_ >= points) {
       cuts_ -= points;
@@ -544,6 +568,7 @@ bool Stepper::run() {
     island_.restore(segment.end);
     touching_ = std::move(segment.touching);
     now_ += tau;
+    reach_ = 1.0;
   }
   return true;
 }

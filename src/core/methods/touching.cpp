@@ -53,7 +53,7 @@ void addCouple(const Context& context, Index pair, std::size_t first, Touching& 
 }  // namespace
 
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
-                      double time, double span) {
+                      double time, double span, double reach) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const double gravity = context.scene.gravity_W.norm();
@@ -68,7 +68,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
     const double length = std::min(a.length, b.length);
     const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + surfaceSpeed(bodies, i) +
                          surfaceSpeed(bodies, j) + 0.5 * span * (step.load[j].a_W - step.load[i].a_W).norm();
-    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, span * speed + kMargin * length);
+    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, reach * (span * speed + kMargin * length));
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
@@ -98,6 +98,12 @@ Index Touching::matching(const TouchingPoint& other) const {
   for (; p != points.end() && p->pair == other.pair; ++p)
     if (p->feature == other.feature) return static_cast<Index>(p - points.begin());
   return kNone;
+}
+
+bool Touching::has(Index pair) const {
+  const auto p = std::lower_bound(points.begin(), points.end(), pair,
+                                  [](const TouchingPoint& point, Index k) { return point.pair < k; });
+  return p != points.end() && p->pair == pair;
 }
 
 Index Touching::matching(const TouchingCouple& other) const {

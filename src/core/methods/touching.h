@@ -35,6 +35,7 @@ struct Touching {
 
   /// The point of the same pair and feature as this one of another instant; kNone when there is none.
   Index matching(const TouchingPoint& other) const;
+  bool has(Index pair) const;  ///< a point of this pair
   /// The couple of the same pair; kNone when there is none.
   Index matching(const TouchingCouple& other) const;
   /// Takes over forces and impulses of another instant.
@@ -42,10 +43,10 @@ struct Touching {
 };
 
 /// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept
-/// when they can close within a span, s. `slot` is, by body, its place in the Coulomb problem, kNone for
-/// those that forces do not move.
+/// when they can close within a span, s, at `reach` times the speeds that they have now. `slot` is, by body,
+/// its place in the Coulomb problem, kNone for those that forces do not move.
 Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
-                      double time, double span);
+                      double time, double span, double reach);
 
 /// Takes the forces of the last step for what is expected.
 void expectLastForces(const Contacts& contacts, Touching& touching);
