@@ -32,8 +32,8 @@
 // at a speed u0 worth a rebound and was pushed leaves at e u0 (Newton's law, a pass over the points).
 //
 // A body that no impulse pushed in a sub-step has moved under its load alone and takes the exact parabola. A
-// push takes that away by degrees, so that none, however small, makes a jump; one of a hundredth of the load does so
-// in full.
+// push takes that away by degrees, so that none, however small, makes a jump; one of a hundredth of the load
+// does so in full.
 #include "algebra.h"
 #include "effects/rolling.h"
 #include "effects_built.h"
@@ -62,6 +62,8 @@ constexpr double kSlowTurn = 1e-6;
 // step is cut into more than so many sub-steps.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 constexpr double kMostSubSteps = 256.0;
+// Share of the smaller length from which an overlap is deep: no contact makes one, but edits and hands do.
+constexpr double kDeep = 0.1;
 
 struct Softness {
   double bias, mass, impulse;  // b, a, c
@@ -74,7 +76,8 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-// With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that has none.
+// With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that
+// has none.
 template <bool kRolling>
 class Solver {
  public:
@@ -89,15 +92,17 @@ class Solver {
   void begin() {
     contacts_.find(t0_, dt_, h_);
     if constexpr (kRolling) rolling_ = rolling::find(context_.scene, contacts_);
+    findWedged();
   }
   void goOn();
   void rebound();
+  void holdWedged();
   void store() { contacts_.store(h_, h_full_); }
   int subStepCount() const { return sub_steps_; }
 
  private:
-  // Inlined whatever their size, which depends on the effects that this build has: what it lacks is to save no more
-  // than its own instructions.
+  // Inlined whatever their size, which depends on the effects that this build has: what it lacks is to save
+  // no more than its own instructions.
   [[gnu::always_inline]] void kick();
   [[gnu::always_inline]] void warmStart();
   template <bool kBias>
@@ -105,9 +110,18 @@ class Solver {
   [[gnu::always_inline]] void drift();
   static void apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse);
 
+  void findWedged();
+
+  // A body that overlaps others deeply, and the speed at which it may leave them, m/s.
+  struct Wedged {
+    Index body;  // in contacts_.bodies
+    double speed;
+  };
+
   Context& context_;
   SolverContacts contacts_;
   std::vector<rolling::Row> rolling_;
+  std::vector<Wedged> wedged_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
@@ -265,6 +279,41 @@ void Solver<kRolling>::rebound() {
   }
 }
 
+// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v /
+// sin(alpha) to part from both at v, if their sides are alpha from parallel: a light body between heavy ones
+// left at 2 km/s. It leaves no faster than the fastest of the step before, itself or what it overlaps, and
+// the cap. That takes momentum out of the scene; a deep overlap is no state of bodies that had some.
+template <bool kRolling>
+void Solver<kRolling>::findWedged() {
+  for (const SolverBlock& block : contacts_.blocks) {
+    const auto points = contacts_.points.begin() + block.first;
+    const auto& traits = context_.scene.bodies.traits;
+    const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
+    const double deep = kDeep * std::min(traits[i.body].length, traits[j.body].length);
+    if (std::none_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
+      continue;
+    const auto surfaceSpeed = [](const SolverBody& s) { return s.v.norm() + s.reach * s.w.norm(); };
+    const double speed = std::max(surfaceSpeed(i), surfaceSpeed(j)) + block.push;
+    for (const Index body : {block.i, block.j}) {
+      const auto known =
+          std::find_if(wedged_.begin(), wedged_.end(), [&](const Wedged& w) { return w.body == body; });
+      if (known == wedged_.end())
+        wedged_.push_back({body, speed});
+      else
+        known->speed = std::max(known->speed, speed);
+    }
+  }
+}
+
+template <bool kRolling>
+void Solver<kRolling>::holdWedged() {
+  for (const Wedged& wedged : wedged_) {
+    SolverBody& s = contacts_.bodies[wedged.body];
+    const double most = wedged.speed + dt_ * context_.step.load[s.body].a_W.norm(), speed = s.v.norm();
+    if (s.inv_mass > 0.0 && speed > most) s.v *= most / speed;
+  }
+}
+
 template <class SomeSolver>
 void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
   ContactClock clock(context.step);
@@ -273,6 +322,7 @@ void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1)
   clock.charge(kCollide);
   for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
   if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
+  solver.holdWedged();
   clock.charge(kSolve);
   solver.store();
   clock.charge(kStore);
