@@ -92,10 +92,13 @@ void World::Impl::keepContacts() {
   };
   for (const ContactPair& pair : step.contacts.pairs)
     if (pair.size > 0 && pair.first >= step.inherited) keep(pair, step.contacts);
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const Traits &a = scene.bodies.traits[pair.i], &b = scene.bodies.traits[pair.j];
-    if (pair.size > 0 && (a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces()) keep(pair, scene.contacts);
-  }
+  if (scene.effects[Effect::Sleeping])
+    for (ContactPair pair : scene.contacts.pairs) {
+      pair.i = scene.bodies.indexOf(pair.id_i), pair.j = scene.bodies.indexOf(pair.id_j);  // bodies may have gone
+      if (pair.size == 0 || pair.i == kNone || pair.j == kNone) continue;
+      const Traits &a = scene.bodies.traits[pair.i], &b = scene.bodies.traits[pair.j];
+      if ((a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces()) keep(pair, scene.contacts);
+    }
   std::swap(scene.contacts, kept);
   std::sort(scene.contacts.pairs.begin(), scene.contacts.pairs.end(),
             [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
