@@ -53,9 +53,11 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
   const double radii = coreRadius(a) + coreRadius(b);
   const Enough enough{search.beyond + radii};
   Simplex start;
-  if (search.kept != nullptr)
-    for (int k = 0; k < search.kept->size; ++k)
-      start.add(difference.pointOf(search.kept->points[k].a, search.kept->points[k].b_B));
+  for (int k = 0; search.kept != nullptr && k < search.kept->size; ++k) {
+    const SupportPoint& kept = search.kept->points[k];
+    start.add(difference.pointOf(kept.a, kept.b_B));
+    start.points[k].between = kept.between;
+  }
   const GjkResult distance = start.size > 0 ? gjk(difference, start, finish, enough)
                                             : gjk(difference, difference.centre(), finish, enough);
   if (search.kept != nullptr) *search.kept = distance.simplex;
