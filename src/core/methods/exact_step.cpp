@@ -549,7 +549,7 @@ bool Stepper::run() {
     const double left = end_ - now_;
     double tau = left > 1.5 * longest ? longest : left;
     Segment segment = attempt(tau, Friction::Free);
-    while (reach_ < kFarthest && overlooked(segment.touching)) {
+    while (reach_ < kFarthest && segment.first.converged && overlooked(segment.touching)) {
       lookFarther();
       segment = attempt(tau, Friction::Free);
     }
