@@ -51,13 +51,11 @@ class ImpactLoop {
         --budget;
         take(impact);
       }
-      openAroundStrayed();
     }
     // What other impacts have sent off its course is not awaited any more.
     for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
       if (step_.standing[k] == Standing::Awaited)
         dismiss(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j, false);
-    openAroundStrayed();
   }
 
  private:
@@ -132,12 +130,6 @@ class ImpactLoop {
     const Index pair = pairOf(i, j);
     step_.standing[pair] = standing;
     Index a = step_.island[i], b = step_.island[j];
-    if (settingsOf(context_.scene.settings.fidelity).exact)
-      for (const Index island : {a, b})
-        if (island != kNone && step_.islands[island].pairs.empty()) {
-          const std::vector<Index>& bodies = step_.islands[island].bodies;
-          strayed_.insert(strayed_.end(), bodies.begin(), bodies.end());
-        }
     if (a == kNone) std::swap(a, b);
     if (b != kNone && a != b) {
       if (a > b) std::swap(a, b);
@@ -163,22 +155,6 @@ class ImpactLoop {
     if (standing == Standing::Contact) step_.islands[a].contact = true;
     std::vector<Index>& pairs = step_.islands[a].pairs;
     if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
-  }
-
-  // Bodies that contacts may push are not on the courses on which they were foretold to pass their
-  // neighbours.
-  void openAroundStrayed() {
-    while (!strayed_.empty()) {
-      const Index i = strayed_.back();
-      strayed_.pop_back();
-      const auto open = [&](Index j) {
-        const Index pair = findPair(std::min(i, j), std::max(i, j));
-        if (pair != kNone && step_.standing[pair] == Standing::Apart)
-          tie(std::min(i, j), std::max(i, j), Standing::Open);
-      };
-      for (const Index j : neighbourhood_.of(i)) open(j);
-      for (const Index j : context_.scene.rosters.planes) open(j);
-    }
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
@@ -265,7 +241,6 @@ class ImpactLoop {
   std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
-  std::vector<Index> strayed_;  // bodies that contacts may push from now on, until their neighbours know
   bool warned_ = false;
 };
 

@@ -82,29 +82,6 @@ void finish(Context& context) {
   advanceBatch(context, touching, false, step.t0, step.t1);
 }
 
-// What contacts may push is not on the course on which it was foretold to pass its neighbours. The exact
-// settings reckon with them; the fast ones find such an overlap in the next step.
-void openNearContacts(Context& context, const std::vector<char>& mover, DisjointSets& sets) {
-  StepStore& step = context.step;
-  const std::vector<ContactPair>& pairs = step.contacts.pairs;
-  std::vector<char> pushed(mover.size(), 0);  // by root
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (mayTouch(step.standing[k]))
-      for (const Index i : {pairs[k].i, pairs[k].j})
-        if (mover[i]) pushed[sets.root(i)] = 1;
-  for (bool more = true; more;) {
-    more = false;
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-      const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-      const auto isPushed = [&](Index body) { return mover[body] && pushed[sets.root(body)]; };
-      if (step.standing[k] != Standing::Apart || !(isPushed(i) || isPushed(j))) continue;
-      step.standing[k] = Standing::Open;
-      more = true;
-      if (mover[i] && mover[j]) sets.unite(i, j), pushed[sets.root(i)] = 1;
-    }
-  }
-}
-
 void moveLedBodies(Context& context) {
   Bodies& bodies = context.scene.bodies;
   for (const Index i : context.scene.rosters.led)
@@ -120,8 +97,7 @@ void bringTo(Context& context, Island& island, double time) {
 
 Need need(const Census& c) {
   const Index movers = c.moved_by_forces - c.ballistic;
-  if (movers == 0 && c.led == 0)
-    return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
+  if (movers == 0 && c.led == 0) return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
   return {true, count(movers, "body", "bodies") + " that may meet others or feel more than gravity" +
                     (c.led > 0 ? ", " + count(c.led, "body is", "bodies are") + " led" : "")};
 }
@@ -136,7 +112,6 @@ void link(Context& context) {
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (mayTouch(step.standing[k]) && mover[pairs[k].i] && mover[pairs[k].j])
       sets.unite(pairs[k].i, pairs[k].j);
-  if (settingsOf(context.scene.settings.fidelity).exact) openNearContacts(context, mover, sets);
 
   for (const Index i : context.scene.rosters.movers) {
     const Index root = sets.root(i);
