@@ -76,6 +76,34 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
+// The velocities of a pair while its points are solved, in a place of their own: nothing else that is written
+// may be them, so that they stay in registers.
+class PairMotion {
+ public:
+  PairMotion(SolverContacts& contacts, const SolverBlock& block)
+      : i_(contacts.bodies[block.i]), j_(contacts.bodies[block.j]), v_i_(i_.v), w_i_(i_.w), v_j_(j_.v), w_j_(j_.w) {}
+
+  /// Speed of j against i along d at the point of the row, m/s.
+  double speed(const Vec3& d, const SolverRow& row) const {
+    return d.dot(v_j_ - v_i_) + row.lever_j.dot(w_j_) - row.lever_i.dot(w_i_);
+  }
+  /// An impulse (N s) on j, and its opposite on i.
+  void push(const Vec3& d, const SolverRow& row, double impulse) {
+    v_i_ -= (i_.inv_mass * impulse) * d;
+    w_i_ -= impulse * row.turn_i;
+    v_j_ += (j_.inv_mass * impulse) * d;
+    w_j_ += impulse * row.turn_j;
+  }
+  void store() const {
+    if (!i_.still) i_.v = v_i_, i_.w = w_i_;
+    if (!j_.still) j_.v = v_j_, j_.w = w_j_;
+  }
+
+ private:
+  SolverBody &i_, &j_;
+  Vec3 v_i_, w_i_, v_j_, w_j_;
+};
+
 // With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that
 // has none.
 template <bool kRolling>
@@ -108,8 +136,6 @@ class Solver {
   template <bool kBias>
   [[gnu::always_inline]] void solve();
   [[gnu::always_inline]] void drift();
-  static void apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse);
-
   void findWedged();
 
   // A body that overlaps others deeply, and the speed at which it may leave them, m/s.
@@ -160,26 +186,18 @@ inline void Solver<kRolling>::kick() {
 }
 
 template <bool kRolling>
-void Solver<kRolling>::apply(SolverBody& i, SolverBody& j, const SolverPoint& point, const Vec3& impulse) {
-  if (!i.still) {
-    i.v -= i.inv_mass * impulse;
-    i.w -= i.inv_inertia_W * point.r_i.cross(impulse);
-  }
-  if (!j.still) {
-    j.v += j.inv_mass * impulse;
-    j.w += j.inv_inertia_W * point.r_j.cross(impulse);
-  }
-}
-
-template <bool kRolling>
 inline void Solver<kRolling>::warmStart() {
   for (const SolverBlock& block : contacts_.blocks) {
+    PairMotion pair(contacts_, block);
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = contacts_.points[k];
       if (point.l_n == 0.0) continue;
-      apply(contacts_.bodies[block.i], contacts_.bodies[block.j], point,
-            point.l_n * block.n + point.l_t.x() * block.t1 + point.l_t.y() * block.t2);
+      pair.push(block.n, point.along_n, point.l_n);
+      if (!block.rough) continue;
+      pair.push(block.t1, point.along_t1, point.l_t.x());
+      pair.push(block.t2, point.along_t2, point.l_t.y());
     }
+    pair.store();
   }
 }
 
@@ -187,16 +205,14 @@ template <bool kRolling>
 template <bool kBias>
 inline void Solver<kRolling>::solve() {
   for (const SolverBlock& block : contacts_.blocks) {
-    SolverBody& i = contacts_.bodies[block.i];
-    SolverBody& j = contacts_.bodies[block.j];
+    PairMotion pair(contacts_, block);
 
     if (built::friction && block.rough) {
       for (int k = block.first; k < block.first + block.size; ++k) {
         SolverPoint& point = contacts_.points[k];
         const double limit = block.mu * point.l_n;
         if (limit == 0.0 && point.l_t.isZero(0.0)) continue;
-        const Vec3 u = contacts_.velocityAt(block, point);
-        const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
+        const Eigen::Vector2d u_t(pair.speed(block.t1, point.along_t1), pair.speed(block.t2, point.along_t2));
         Eigen::Vector2d l_t = point.l_t - point.mass_t * u_t;
         if (l_t.squaredNorm() > limit * limit) {
           l_t = point.l_t - point.rho * u_t;
@@ -205,15 +221,15 @@ inline void Solver<kRolling>::solve() {
         }
         const Eigen::Vector2d change = l_t - point.l_t;
         point.l_t = l_t;
-        apply(i, j, point, change.x() * block.t1 + change.y() * block.t2);
+        pair.push(block.t1, point.along_t1, change.x());
+        pair.push(block.t2, point.along_t2, change.y());
       }
     }
 
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (!kBias && point.l_n == 0.0) continue;
-      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
-      point.open = contacts_.gapNow(block, point);
+      const double u_n = pair.speed(block.n, point.along_n);
       double change;
       if (point.open > 0.0) {
         change = -point.mass_n * (u_n + point.open / h_);
@@ -227,8 +243,9 @@ inline void Solver<kRolling>::solve() {
       change = l_n - point.l_n;
       if (change == 0.0) continue;
       point.l_n = l_n;
-      apply(i, j, point, change * block.n);
+      pair.push(block.n, point.along_n, change);
     }
+    pair.store();
   }
 }
 
@@ -256,8 +273,10 @@ inline void Solver<kRolling>::drift() {
     } else {
       rotateFreely(q_WB, s.w, inertia, h_);
       s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
+      s.turned_axes = true;
     }
   }
+  contacts_.follow();
 }
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
@@ -265,17 +284,16 @@ template <bool kRolling>
 void Solver<kRolling>::rebound() {
   const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
   for (const SolverBlock& block : contacts_.blocks) {
-    SolverBody& i = contacts_.bodies[block.i];
-    SolverBody& j = contacts_.bodies[block.j];
+    PairMotion pair(contacts_, block);
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (-block.e * point.u_0 <= slowest || point.sum_n == 0.0) continue;
-      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
-      const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
+      const double impulse = -point.mass_n * (pair.speed(block.n, point.along_n) + block.e * point.u_0);
       if (impulse <= 0.0) continue;
       point.sum_n += impulse;
-      apply(i, j, point, impulse * block.n);
+      pair.push(block.n, point.along_n, impulse);
     }
+    pair.store();
   }
 }
 

@@ -51,6 +51,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));
+  s.turned_axes = false;
   s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
   s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
   const bool is_plane = std::holds_alternative<Plane>(store.traits[i].shape);
@@ -85,6 +86,8 @@ void SolverContacts::find(double now, double left, double h) {
   const EffectOverrides& overrides = context_.scene.settings.effects;
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
+  blocks.reserve(batch_.pairs.size());
+  points.reserve(4 * batch_.pairs.size());
   for (const Index k : batch_.pairs) {
     if (!mayTouch(context_.step.standing[k])) continue;
     const ContactPair& pair = context_.step.contacts.pairs[k];
@@ -141,24 +144,55 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.gap = point.open = found.separation;
   point.feature = found.feature;
 
-  Mat3 response = (i.inv_mass + j.inv_mass) * Mat3::Identity();
-  if (!i.still) {
-    const Mat3 lever = crossMatrix(point.r_i);
-    response -= lever * i.inv_inertia_W * lever;
-  }
-  if (!j.still) {
-    const Mat3 lever = crossMatrix(point.r_j);
-    response -= lever * j.inv_inertia_W * lever;
-  }
-  point.mass_n = 1.0 / block.n.dot(response * block.n);
+  const auto setLevers = [&](SolverRow& row, const Vec3& d) {
+    row.lever_i = point.r_i.cross(d), row.lever_j = point.r_j.cross(d);
+  };
+  setLevers(point.along_n, block.n);
+  if (block.rough) setLevers(point.along_t1, block.t1), setLevers(point.along_t2, block.t2);
+  turnRows(block, point);
+
+  const double inv_mass = i.inv_mass + j.inv_mass;
+  const auto response = [](const SolverRow& a, const SolverRow& b) {
+    return a.lever_i.dot(b.turn_i) + a.lever_j.dot(b.turn_j);
+  };
+  point.mass_n = 1.0 / (inv_mass + response(point.along_n, point.along_n));
   point.u_0 = block.n.dot(velocityAt(block, point));
   if (!block.rough) return;
-  Eigen::Matrix<double, 3, 2> T;
-  T << block.t1, block.t2;
-  const Eigen::Matrix2d S = T.transpose() * response * T;
+  Eigen::Matrix2d S;
+  S(0, 0) = inv_mass + response(point.along_t1, point.along_t1);
+  S(1, 1) = inv_mass + response(point.along_t2, point.along_t2);
+  S(0, 1) = S(1, 0) = response(point.along_t1, point.along_t2);
   point.mass_t = S.inverse();
   const double half_trace = 0.5 * S.trace();
   point.rho = 1.0 / (half_trace + std::sqrt(std::max(half_trace * half_trace - S.determinant(), 0.0)));
+}
+
+void SolverContacts::turnRows(const SolverBlock& block, SolverPoint& point) const {
+  const Mat3 &inv_i = bodies[block.i].inv_inertia_W, &inv_j = bodies[block.j].inv_inertia_W;
+  const auto turn = [&](SolverRow& row) { row.turn_i = inv_i * row.lever_i, row.turn_j = inv_j * row.lever_j; };
+  turn(point.along_n);
+  if (block.rough) turn(point.along_t1), turn(point.along_t2);
+}
+
+void SolverContacts::follow() {
+  for (const SolverBlock& block : blocks) {
+    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+    const bool turned = i.turned_axes || j.turned_axes;
+    const Vec3 theta_i = i.round ? Vec3(Vec3::Zero()) : Vec3(i.turned - block.turned_i);
+    const Vec3 theta_j = j.round ? Vec3(Vec3::Zero()) : Vec3(j.turned - block.turned_j);
+    const double shift = block.n.dot((j.moved - block.moved_j) - (i.moved - block.moved_i));
+    // n . (theta x r + theta x (theta x r)/2)
+    const auto turn = [&](const Vec3& theta, const Vec3& r, const Vec3& lever) {
+      return theta.dot(lever) + 0.5 * (theta.dot(r) * theta.dot(block.n) - theta.squaredNorm() * r.dot(block.n));
+    };
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      SolverPoint& point = points[k];
+      if (turned) turnRows(block, point);
+      point.open = point.gap + shift + turn(theta_j, point.r_j, point.along_n.lever_j) -
+                   turn(theta_i, point.r_i, point.along_n.lever_i);
+    }
+  }
+  for (SolverBody& body : bodies) body.turned_axes = false;
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
@@ -237,7 +271,7 @@ void SolverContacts::store(double h, double h_full) {
       touch.p_W =
           point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
       touch.n_W = block.n;
-      touch.separation = gapNow(block, point);
+      touch.separation = point.open;
       touch.normal_impulse = point.sum_n;
       touch.friction_impulse_W = inPlane(point.sum_t);
       contacts.touches.push_back(touch);

@@ -16,14 +16,23 @@ struct SolverBody {
   Vec3 moved, turned;  // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
+  bool turned_axes;  // inv_inertia_W has changed since the rows of its points were made
   bool still;    // nothing moves it: neither impulses nor a motion of its own
   bool round;    // its surface does not turn with it: a sphere
   double reach;  // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
+/// What an impulse along one direction d at a point does, and what speed it sees.
+struct SolverRow {
+  Vec3 lever_i, lever_j;  // r x d, m
+  Vec3 turn_i, turn_j;    // I^-1 (r x d): change of the angular velocity, 1/(kg m)
+};
+
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
+  SolverPoint() {}  // not "= default": a vector would clear what is about to be filled in
+  SolverRow along_n, along_t1, along_t2;  // the last two only where the block is rough
   Vec3 r_i, r_j;           // from the centres, m
   double gap;              // when it was found, m
   double u_0;              // normal velocity of j against i when it was found, m/s
@@ -36,7 +45,7 @@ struct SolverPoint {
   Vec3 guess_t_W{0.0, 0.0, 0.0};
   double sum_n = 0.0;  // over all sub-steps
   Eigen::Vector2d sum_t{0.0, 0.0};
-  double open;  // gap now, m
+  double open;  // gap after the last sub-step, m
   std::uint32_t feature;
   Vec3 p_W;
 };
@@ -63,25 +72,12 @@ class SolverContacts {
   void find(double now, double left, double h);
   /// Finds the points anew of the pairs that have strayed since theirs were found.
   void refresh(double now, double left);
-  /// The gap of a point after what its bodies have moved since it was found, m.
+  /// To be called when the bodies have moved: measures the gaps, and makes the rows anew of the points of bodies whose
+  /// axes have turned.
   ///
-  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
-  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
-  double gapNow(const SolverBlock& block, const SolverPoint& point) const {
-    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-    Vec3 shift = Vec3::Zero();
-    if (!j.still) shift = j.moved - block.moved_j;
-    if (!i.still) shift -= i.moved - block.moved_i;
-    if (!i.round && !i.still) {
-      const Vec3 theta = i.turned - block.turned_i, turn = theta.cross(point.r_i);
-      shift -= turn + 0.5 * theta.cross(turn);
-    }
-    if (!j.round && !j.still) {
-      const Vec3 theta = j.turned - block.turned_j, turn = theta.cross(point.r_j);
-      shift += turn + 0.5 * theta.cross(turn);
-    }
-    return point.gap + block.n.dot(shift);
-  }
+  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r, to second
+  /// order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  void follow();
   /// Velocity of j against i at a point, m/s.
   Vec3 velocityAt(const SolverBlock& block, const SolverPoint& point) const {
     const SolverBody &i = bodies[block.i], &j = bodies[block.j];
@@ -108,6 +104,7 @@ class SolverContacts {
   void findPoints(SolverBlock& block, double now, double left);
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
+  void turnRows(const SolverBlock& block, SolverPoint& point) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasStrayed(const SolverBlock& block) const;
