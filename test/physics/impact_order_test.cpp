@@ -139,4 +139,40 @@ TEST(ImpactOrder, ImpactsDoNotDisturbWhoTakesNoPart) {
   }
 }
 
+// A ball strikes a row of others that lean on each other and on a kerb; the end of the row strikes a ball that falls
+// past it, and that one another. Only the solve of the contacts knows that the end of the row will move.
+TEST(ImpactOrder, WhatContactsPushIntoEachOtherDoesNotOverlap) {
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+    scene.fidelity = Setting(fidelity);
+    scene.gravity = Vec3(-2.0, 0.0, -9.81);
+    scene.bodies.push_back(box("kerb", Vec3(0.2, 1.0, 0.2), Vec3(-0.5, 0.0, 0.1)));
+    scene.bodies.back().kind = BodyKind::Static;
+    const int row = 4;
+    for (int k = 0; k < row; ++k) {
+      scene.bodies.push_back(ball("row" + std::to_string(k), 0.5, Vec3(k, 0.0, 0.5)));
+      scene.bodies.back().material.friction = 0.0;
+    }
+    World world(scene);
+    for (int k = 0; k < 3; ++k) world.step();
+    const auto add = [&](const char* name, double radius, const Vec3& p_WB, const Vec3& v_WB) {
+      BodyDef def = ball(name, radius, p_WB);
+      def.material.friction = 0.0;
+      def.twist.v_WB = v_WB;
+      world.addBody(def);
+    };
+    const double radius = 0.2, gap = 0.001, x = row - 0.5 + radius + gap;
+    add("striking", radius, Vec3(-0.5 - radius - gap, 0.0, 0.5), Vec3(100.0, 0.0, 0.0));
+    add("falling", radius, Vec3(x, 0.0, 0.5), Vec3::Zero());
+    add("next", radius, Vec3(x + 2.0 * radius + gap, 0.0, 0.5), Vec3::Zero());
+    world.step();
+    const auto between = [&](const char* a, const char* b) {
+      return (stateOf(world, b).pose.p_WB - stateOf(world, a).pose.p_WB).norm();
+    };
+    EXPECT_GE(between("row3", "falling"), 0.5 + radius - 1e-7);
+    EXPECT_GE(between("falling", "next"), 2.0 * radius - 1e-7);
+    EXPECT_GT(stateOf(world, "next").twist.v_WB.x(), 1.0);
+  }
+}
+
 }  // namespace

@@ -53,6 +53,9 @@ constexpr double kNoChange = 4.0;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
+// Overlaps beyond this share are not left to the next step: so many corrections may go into them at any setting.
+constexpr double kDeep = 1e-6;
+constexpr int kMostCorrections = 4;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
@@ -165,6 +168,11 @@ Touching Stepper::find(double time) {
   Touching found = findTouching(context_, pairs_, slot_, time, span_, reach_);
   clock_.charge(kCollide);
   return found;
+}
+
+bool overlaps(const Touching& touching) {
+  return std::any_of(touching.points.begin(), touching.points.end(),
+                     [](const TouchingPoint& point) { return point.gap < -kDeep * point.length; });
 }
 
 // Whether a pair overlaps after a drift that was too far apart before it to be looked at: others have pushed
@@ -476,7 +484,9 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.first = solve(kick);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau);
-    if (corrections == corrections_ || !curvatureMatters(kick, segment.touching, tau, curvature)) break;
+    const bool matters = curvatureMatters(kick, segment.touching, tau, curvature);
+    const bool deep = segment.first.converged && overlaps(segment.touching);
+    if (!matters || corrections >= (deep ? kMostCorrections : corrections_)) break;
     island_.restore(start);
   }
 

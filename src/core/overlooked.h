@@ -1,0 +1,16 @@
+// Pairs that a step left to themselves and that overlap after it: contacts have pushed a body off the course on
+// which it was foretold to pass another.
+#pragma once
+
+#include "context.h"
+
+#include <utility>
+#include <vector>
+
+namespace rbs {
+
+/// Of the bodies that contacts may have pushed, at the end of the step; i < j, in canonical order. Pairs that
+/// rebound are not among them: an impact in the next step gives them the rebound that contact would take.
+std::vector<std::pair<Index, Index>> findOverlooked(const Context& context);
+
+}  // namespace rbs
