@@ -36,7 +36,7 @@ def noise(result):
     """How far times of the same work differ: where all our settings give the same error to the bit, they do the same."""
     groups = {}
     for r in result['rows']:
-        if r['engine'] == 'ours' and not r['failure']:
+        if r['engine'] == 'ours' and not r['failure'] and not r['base']:
             groups.setdefault((r['problem'], r['step'], r['error']), []).append(r['cpu_seconds'])
     ratios = sorted(max(times) / min(times) for times in groups.values() if len(times) == len(SETTINGS))
     if not ratios:
@@ -59,6 +59,37 @@ def needless(result):
         if names:
             lines.append(f'- `{high}` is both cheaper and more exact than `{low}` on {", ".join(names)}.')
     return lines
+
+
+def sweeps(result):
+    """Errors at 1/60 s of our settings with a number behind their name changed, on the problems where that matters."""
+    engines = [e for e in result['catalogue']['engines'] if e['engine'] == 'ours']
+    lines = []
+    for preset in SETTINGS:
+        columns = [preset] + [e['setting'] for e in engines if e['base'] == preset]
+        rows = []
+        for p in result['catalogue']['problems']:
+            cells = [usual(result, p['name'], 'ours', setting) for setting in columns]
+            if None in cells or len({row['error'] for row in cells}) == 1:
+                continue
+            rows.append([p['name']] + [error_text(row) + (f', {seconds(row["cpu_seconds"] / row["steps"])}'
+                                                          if row['cpu_seconds'] else '') for row in cells])
+        if rows and len(columns) > 1:
+            names = [f'{preset} as it is'] + [name.partition(', ')[2] for name in columns[1:]]
+            lines += table(['problem'] + names, rows) + ['']
+    return lines
+
+
+def soonest(result, problem):
+    """Which of our settings gets to each level of error first, in a sentence."""
+    found = result['derived'][problem]['soonest']
+    words = [f'to {level.replace("0.001", "1e-3").replace("e-0", "e-")} `{row["setting"]}` at {step_text(row["step"])} in '
+             f'{seconds(row["cpu_seconds"])}' for level, row in found.items() if row]
+    return 'Soonest of ours: ' + '; '.join(words) + '.' if words else 'None of ours gets to 1e-3.'
+
+
+def step_text(step):
+    return f'1/{round(1 / step)} s'
 
 
 def losses(result):
@@ -86,7 +117,7 @@ def table(header, rows):
 
 def page(result):
     problems = result['catalogue']['problems']
-    engines = [(e['engine'], e['setting']) for e in result['catalogue']['engines']]
+    engines = [(e['engine'], e['setting']) for e in result['catalogue']['engines'] if not e['base']]
     machine, build = result['machine'], result['build']
     lines = [
         '# What accuracy costs', '',
@@ -114,6 +145,11 @@ def page(result):
     lines += table(['problem'] + list(SETTINGS), rows)
     lines += ['', 'Flights, spins and bouncing balls are in closed form at every setting, so the dial only matters '
               'where bodies rest, slide or roll on each other.', ''] + needless(result)
+    swept = sweeps(result)
+    if swept:
+        lines += ['', '## What sub-steps and tolerance buy', '',
+                  'The numbers behind the names changed one at a time, at 1/60 s: error, and CPU time of a step. Left out are '
+                  'problems on which it changes nothing.', ''] + swept
 
     lines += ['', '## The others at 1/60 s', '', 'The error with a step of 1/60 s.', '']
     others = [e for e in engines if e[0] != 'ours']
@@ -124,7 +160,8 @@ def page(result):
         lines += ['No other engine was built in.']
 
     lines += ['', '## Problem by problem', '',
-              'Charts: error against CPU time of the whole run, a point for each step size; the thick line is the '
+              'Charts: error against CPU time of the whole run, a point for each step size; triangles are settings of ours '
+              'with other sub-steps or another tolerance; the thick line is the '
               'Pareto front, the points that none beats on both. Tables: the CPU time of the cheapest step that reaches an '
               'error; the order, which is the slope of the error against the step (none: errors of rounding, or too few '
               'points; negative: the error grows as steps shrink); '
@@ -145,7 +182,7 @@ def page(result):
                         [seconds(own['time_to'][level]) for level in LEVELS] +
                         ['–' if own['order'] is None else f'{own["order"]:.1f}',
                          '–' if own['digit_price'] is None else f'×{own["digit_price"]:.2f}'])
-        lines += table(['engine', 'to 1e-3', 'to 1e-6', 'to 1e-9', 'order', 'one digit more'], rows) + ['']
+        lines += table(['engine', 'to 1e-3', 'to 1e-6', 'to 1e-9', 'order', 'one digit more'], rows) + ['', soonest(result, p['name']), '']
 
     lines += [
         '## How it was measured', '',
@@ -160,7 +197,15 @@ def page(result):
         'two, everywhere.',
         '- Engines and settings:']
     lines += [f'  - {e["engine"]} {e["setting"]} ({e["version"]}): {e["sentence"]}'
-              for e in result['catalogue']['engines']]
+              for e in result['catalogue']['engines'] if not e['base']]
+    tuned = [f'`{e["setting"]}`' for e in result['catalogue']['engines'] if e['base']]
+    if tuned:
+        lines += ['  - ours with one number changed: ' + ', '.join(tuned) +
+                  ('; in a quick run at every fourth step size' if result['quick'] else '')]
+    lines += ['- Steps are the same for all engines: ' + ', '.join(
+        step_text(step) for step in max((p['steps'] for p in result['catalogue']['problems']), key=len)) +
+              '; without the last where a problem is dear' +
+              ('. This quick run took every other of them.' if result['quick'] else '.')]
     lines += ['- "Not supported" is what an engine does not offer: air resistance that grows with the square of the '
               'speed, and a coefficient of restitution in MuJoCo.',
               '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not '
@@ -176,6 +221,8 @@ def main():
         result = json.load(file)
     if not result['whole']:
         sys.exit('accuracy_page: the run was interrupted, so its results make no page; go on with --resume')
+    for what, name in (('problems', 'name'), ('engines', 'engine')):  # a run may be of some of them
+        result['catalogue'][what] = [one for one in result['catalogue'][what] if one[name] in (result[what] or [one[name]])]
     pictures = os.path.join(docs, 'pictures', 'accuracy')
     os.makedirs(pictures, exist_ok=True)
     for problem in result['catalogue']['problems']:

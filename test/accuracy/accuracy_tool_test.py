@@ -98,7 +98,8 @@ class Runs(Folder):
         self.assertEqual(0, done.returncode, done.stderr)
         result = self.results()
         self.assertTrue(result['whole'])
-        self.assertEqual(2 * 4 * 4, len(result['rows']))  # problems, settings, every other step
+        # Problems, each with the settings as they are at every other step, and 12 changed ones at every fourth.
+        self.assertEqual(2 * (4 * 5 + 12 * 3), len(result['rows']))
         for row in result['rows']:
             self.assertEqual(2, row['runs'])
             self.assertIsNone(row['failure'], row)
@@ -107,6 +108,42 @@ class Runs(Folder):
                           'sliding_stop.svg', 'sliding_stop.png'}, names)
         with open(self.out + '/results.csv', encoding='utf-8') as file:
             self.assertEqual(1 + len(result['rows']), len(file.readlines()))
+
+    def test_sub_steps_and_tolerances_are_swept_and_change_errors_where_they_should(self):
+        done = self.tool('--problems', 'sliding_stop', 'mass_ratio', '--engines', 'ours', '--quick', '--passes', '1')
+        self.assertEqual(0, done.returncode, done.stderr)
+        result = self.results()
+
+        def errors_at_60(problem):
+            return {r['setting']: r['error'] for r in result['rows']
+                    if r['problem'] == problem and abs(r['step'] - 1 / 60) < 1e-9}
+
+        at_60 = errors_at_60('sliding_stop')
+        sub_steps = [at_60[s] for s in ('preview', 'preview, 2 sub-steps', 'preview, 4 sub-steps', 'preview, 8 sub-steps')]
+        self.assertEqual(sorted(sub_steps, reverse=True), sub_steps)
+        self.assertGreater(sub_steps[0], 2 * sub_steps[3])
+        self.assertGreater(at_60['interactive, 2 sub-steps'], 2 * at_60['interactive, 32 sub-steps'])
+        at_60 = errors_at_60('mass_ratio')
+        self.assertGreater(at_60['accurate, tolerance 0.01'], 10 * at_60['accurate, tolerance 1e-08'])
+        self.assertGreater(at_60['reference, tolerance 1e-06'], 10 * at_60['reference'])
+        bases = {r['setting']: r['base'] for r in result['rows']}
+        self.assertEqual('', bases['preview'])
+        self.assertEqual('preview', bases['preview, 4 sub-steps'])
+        self.assertEqual('accurate', bases['accurate, tolerance 0.01'])
+        # Whichever is soonest to 1e-3 is said, and none is sooner.
+        good = [r for r in result['rows']
+                if r['problem'] == 'sliding_stop' and not r['failure'] and r['error'] <= 1e-3]
+        soonest = result['derived']['sliding_stop']['soonest']['0.001']
+        self.assertEqual(min(r['cpu_seconds'] for r in good), soonest['cpu_seconds'])
+        written, text = self.page()
+        self.assertEqual(0, written.returncode, written.stderr)
+        table = text[text.index('What sub-steps and tolerance buy'):]
+        self.assertIn('| preview as it is | 2 sub-steps | 4 sub-steps | 8 sub-steps |', table)
+        self.assertIn('| reference as it is | tolerance 1e-06 | tolerance 1e-09 |', table)
+        chart = pathlib.Path(self.out, 'sliding_stop.svg').read_text(encoding='utf-8')
+        for label in ('preview, other sub-steps', 'interactive, other sub-steps', 'accurate, other tolerance',
+                      'reference, other tolerance'):
+            self.assertIn(f'<!-- ours {label} -->', chart)
 
     def test_interrupted_and_resumed_it_gives_what_one_run_gives(self):
         self.assertEqual(0, self.short('--no-charts').returncode)
@@ -155,6 +192,8 @@ class Runs(Folder):
         self.assertEqual(0, written.returncode, written.stderr)
         self.assertIn('No other engine was built in', text)
         self.assertIn('Nowhere in this run', text)
+        self.assertIn('Soonest of ours: to 1e-3 `', text)
+        self.assertNotIn('What sub-steps and tolerance buy', text)  # nothing on a flight
 
         result = self.results()
         result['whole'] = False
@@ -170,7 +209,7 @@ class Runs(Folder):
         done = self.short('--no-charts', probe=probe)
         self.assertEqual(0, done.returncode, done.stderr)
         for row in self.results()['rows']:
-            self.assertEqual('crashed' if row['setting'] == 'preview' else None, row['failure'])
+            self.assertEqual('crashed' if row['setting'].startswith('preview') else None, row['failure'])
 
     def test_errors_that_differ_from_run_to_run_are_a_failure(self):
         counter = os.path.join(self.folder, 'n')

@@ -34,6 +34,7 @@ json listed() {
   for (const peers::EngineSetting& engine : peers::engineSettings())
     result["engines"].push_back({{"engine", engine.engine},
                                  {"setting", engine.setting},
+                                 {"base", engine.base},
                                  {"version", engine.version},
                                  {"sentence", engine.sentence}});
   result["build"] = {{"compiler", __VERSION__}, {"flags", RBS_FLAGS}};
@@ -86,7 +87,8 @@ int run(int argc, char** argv) {
   options.add_options()("help", "print this")("list", "print problems, engines and settings, as JSON")(
       "problem", po::value(&problem_name), "which problem")(
       "engine", po::value(&engine_name)->default_value("ours"), "ours, or another that is built in")(
-      "setting", po::value(&setting), "of the engine: a fidelity of ours; default or better of another")(
+      "setting", po::value(&setting),
+      "of the engine: a fidelity of ours, as it is or \"preview, 4 sub-steps\"; default or better of another")(
       "step", po::value(&request.step), "s, 1e-6 to 1")(
       "repetitions", po::value(&request.repetitions)->default_value(3), "of the timed run, 1 to 1000")(
       "max-seconds", po::value(&request.max_seconds)->default_value(60.0),

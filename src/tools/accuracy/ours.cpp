@@ -1,4 +1,4 @@
-// This simulator behind the seam, at every fidelity.
+// This simulator behind the seam, at every fidelity, and with the numbers behind them changed.
 #include "../../../test/benchmark/peers/engine.h"
 #include "rigid_body_sim/world.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 class Ours : public Engine {
  public:
-  Ours(const Task& task, Fidelity fidelity) : world_(at(task.scene, fidelity)) {
+  Ours(const Task& task, const Setting& setting) : world_(at(task.scene, setting)) {
     for (const Push& push : task.pushes) {
       const BodyDef& body = task.scene.bodies[push.body];
       constexpr double kWholeRun = 1e6;
@@ -22,24 +22,48 @@ class Ours : public Engine {
   }
 
  private:
-  static SceneDef at(SceneDef scene, Fidelity fidelity) {
-    scene.fidelity = fidelity;
+  static SceneDef at(SceneDef scene, const Setting& setting) {
+    scene.fidelity = setting;
     return scene;
   }
 
   World world_;
 };
 
-RegisterEngine add(Fidelity fidelity, const std::string& sentence) {
-  return RegisterEngine({"ours", fidelityName(fidelity), "0.1.0", sentence,
-                         [fidelity](const Task& task) { return std::make_unique<Ours>(task, fidelity); }});
+void add(const Setting& setting, const std::string& sentence) {
+  const bool tuned = setting != Setting(setting.preset);
+  RegisterEngine({"ours", settingName(setting), "0.1.0", sentence,
+                  [setting](const Task& task) { return std::make_unique<Ours>(task, setting); },
+                  tuned ? fidelityName(setting.preset) : ""});
 }
 
-const RegisterEngine preview = add(Fidelity::Preview, "soft contacts, one sub-step");
-const RegisterEngine interactive = add(Fidelity::Interactive, "soft contacts, eight sub-steps; the default");
-const RegisterEngine accurate =
-    add(Fidelity::Accurate, "Coulomb's law to 1e-6, stops of sliding located in time");
-const RegisterEngine reference = add(Fidelity::Reference, "the same to 1e-12");
+void addSubSteps(Fidelity preset, std::initializer_list<std::uint32_t> numbers) {
+  for (const std::uint32_t sub_steps : numbers) {
+    Setting setting(preset);
+    setting.sub_steps = sub_steps;
+    add(setting, "other sub-steps");
+  }
+}
+
+void addTolerances(Fidelity preset, std::initializer_list<double> tolerances) {
+  for (const double tolerance : tolerances) {
+    Setting setting(preset);
+    setting.tolerance = tolerance;
+    add(setting, "another tolerance");
+  }
+}
+
+[[maybe_unused]] const bool added = [] {
+  add(Fidelity::Preview, "soft contacts, one sub-step");
+  add(Fidelity::Interactive, "soft contacts, eight sub-steps; the default");
+  add(Fidelity::Accurate, "Coulomb's law to 1e-6, stops of sliding located in time");
+  add(Fidelity::Reference, "the same to 1e-12");
+  addSubSteps(Fidelity::Preview, {2, 4, 8});
+  addSubSteps(Fidelity::Interactive, {2, 4, 16, 32});
+  addTolerances(Fidelity::Accurate, {1e-2, 1e-4, 1e-8});
+  addTolerances(Fidelity::Reference, {1e-6, 1e-9});
+  return true;
+}();
 
 }  // namespace
 }  // namespace rbs::peers

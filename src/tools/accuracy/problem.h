@@ -22,8 +22,8 @@ struct Problem {
   bool whole_run = false;  ///< the error is the worst of all steps; else the one at the end
   /// The error of these motions at this time, >= 0, dimensionless.
   std::function<double(double time, const std::vector<Motion>&)> error;
-  std::vector<double> steps{1.0 / 15,  1.0 / 30,  1.0 / 60,  1.0 / 120,
-                            1.0 / 240, 1.0 / 480, 1.0 / 960, 1.0 / 1920};  ///< s
+  std::vector<double> steps{1.0 / 5,   1.0 / 10,  1.0 / 15,  1.0 / 30,  1.0 / 60,
+                            1.0 / 120, 1.0 / 240, 1.0 / 480, 1.0 / 960, 1.0 / 1920};  ///< s
 };
 
 inline std::vector<Problem>& problems() {

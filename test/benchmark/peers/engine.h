@@ -49,6 +49,7 @@ struct EngineSetting {
   std::string version;
   std::string sentence;  ///< what the setting is
   std::function<std::unique_ptr<Engine>(const Task&)> make;
+  std::string base{};  ///< the setting that it is with one number changed; empty: a setting of its own
 };
 
 /// All that are linked in. An adapter adds itself, so that a build leaves one out by not compiling its file.
