@@ -23,7 +23,6 @@ class Governor {
 
   /// Whether errors are estimated where no goal asks for it: beside the world runs a copy in half its steps.
   void setEstimating(bool on);
-  bool estimating() const;
 
   /// Of the last window; empty until one is over.
   const std::optional<ErrorEstimate>& estimate() const;

@@ -43,6 +43,7 @@ class Simulator {
 
   /// Whether errors are estimated where no goal asks for it (see Governor).
   void estimateErrors(bool on);
+  bool estimatesErrors() const;
 
   std::shared_ptr<const Snapshot> snapshot() const;
   /// The world as it is between two steps, with the snapshot published then.

@@ -179,9 +179,6 @@ const StepReport& Governor::step(World& world) {
 void Governor::setEstimating(bool on) {
   impl_->estimating = on;
 }
-bool Governor::estimating() const {
-  return impl_->estimating;
-}
 const std::optional<ErrorEstimate>& Governor::estimate() const {
   return impl_->estimate;
 }

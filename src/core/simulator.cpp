@@ -4,6 +4,7 @@
 #include "text.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -64,6 +65,7 @@ struct Simulator::Impl {
   std::optional<SavedState> loaded_state;
   bool paused;
   double speed;
+  std::atomic<bool> estimating{false};
   Clock::time_point next_step = Clock::now();  // when the next step is due
   SpeedMeter meter;
 
@@ -102,7 +104,6 @@ struct Simulator::Impl {
     edits_before = published->edits + 1;
     versions_before = published->description_version + 1;
     world = std::move(fresh);
-    const bool estimating = governor.estimating();
     governor = Governor();
     governor.setEstimating(estimating);
     restartClock();
@@ -243,7 +244,11 @@ void Simulator::setSpeed(double speed) {
 }
 
 void Simulator::estimateErrors(bool on) {
-  impl_->post([&] { impl_->governor.setEstimating(on); });
+  impl_->post([&] { impl_->governor.setEstimating(on), impl_->estimating = on; });
+}
+
+bool Simulator::estimatesErrors() const {
+  return impl_->estimating;
 }
 
 std::pair<World, std::shared_ptr<const Snapshot>> Simulator::copy() {

@@ -4,8 +4,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
-#include <optional>
 
 namespace rbs {
 namespace {
@@ -32,6 +32,8 @@ void Ghost::show(bool on) {
   std::lock_guard<std::mutex> lock(mutex_);
   stop_ = true;
   if (thread_.joinable()) thread_.join();
+  time_ = simulator_.snapshot()->time;
+  shown_ = on;
   if (!on) {
     Snapshot nothing;
     nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
@@ -40,6 +42,11 @@ void Ghost::show(bool on) {
   }
   stop_ = false;
   thread_ = std::thread([this] { run(); });
+}
+
+std::optional<double> Ghost::lag() const {
+  if (!shown_) return std::nullopt;
+  return std::max(0.0, simulator_.snapshot()->time - time_);
 }
 
 void Ghost::run() {
@@ -58,9 +65,10 @@ void Ghost::run() {
       reference.divisions = kDivisions;
       world->setGoal(std::nullopt);
       world->setFidelity(reference);
+      time_ = world->time();
     }
     if (world->time() < live->time - 0.5 * live->step)
-      world->step();
+      world->step(), time_ = world->time();
     else
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const auto now = std::chrono::steady_clock::now();

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 namespace rbs {
@@ -22,6 +23,8 @@ class Ghost {
 
   /// Shows it, from the state as it is now; or takes it away.
   void show(bool on);
+  /// Physics time that it is behind the live bodies, s, >= 0; empty where it is not shown.
+  std::optional<double> lag() const;
 
  private:
   void run();
@@ -31,7 +34,8 @@ class Ghost {
   MarkerPublisher markers_;
   std::shared_ptr<const std::vector<BodyDescription>> described_, drawn_;  ///< bodies as simulated, and as drawn
   std::mutex mutex_;  ///< of the thread's begin and end
-  std::atomic<bool> stop_{false};
+  std::atomic<bool> stop_{false}, shown_{false};
+  std::atomic<double> time_;  ///< physics time that it has come to, s
   std::thread thread_;
 };
 

@@ -52,10 +52,11 @@ rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
 }
 
 void run() {
-  const ros::NodeHandle node("~");
+  ros::NodeHandle node("~");
   rbs::Session session(sessionOptions(node));
-  rbs::Publishers publishers(session.simulator(), session.timeline(), publisherOptions(node));
-  rbs::Services services(session);
+  rbs::Ghost ghost(node, session.simulator());
+  rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, publisherOptions(node));
+  rbs::Services services(session, ghost);
   rbs::CommandTopics commands(session.simulator());
   constexpr int kThreads = 4;  // so that one client's long step() holds up no other client
   ros::AsyncSpinner spinner(kThreads);

@@ -16,7 +16,7 @@ constexpr double kLinePeriod = 1.0;
 
 }  // namespace
 
-Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Options& options)
+Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& ghost, const Options& options)
     : simulator_(simulator),
       timeline_(timeline),
       options_(options),
@@ -24,7 +24,7 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Options& 
       tf_(node_, options.tf, options.tf_prefix),
       states_(node_),
       events_(node_),
-      status_(node_),
+      status_(node_, simulator, ghost),
       markers_(node_, "visualization_marker_array", options.tf, options.tf_prefix),
       interactive_(simulator),
       moment_(timeline.advance(simulator, true)),

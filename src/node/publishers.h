@@ -3,6 +3,7 @@
 #pragma once
 
 #include "event_publisher.h"
+#include "ghost.h"
 #include "interactive_bodies.h"
 #include "markers.h"
 #include "state_publisher.h"
@@ -27,7 +28,7 @@ class Publishers {
     std::string tf_prefix;    ///< in front of the bodies' frames
   };
 
-  Publishers(Simulator& simulator, Timeline& timeline, const Options& options);
+  Publishers(Simulator& simulator, Timeline& timeline, const Ghost& ghost, const Options& options);
 
  private:
   void every(double seconds, void (Publishers::*send)());

@@ -15,8 +15,8 @@ using rigid_body_sim::SetSpeed;
 using rigid_body_sim::Step;
 using std_srvs::Trigger;
 
-Services::Services(Session& session) : session_(session), simulator_(session.simulator()),
-      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(node_, simulator_) {
+Services::Services(Session& session, Ghost& ghost) : session_(session), simulator_(session.simulator()),
+      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(ghost) {
   offerBodyEdits();
   offerPushes();
   offerSurroundings();

@@ -20,7 +20,7 @@ namespace rbs {
 class Services {
  public:
   /// Offers all services, private to the node.
-  explicit Services(Session& session);
+  Services(Session& session, Ghost& ghost);
 
  private:
   /// What a service does: answers with a message, or throws.
@@ -55,7 +55,7 @@ class Services {
   Simulator& simulator_;
   ros::NodeHandle node_;
   AccuracyJob accuracy_;
-  Ghost ghost_;
+  Ghost& ghost_;
   std::vector<ros::ServiceServer> servers_;
 };
 

@@ -146,15 +146,22 @@ std::size_t frozenBodies(const Snapshot& snapshot) {
 
 }  // namespace
 
-StatusPublisher::StatusPublisher(ros::NodeHandle& node)
-    : status_(Topic::of<rigid_body_sim::Status>(node, "status", 10)),
+StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const Ghost& ghost)
+    : simulator_(simulator),
+      ghost_(ghost),
+      status_(Topic::of<rigid_body_sim::Status>(node, "status", 10)),
       wind_(Topic::of<rigid_body_sim::Wind>(node, "wind", 10)) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("simulation", this, &StatusPublisher::describeSimulation);
 }
 
 void StatusPublisher::publish(const Timeline::Moment& moment) {
-  if (status_.wanted(true)) status_.send(statusMsg(moment));
+  if (status_.wanted(true)) {
+    rigid_body_sim::Status msg = statusMsg(moment);
+    msg.estimates_error = simulator_.estimatesErrors();
+    if (const std::optional<double> lag = ghost_.lag()) msg.ghost_lag.push_back(*lag);
+    status_.send(msg);
+  }
   if (wind_.wanted(true)) wind_.send(windMsg(moment));
 }
 

@@ -1,6 +1,7 @@
 // How the simulation is doing: ~status, ~wind, /diagnostics and the line on the terminal.
 #pragma once
 
+#include "ghost.h"
 #include "timeline.h"
 #include "topic.h"
 
@@ -10,7 +11,7 @@ namespace rbs {
 
 class StatusPublisher {
  public:
-  explicit StatusPublisher(ros::NodeHandle& node);
+  StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const Ghost& ghost);
 
   void publish(const Timeline::Moment& moment);
   /// Sends /diagnostics, once a second however often it is called.
@@ -19,6 +20,8 @@ class StatusPublisher {
  private:
   void describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status);
 
+  const Simulator& simulator_;
+  const Ghost& ghost_;
   Topic status_, wind_;
   diagnostic_updater::Updater diagnostics_;
   std::shared_ptr<const Snapshot> diagnosed_;

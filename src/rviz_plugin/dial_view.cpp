@@ -4,6 +4,11 @@
 #include <QVBoxLayout>
 
 namespace rbs {
+namespace {
+
+constexpr double kNoticedLag = 0.1;  // s
+
+}  // namespace
 
 DialView::DialView(SimulatorClient& simulator)
     : simulator_(simulator),
@@ -47,11 +52,16 @@ DialView::DialView(SimulatorClient& simulator)
 void DialView::show(const rigid_body_sim::Status& status) {
   const QString setting = QString::fromStdString(status.fidelity);
   preset_->setCurrentText(setting.section(", ", 0, 0));
+  error_->setChecked(status.estimates_error);
+  ghost_->setChecked(!status.ghost_lag.empty());
   QString text = setting.contains(", ") ? setting : QString();
   if (!status.dial_reason.empty() && (status.max_error > 0.0 || status.max_step_ms > 0.0))
     text = QString::fromStdString(status.dial_reason);
   for (const rigid_body_sim::ErrorEstimate& estimate : status.estimate)
     text += (text.isEmpty() ? "" : "; ") + QString("error %1 mm/s").arg(1e3 * estimate.distance, 0, 'g', 3);
+  for (const double lag : status.ghost_lag)
+    if (lag > kNoticedLag)
+      text += (text.isEmpty() ? "" : "; ") + QString("the ghost is %1 s behind").arg(lag, 0, 'f', 1);
   text_->setText(text);
   text_->setVisible(!text.isEmpty());
   const double error = status.estimate.empty() ? 0.0 : status.estimate[0].distance;

@@ -103,13 +103,18 @@ class AccuracyTest(unittest.TestCase):
     def test_the_error_is_estimated_on_request(self):
         call('step', n=20)
         self.assertEqual(len(self.status.fresh().estimate), 0)
+        self.assertFalse(self.status.fresh().estimates_error)
         call('estimate_error', data=True)
+        self.assertTrue(self.status.fresh().estimates_error)
         call('step', n=20)
         estimate, = self.status.fresh().estimate
         self.assertEqual((estimate.fidelity, estimate.beside), ('interactive', 'interactive, 2 divisions'))
         self.assertGreater(estimate.distance, 0.0)
         self.assertGreater(estimate.beside_ms, 0.0)
+        call('load_scene', name=SMALL)
+        self.assertTrue(self.status.fresh().estimates_error)  # another scene does not change it
         call('estimate_error', data=False)
+        self.assertFalse(self.status.fresh().estimates_error)
         call('step', n=1)
         self.assertEqual(len(self.status.fresh().estimate), 0)
 
@@ -147,6 +152,23 @@ class AccuracyTest(unittest.TestCase):
         self.ghost.clear()
         call('show_ghost', data=False)
         wait(lambda: any(m.action == Marker.DELETE for a in self.ghost.all() for m in a.markers), 'the ghost is gone')
+
+    def test_the_status_tells_how_far_the_ghost_is_behind(self):
+        self.assertEqual(len(self.status.fresh().ghost_lag), 0)
+        call('step', n=1)
+        call('show_ghost', data=True)
+        self.addCleanup(call, 'show_ghost', data=False)
+        wait(lambda: list(self.status.fresh().ghost_lag) == [0.0], 'it is up to date')
+        # Steps that are taken as fast as can be, of a scene that is dear at reference.
+        call('load_scene', name='kapla')
+        call('step', n=10)
+        lag, = self.status.fresh().ghost_lag
+        self.assertGreater(lag, 0.0)
+        self.assertLessEqual(lag, self.status.fresh().time)
+        call('load_scene', name=SMALL)
+        wait(lambda: list(self.status.fresh().ghost_lag) == [0.0], 'it begins anew')
+        call('show_ghost', data=False)
+        self.assertEqual(len(self.status.fresh().ghost_lag), 0)
 
     def test_the_client_prints_the_cost_of_each_setting(self):
         client = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]

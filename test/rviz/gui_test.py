@@ -15,7 +15,7 @@ import rospy
 import rostest
 from rigid_body_sim.msg import Status
 from rigid_body_sim.srv import GetBody
-from std_srvs.srv import Trigger
+from std_srvs.srv import SetBool, Trigger
 
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
 sys.path.insert(0, os.path.join(ROOT, 'scripts'))
@@ -152,6 +152,31 @@ class GuiTest(unittest.TestCase):
         self.wait_for_status(lambda s: s.wind, 'wind after key 1')
         self.rviz.key('1')
         self.wait_for_status(lambda s: not s.wind, 'no wind after key 1 again')
+
+    def panel(self):
+        """What is drawn outside the scene, a row of bytes for each row of pixels."""
+        picture, scene = self.screen.picture(), self.rviz.scene
+        rows = [bytearray(picture.rgb[3 * picture.width * y:3 * picture.width * (y + 1)]) for y in range(picture.height)]
+        for row in rows[scene.y:scene.y + scene.height]:
+            row[3 * scene.x:3 * (scene.x + scene.width)] = bytes(3 * scene.width)
+        return rows
+
+    def test_the_check_boxes_follow_what_others_switch(self):
+        wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
+        for service in ('estimate_error', 'show_ghost'):
+            self.addCleanup(call, service, SetBool, False)
+            before = self.panel()
+
+            def changed():
+                """Height of what is not as it was, pixels."""
+                rows = [y for y, (a, b) in enumerate(zip(before, self.panel())) if a != b]
+                return rows[-1] - rows[0] + 1 if rows else 0
+
+            call(service, SetBool, True)
+            # A check mark has appeared, and nothing as high as two rows of the panel has changed.
+            wait_until(lambda: 0 < changed() < 40, '%s is seen in the panel' % service)
+            call(service, SetBool, False)
+            wait_until(lambda: changed() == 0, 'the panel is as it was before %s' % service)
 
     def test_the_panel_survives_the_death_of_the_simulator(self):
         wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
