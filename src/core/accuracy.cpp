@@ -1,6 +1,9 @@
 // Each window: from one state of the path, every setting and the truth run for the same time, and their ends are
 // compared. How well the truth itself is known is what halving its step changes, u: an error below u is a bound, and a
 // window where u is not below the errors that are to be told apart says nothing.
+//
+// Up to sixteen windows are not taken in the order of time but so that those that are done lie evenly along the path,
+// whenever the study is ended.
 #include "rigid_body_sim/accuracy.h"
 
 #include "checks.h"
@@ -19,9 +22,26 @@ constexpr std::uint32_t kTruthDivisions = 8;
 constexpr std::uint32_t kMostWindowSteps = 1000;
 /// How far apart the truth and its half may be: a share of the largest error of the window, or of the smallest body.
 constexpr double kTruthShare = 0.1, kTruthSize = 1e-6;
+/// Worlds that windows begin with which are kept at a time.
+constexpr std::uint32_t kKept = 16;
+/// Share of the time that the path of the first of them may take: a dearer one is cut short.
+constexpr double kPathShare = 0.25;
 /// Short runs are repeated, and the fastest counts.
 constexpr double kShortRun = 5e-3;
 constexpr int kRepetitions = 3;
+
+/// 0 to n - 1, each as far as can be from those before it: n/2 after 0, then the quarters, and so on.
+std::vector<std::size_t> spread(std::size_t n) {
+  std::vector<std::size_t> order;
+  std::size_t power = 1;
+  while (power < n) power *= 2;
+  for (std::size_t k = 0; k < power; ++k) {
+    std::size_t reversed = 0;
+    for (std::size_t bit = 1; bit < power; bit *= 2) reversed = 2 * reversed + ((k & bit) != 0);
+    if (reversed < n) order.push_back(reversed);
+  }
+  return order;
+}
 
 Setting referenceIn(std::uint32_t divisions) {
   Setting setting(Fidelity::Reference);
@@ -80,13 +100,14 @@ class Study {
       return result_;
     }
     try {
-      std::uint64_t on_path = 0;
-      for (std::uint32_t k = 0; k < options_.windows; ++k) {
-        const auto begin = static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
-        for (; on_path < begin; ++on_path) advance(path_);
-        measureWindow();
+      std::uint32_t done = 0;
+      for (bool cut = false; done < options_.windows && !cut;) {
+        const std::vector<World> begins = followPath(done);
+        for (const std::size_t k : spread(begins.size())) measureWindow(begins[k]);
+        cut = begins.size() < std::min(kKept, options_.windows - done);
+        done += static_cast<std::uint32_t>(begins.size());
       }
-      result_.complete = true;
+      result_.complete = done == options_.windows;
     } catch (const Stopped&) {
     }
     explain();
@@ -94,6 +115,20 @@ class Study {
   }
 
  private:
+  // The worlds that the windows from `first` on begin with: as many as are kept, or fewer where the path is too dear.
+  std::vector<World> followPath(std::uint32_t first) {
+    std::vector<World> begins;
+    for (std::uint32_t k = first; k < options_.windows && begins.size() < kKept; ++k) {
+      const auto begin = static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
+      for (; on_path_ < begin; ++on_path_) {
+        if (first == 0 && cpuNow() - begin_ > kPathShare * options_.max_cpu_seconds) return begins;
+        advance(path_);
+      }
+      begins.push_back(path_);
+    }
+    return begins;
+  }
+
   // Steps, and what is left of the study's time with it.
   void advance(World& world) {
     world.step();
@@ -111,8 +146,8 @@ class Study {
     double seconds;  // CPU time of its steps
   };
 
-  Run runWindow(const Setting& setting) {
-    World world(path_);
+  Run runWindow(const World& from, const Setting& setting) {
+    World world(from);
     world.setFidelity(setting);
     const double start = cpuNow();
     for (std::uint32_t k = 0; k < window_steps_; ++k) advance(world);
@@ -121,15 +156,15 @@ class Study {
     return run;
   }
 
-  void measureWindow() {
+  void measureWindow(const World& from) {
     std::vector<Run> runs;
     for (const SettingCost& cost : result_.settings) {
-      runs.push_back(runWindow(cost.setting));
+      runs.push_back(runWindow(from, cost.setting));
       for (int k = 1; k < kRepetitions && runs.back().seconds < kShortRun; ++k)
-        runs.back().seconds = std::min(runs.back().seconds, runWindow(cost.setting).seconds);
+        runs.back().seconds = std::min(runs.back().seconds, runWindow(from, cost.setting).seconds);
     }
-    const Snapshot half = runWindow(referenceIn(kTruthDivisions / 2)).end;
-    const Snapshot truth = runWindow(referenceIn(kTruthDivisions)).end;
+    const Snapshot half = runWindow(from, referenceIn(kTruthDivisions / 2)).end;
+    const Snapshot truth = runWindow(from, referenceIn(kTruthDivisions)).end;
     for (std::size_t k = 0; k < runs.size(); ++k) {
       SettingCost& cost = result_.settings[k];
       cost.step_ms = (cost.step_ms * static_cast<double>(cost.steps) + 1e3 * runs[k].seconds) /
@@ -179,6 +214,7 @@ class Study {
   const double begin_;
   double step_ = 0.0, smallest_ = 0.0, dropped_doubt_ = 0.0;
   std::uint32_t window_steps_ = 1;
+  std::uint64_t on_path_ = 0;  // steps
   AccuracyStudy result_;
 };
 

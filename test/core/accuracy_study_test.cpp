@@ -96,6 +96,29 @@ TEST(AccuracyStudy, EndsWhenToldToAndWhenItsTimeIsOver) {
   EXPECT_LT(some.windows, 1000u);
 }
 
+// In the second half of its time a ball is on the floor, in the first it flies and all settings are right.
+TEST(AccuracyStudy, EndedEarlyItHasSeenAllPartsOfThePath) {
+  SceneDef scene = onFloor(1.0 / 60.0, kFriction);
+  scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1 + 0.5 * kGravity * 0.81)));
+  scene.bodies.back().material.friction = kFriction;
+  scene.bodies.back().twist.v_WB.x() = kSpeed;
+  const AccuracyStudy study = measureAccuracy(
+      World(scene), {}, [](double, const AccuracyStudy& so_far) { return so_far.windows < 2; });
+  EXPECT_EQ(study.windows, 2u);
+  EXPECT_FALSE(study.complete);
+  EXPECT_GT(costOf(study, Fidelity::Preview).error.distance, 1e-4);
+}
+
+// As many as are kept at a time, and one more.
+TEST(AccuracyStudy, MeasuresAllWindowsThatAreAskedFor) {
+  AccuracyOptions options;
+  options.seconds = 0.5, options.window = 1.0 / 60.0, options.windows = 17;
+  options.settings = {Fidelity::Preview};
+  const AccuracyStudy study = measureAccuracy(World(slidingBox()), options, kAlways);
+  EXPECT_EQ(study.windows + study.dropped, 17u);
+  EXPECT_TRUE(study.complete);
+}
+
 TEST(AccuracyStudy, TellsHowFarItIs) {
   const World world(slidingBox());
   AccuracyOptions options;
