@@ -154,12 +154,14 @@ class GuiTest(unittest.TestCase):
         self.wait_for_status(lambda s: not s.wind, 'no wind after key 1 again')
 
     def panel(self):
-        """What is drawn outside the scene, a row of bytes for each row of pixels."""
+        """What is drawn beside the scene, the bytes of each row of pixels: not what is below it, which tells frames a second."""
         picture, scene = self.screen.picture(), self.rviz.scene
-        rows = [bytearray(picture.rgb[3 * picture.width * y:3 * picture.width * (y + 1)]) for y in range(picture.height)]
-        for row in rows[scene.y:scene.y + scene.height]:
-            row[3 * scene.x:3 * (scene.x + scene.width)] = bytes(3 * scene.width)
-        return rows
+
+        def row(y):
+            pixels = picture.rgb[3 * picture.width * y:3 * picture.width * (y + 1)]
+            return pixels[:3 * scene.x] + pixels[3 * (scene.x + scene.width):]
+
+        return [row(y) for y in range(scene.y, scene.y + scene.height)]
 
     def test_the_check_boxes_follow_what_others_switch(self):
         wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
