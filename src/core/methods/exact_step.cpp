@@ -36,6 +36,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace rbs::exact_step {
 
@@ -56,6 +58,8 @@ constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any setting.
 constexpr double kDeep = 1e-6;
 constexpr int kMostCorrections = 4;
+// In a heap that comes to rest a point may stop and slide again without end. It cuts a step no more often than this.
+constexpr int kMostStops = 2;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
@@ -90,13 +94,20 @@ class Stepper {
     std::vector<Vec2> points;
     std::vector<Vec3> couples;
   };
+  // What may stop: the sliding of a point, or the turning of a pair.
+  using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // pair; feature of the point
+  // What a segment has left of the sliding, or turning, that has lost the most of its speed.
+  struct Left {
+    double share = 1.0;  // <= 0: it has stopped
+    double speed = 0.0;  // before the segment, m/s
+    Stop of{};
+  };
   // How a segment ends.
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
     CoulombResult first, second;  // of its kicks
-    double slip_left =
-        1.0;  // the least share of its sliding speed that a point has kept; <= 0: it has stopped
+    Left slip_left;
   };
   enum class Friction { Free, KeepsDirection };
 
@@ -115,7 +126,7 @@ class Stepper {
   void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
                   Touching& later) const;
   CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
-  double slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
+  Left slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;
@@ -135,6 +146,7 @@ class Stepper {
   bool promoted_;      // by a setting that has another method for it
   double slow_;        // a slip below is none
   Touching touching_;  // now
+  std::vector<Stop> stops_;  // at which segments have been cut
 };
 
 std::vector<Index> sorted(std::vector<Index> list) {
@@ -425,11 +437,13 @@ void Stepper::aimCouples(const CoulombProblem& kick, const Movers& drifted, doub
   }
 }
 
-double Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& movers,
+Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& movers,
                          Friction friction) const {
-  double least = 1.0;
-  const auto keeps = [&](const Vec3& left_W, const Vec3& before_W) {
-    least = std::min(least, left_W.dot(before_W) / before_W.squaredNorm());
+  Left least;
+  const auto keeps = [&](const Vec3& left_W, const Vec3& before_W, const Stop& of) {
+    const double share = left_W.dot(before_W) / before_W.squaredNorm();
+    if (share < least.share && std::count(stops_.begin(), stops_.end(), of) < kMostStops)
+      least = {share, before_W.norm(), of};
   };
   for (std::size_t k = 0; k < slip.couples.size(); ++k) {
     const Index m = later.matching(touching_.couples[k]);
@@ -438,9 +452,9 @@ double Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& 
     const Mat3& frame = touching_.couples[k].law.frame;
     const bool free = friction == Friction::Free;
     if (!slip.couples[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
-      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>());
+      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>(), {touching_.couples[k].pair, {}});
     if (slip.couples[k][2] != 0.0 && !(free && std::abs(u[2]) > slow_))
-      keeps(left_W, frame.col(2) * slip.couples[k][2]);
+      keeps(left_W, frame.col(2) * slip.couples[k][2], {touching_.couples[k].pair, {}});
   }
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     if (slip.points[k].isZero(0.0)) continue;
@@ -448,7 +462,8 @@ double Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& 
     if (m == kNone || later.points[m].force_W.isZero(0.0)) continue;
     const Vec3 u = velocityAt(movers, later.law[m]);
     if (friction == Friction::Free && u.head<2>().norm() > slow_) continue;
-    keeps(later.law[m].frame * u, touching_.law[k].frame.leftCols<2>() * slip.points[k]);
+    keeps(later.law[m].frame * u, touching_.law[k].frame.leftCols<2>() * slip.points[k],
+          {touching_.points[k].pair, touching_.points[k].feature});
   }
   return least;
 }
@@ -518,14 +533,18 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
 }
 
 // Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under
-// constant forces, so that two attempts are enough.
+// constant forces, so that two attempts are enough. What solves leave of a speed cannot be told from none.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
-  double low = 0.0, f_low = 1.0, high = tau, f_high = attempt(tau, Friction::KeepsDirection).slip_left;
+  const auto none = [&](const Left& left) {
+    return std::abs(left.share) < 1e-13 || std::abs(left.share) * left.speed < aim_ * island_.loadSpeed();
+  };
+  double low = 0.0, f_low = 1.0, high = tau, f_high = attempt(tau, Friction::KeepsDirection).slip_left.share;
   if (f_high >= 0.0) return;
   for (int k = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
     const double middle = (low * f_high - high * f_low) / (f_high - f_low);
-    const double f = attempt(middle, Friction::KeepsDirection).slip_left;
-    if (std::abs(f) < 1e-13) {
+    const Left left = attempt(middle, Friction::KeepsDirection).slip_left;
+    const double f = left.share;
+    if (none(left)) {
       low = high = middle;
     } else if (f > 0.0) {
       low = middle, f_low = f, f_high *= 0.5;
@@ -564,8 +583,9 @@ bool Stepper::run() {
       segment = attempt(tau, Friction::Free);
     }
     const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
-    if (segment.slip_left <= 1e-9 && cuts_ >= points) {
+    if (segment.slip_left.share <= 1e-9 && cuts_ >= points) {
       cuts_ -= points;
+      stops_.push_back(segment.slip_left.of);
       cutAtStop(tau, segment);
     }
     certify(segment.first);
