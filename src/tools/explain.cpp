@@ -8,6 +8,7 @@
 
 #include <boost/program_options.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <iostream>
@@ -32,15 +33,24 @@ struct Explanation {
   double cpu_seconds = 0.0;  ///< of a step, the mean of a run that looks at nothing else
 };
 
-double cpuSecondsOfAStep(World world, std::uint64_t steps) {
+/// Of a short run, which caches and clocks disturb, the fastest of three.
+double cpuSecondsOfAStep(const World& begin, std::uint64_t steps) {
+  constexpr int kRuns = 3;
+  constexpr double kShort = 0.1;
   const auto now = [] {
     timespec t{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
   };
-  const double begin = now();
-  for (std::uint64_t k = 0; k < steps; ++k) world.step();
-  return (now() - begin) / static_cast<double>(steps);
+  double fastest = 0.0;
+  for (int run = 0; run < kRuns && (run == 0 || fastest < kShort); ++run) {
+    World world(begin);
+    const double start = now();
+    for (std::uint64_t k = 0; k < steps; ++k) world.step();
+    const double seconds = now() - start;
+    fastest = run == 0 ? seconds : std::min(fastest, seconds);
+  }
+  return fastest / static_cast<double>(steps);
 }
 
 Explanation explain(const Request& request) {
