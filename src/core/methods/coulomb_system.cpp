@@ -110,13 +110,12 @@ Impulses System::relativeVelocities(const Impulses& r) const {
   Eigen::Matrix<long double, 6, Eigen::Dynamic> y = free_.cast<long double>();
   for (std::size_t k = 0; k < columns(); ++k) {
     const Rows& point = rows(k);
-    for (int row = 0; row < 3; ++row) {
-      const long double push = r(row, k);
-      for (int c = 0; c < 6; ++c) {
-        if (point.i != kNone) y(c, point.i) += point.J_i(row, c) * push;
-        if (point.j != kNone) y(c, point.j) += point.J_j(row, c) * push;
-      }
-    }
+    const auto push = [&](Index body, const Mat36& J) {
+      for (int row = 0; row < 3; ++row)
+        for (int c = 0; c < 6; ++c) y(c, body) += J(row, c) * static_cast<long double>(r(row, k));
+    };
+    if (point.i != kNone) push(point.i, point.J_i);
+    if (point.j != kNone) push(point.j, point.J_j);
   }
   Impulses u(3, columns());
   for (std::size_t k = 0; k < columns(); ++k) {
