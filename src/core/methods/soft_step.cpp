@@ -81,27 +81,29 @@ Softness softness(double h, double h_full) {
 class PairMotion {
  public:
   PairMotion(SolverContacts& contacts, const SolverBlock& block)
-      : i_(contacts.bodies[block.i]), j_(contacts.bodies[block.j]), v_i_(i_.v), w_i_(i_.w), v_j_(j_.v), w_j_(j_.w) {}
+      : i_(contacts.bodies[block.i]), j_(contacts.bodies[block.j]) {
+    v_ << i_.v, j_.v;
+    w_ << i_.w, j_.w;
+    inv_mass_ << Vec3::Constant(i_.inv_mass), Vec3::Constant(j_.inv_mass);
+  }
 
   /// Speed of j against i along d at the point of the row, m/s.
-  double speed(const Vec3& d, const SolverRow& row) const {
-    return d.dot(v_j_ - v_i_) + row.lever_j.dot(w_j_) - row.lever_i.dot(w_i_);
+  double speed(const Vec6& d_ij, const SolverRow& row) const {
+    return (d_ij.cwiseProduct(v_) + row.lever.cwiseProduct(w_)).sum();
   }
-  /// An impulse (N s) on j, and its opposite on i.
-  void push(const Vec3& d, const SolverRow& row, double impulse) {
-    v_i_ -= (i_.inv_mass * impulse) * d;
-    w_i_ -= impulse * row.turn_i;
-    v_j_ += (j_.inv_mass * impulse) * d;
-    w_j_ += impulse * row.turn_j;
+  /// An impulse (N s) along d on j, and its opposite on i.
+  void push(const Vec6& d_ij, const SolverRow& row, double impulse) {
+    v_ += (impulse * inv_mass_).cwiseProduct(d_ij);
+    w_ += impulse * row.turn;
   }
   void store() const {
-    if (!i_.still) i_.v = v_i_, i_.w = w_i_;
-    if (!j_.still) j_.v = v_j_, j_.w = w_j_;
+    if (!i_.still) i_.v = v_.head<3>(), i_.w = w_.head<3>();
+    if (!j_.still) j_.v = v_.tail<3>(), j_.w = w_.tail<3>();
   }
 
  private:
   SolverBody &i_, &j_;
-  Vec3 v_i_, w_i_, v_j_, w_j_;
+  Vec6 v_, w_, inv_mass_;
 };
 
 // With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that
@@ -192,10 +194,10 @@ inline void Solver<kRolling>::warmStart() {
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = contacts_.points[k];
       if (point.l_n == 0.0) continue;
-      pair.push(block.n, point.along_n, point.l_n);
+      pair.push(block.n_ij, point.n, point.l_n);
       if (!block.rough) continue;
-      pair.push(block.t1, point.along_t1, point.l_t.x());
-      pair.push(block.t2, point.along_t2, point.l_t.y());
+      pair.push(block.t1_ij, point.t1, point.l_t.x());
+      pair.push(block.t2_ij, point.t2, point.l_t.y());
     }
     pair.store();
   }
@@ -212,7 +214,7 @@ inline void Solver<kRolling>::solve() {
         SolverPoint& point = contacts_.points[k];
         const double limit = block.mu * point.l_n;
         if (limit == 0.0 && point.l_t.isZero(0.0)) continue;
-        const Eigen::Vector2d u_t(pair.speed(block.t1, point.along_t1), pair.speed(block.t2, point.along_t2));
+        const Eigen::Vector2d u_t(pair.speed(block.t1_ij, point.t1), pair.speed(block.t2_ij, point.t2));
         Eigen::Vector2d l_t = point.l_t - point.mass_t * u_t;
         if (l_t.squaredNorm() > limit * limit) {
           l_t = point.l_t - point.rho * u_t;
@@ -221,15 +223,15 @@ inline void Solver<kRolling>::solve() {
         }
         const Eigen::Vector2d change = l_t - point.l_t;
         point.l_t = l_t;
-        pair.push(block.t1, point.along_t1, change.x());
-        pair.push(block.t2, point.along_t2, change.y());
+        pair.push(block.t1_ij, point.t1, change.x());
+        pair.push(block.t2_ij, point.t2, change.y());
       }
     }
 
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (!kBias && point.l_n == 0.0) continue;
-      const double u_n = pair.speed(block.n, point.along_n);
+      const double u_n = pair.speed(block.n_ij, point.n);
       double change;
       if (point.open > 0.0) {
         change = -point.mass_n * (u_n + point.open / h_);
@@ -243,7 +245,7 @@ inline void Solver<kRolling>::solve() {
       change = l_n - point.l_n;
       if (change == 0.0) continue;
       point.l_n = l_n;
-      pair.push(block.n, point.along_n, change);
+      pair.push(block.n_ij, point.n, change);
     }
     pair.store();
   }
@@ -288,10 +290,10 @@ void Solver<kRolling>::rebound() {
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (-block.e * point.u_0 <= slowest || point.sum_n == 0.0) continue;
-      const double impulse = -point.mass_n * (pair.speed(block.n, point.along_n) + block.e * point.u_0);
+      const double impulse = -point.mass_n * (pair.speed(block.n_ij, point.n) + block.e * point.u_0);
       if (impulse <= 0.0) continue;
       point.sum_n += impulse;
-      pair.push(block.n, point.along_n, impulse);
+      pair.push(block.n_ij, point.n, impulse);
     }
     pair.store();
   }

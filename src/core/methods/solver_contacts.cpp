@@ -124,6 +124,9 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
+  block.n_ij << -block.n, block.n;
+  block.t1_ij << -block.t1, block.t1;
+  block.t2_ij << -block.t2, block.t2;
   block.stray = manifold.size > 0 ? kStray * length : margin;
   block.moved_i = i.moved, block.turned_i = i.turned;
   block.moved_j = j.moved, block.turned_j = j.turned;
@@ -144,24 +147,19 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.gap = point.open = found.separation;
   point.feature = found.feature;
 
-  const auto setLevers = [&](SolverRow& row, const Vec3& d) {
-    row.lever_i = point.r_i.cross(d), row.lever_j = point.r_j.cross(d);
-  };
-  setLevers(point.along_n, block.n);
-  if (block.rough) setLevers(point.along_t1, block.t1), setLevers(point.along_t2, block.t2);
+  const auto setLever = [&](SolverRow& row, const Vec3& d) { row.lever << d.cross(point.r_i), point.r_j.cross(d); };
+  setLever(point.n, block.n);
+  if (block.rough) setLever(point.t1, block.t1), setLever(point.t2, block.t2);
   turnRows(block, point);
 
   const double inv_mass = i.inv_mass + j.inv_mass;
-  const auto response = [](const SolverRow& a, const SolverRow& b) {
-    return a.lever_i.dot(b.turn_i) + a.lever_j.dot(b.turn_j);
-  };
-  point.mass_n = 1.0 / (inv_mass + response(point.along_n, point.along_n));
+  point.mass_n = 1.0 / (inv_mass + point.n.lever.dot(point.n.turn));
   point.u_0 = block.n.dot(velocityAt(block, point));
   if (!block.rough) return;
   Eigen::Matrix2d S;
-  S(0, 0) = inv_mass + response(point.along_t1, point.along_t1);
-  S(1, 1) = inv_mass + response(point.along_t2, point.along_t2);
-  S(0, 1) = S(1, 0) = response(point.along_t1, point.along_t2);
+  S(0, 0) = inv_mass + point.t1.lever.dot(point.t1.turn);
+  S(1, 1) = inv_mass + point.t2.lever.dot(point.t2.turn);
+  S(0, 1) = S(1, 0) = point.t1.lever.dot(point.t2.turn);
   point.mass_t = S.inverse();
   const double half_trace = 0.5 * S.trace();
   point.rho = 1.0 / (half_trace + std::sqrt(std::max(half_trace * half_trace - S.determinant(), 0.0)));
@@ -169,27 +167,27 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
 
 void SolverContacts::turnRows(const SolverBlock& block, SolverPoint& point) const {
   const Mat3 &inv_i = bodies[block.i].inv_inertia_W, &inv_j = bodies[block.j].inv_inertia_W;
-  const auto turn = [&](SolverRow& row) { row.turn_i = inv_i * row.lever_i, row.turn_j = inv_j * row.lever_j; };
-  turn(point.along_n);
-  if (block.rough) turn(point.along_t1), turn(point.along_t2);
+  const auto turn = [&](SolverRow& row) { row.turn << inv_i * row.lever.head<3>(), inv_j * row.lever.tail<3>(); };
+  turn(point.n);
+  if (block.rough) turn(point.t1), turn(point.t2);
 }
 
 void SolverContacts::follow() {
   for (const SolverBlock& block : blocks) {
     const SolverBody &i = bodies[block.i], &j = bodies[block.j];
     const bool turned = i.turned_axes || j.turned_axes;
-    const Vec3 theta_i = i.round ? Vec3(Vec3::Zero()) : Vec3(i.turned - block.turned_i);
-    const Vec3 theta_j = j.round ? Vec3(Vec3::Zero()) : Vec3(j.turned - block.turned_j);
-    const double shift = block.n.dot((j.moved - block.moved_j) - (i.moved - block.moved_i));
-    // n . (theta x r + theta x (theta x r)/2)
-    const auto turn = [&](const Vec3& theta, const Vec3& r, const Vec3& lever) {
-      return theta.dot(lever) + 0.5 * (theta.dot(r) * theta.dot(block.n) - theta.squaredNorm() * r.dot(block.n));
+    // c, with n . (theta x r + theta x (theta x r)/2) = c . r
+    const auto turning = [&](const SolverBody& body, const Vec3& turned_then) -> Vec3 {
+      if (body.round) return Vec3::Zero();
+      const Vec3 theta = body.turned - turned_then;
+      return block.n.cross(theta) + 0.5 * (theta.dot(block.n) * theta - theta.squaredNorm() * block.n);
     };
+    const Vec3 c_i = turning(i, block.turned_i), c_j = turning(j, block.turned_j);
+    const double shift = block.n.dot((j.moved - block.moved_j) - (i.moved - block.moved_i));
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = points[k];
       if (turned) turnRows(block, point);
-      point.open = point.gap + shift + turn(theta_j, point.r_j, point.along_n.lever_j) -
-                   turn(theta_i, point.r_i, point.along_n.lever_i);
+      point.open = point.gap + shift + c_j.dot(point.r_j) - c_i.dot(point.r_i);
     }
   }
   for (SolverBody& body : bodies) body.turned_axes = false;

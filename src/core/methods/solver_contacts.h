@@ -23,16 +23,20 @@ struct SolverBody {
   Index body;
 };
 
-/// What an impulse along one direction d at a point does, and what speed it sees.
+/// Of the two bodies of a pair: i above, j below.
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+/// How a pair turns at a point, along a direction d: what speed its angular velocities make there, and what an impulse
+/// makes of them.
 struct SolverRow {
-  Vec3 lever_i, lever_j;  // r x d, m
-  Vec3 turn_i, turn_j;    // I^-1 (r x d): change of the angular velocity, 1/(kg m)
+  Vec6 lever;  // (-r_i x d, r_j x d), m
+  Vec6 turn;   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m)
 };
 
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
   SolverPoint() {}  // not "= default": a vector would clear what is about to be filled in
-  SolverRow along_n, along_t1, along_t2;  // the last two only where the block is rough
+  SolverRow n, t1, t2;  // the last two only where the block is rough
   Vec3 r_i, r_j;           // from the centres, m
   double gap;              // when it was found, m
   double u_0;              // normal velocity of j against i when it was found, m/s
@@ -54,6 +58,7 @@ struct SolverPoint {
 struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
+  Vec6 n_ij, t1_ij, t2_ij;  // (-d, d)
   double mu, e;
   bool rough;                                 // its friction is solved for
   double push;                                // largest speed of separation, m/s
