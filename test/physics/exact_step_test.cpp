@@ -55,6 +55,17 @@ TEST_P(ExactStep, ABrakingBoxStopsWhereItMust) {
   }
 }
 
+// Alone it is held to rounding whatever the setting's own tolerance: solved to less it would creep.
+TEST_P(ExactStep, ABoxThatFrictionHoldsAloneOnASlopeStays) {
+  SceneDef scene = floor(0.5);
+  scene.gravity = kGravity * Vec3(std::sin(0.35), 0.0, -std::cos(0.35));
+  scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1)));
+  setFriction(scene.bodies.back(), 0.5);
+  World world(scene);
+  advance(world, 5.0);
+  EXPECT_LE((stateOf(world, "box").pose.p_WB - Vec3(0.0, 0.0, 0.1)).norm(), 1e-11);
+}
+
 // Four corners at distance s/√2 from the axis: the torque is mu m g s/√2, the turn w0² I/(2 torque).
 TEST_P(ExactStep, ASpinningBoxStopsAtItsAngle) {
   SceneDef scene = floor(0.25);

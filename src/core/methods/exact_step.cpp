@@ -52,6 +52,9 @@ constexpr double kTouch = 1e-7, kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-1
 constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
 // Forces that change by less than this many times what solves aim at are as expected.
 constexpr double kNoChange = 4.0;
+// What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at rest
+// to rounding needs no solve in the next step.
+constexpr double kLoneAim = 1e-12;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
@@ -168,7 +171,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
     slot_[island_.indices()[k]] = static_cast<Index>(k);
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   tolerance_ = settings.tolerance;
-  aim_ = settings.aim;
+  aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
   promoted_ = settings.promotes;
