@@ -343,6 +343,37 @@ TEST(Regressions, TiesButForRounding) {
   for (const Pair& pair : pairs) EXPECT_EQ(faultOf(pair, 1e-12, worst), "") << text(pair);
 }
 
+// What meets a round shape along a feature that another one ties with but for rounding: the normal is still
+// that of the feature.
+TEST(Regressions, RoundFeaturesThatNearlyTie) {
+  const std::vector<Pair> pairs{
+      // An edge that comes down on a disc by 1e-6 rad and passes over its rim.
+      {Capsule{0.00059449364613488429, 0.5},
+       Cylinder{0.5, 0.26798887309308406},
+       {{0.01720845888452871, -0.068498254806520054, 0.22787875690920179},
+        Quat(-0.083430795664438701, -0.82415079965558091, -0.25347184143987339, 0.49956659952297144)},
+       {{-0.11739421782760689, 0.16183462624658929, 0.25896296001799657},
+        Quat(-0.57683796589487257, -0.74687962979561895, -0.0061591315790443524, -0.33074286809667885)}},
+      // Lines on two sides that cross at 3e-8 rad: the product of the attitudes keeps too few digits of it.
+      {Capsule{0.5, 0.0043402303490230297},
+       Cylinder{0.441436179218125, 0.5},
+       {{-0.68341965847823405, 1.3144640463774668, 1.2421055925977957},
+        Quat(0.49055476267854126, 0.78951012444231794, -0.36639485165012881, -0.042244536933851579)},
+       {{-1.3515682040380153, 1.2407795019224768, 1.9012339476073756},
+        Quat(0.37674599649260271, 0.2991876689150349, -0.81734825468178451, 0.31700319156851375)}},
+      // The end of a segment over the side of a flat cone: the direction in which the search for the rim
+      // began
+      // ties with that of the side.
+      {Capsule{0.33595471523468734, 0.35530160969588692},
+       Cone{0.5, 0.06973596932048827},
+       {},
+       {{0.37199280127463413, -0.18859411679687091, 0.036409426322034442},
+        Quat(-0.33405868277166889, -0.39923726546538374, 0.67266804801863711, 0.52586319466509235)}},
+  };
+  oracle::Worst worst;
+  for (const Pair& pair : pairs) EXPECT_EQ(faultOf(pair, 1e-10, worst), "") << text(pair);
+}
+
 // The sizes of MuJoCo's box fuzz test, on which its convex collider is off by up to 1 % of the depth.
 TEST(Regressions, BoxFuzz) {
   const std::pair<Vec3, Vec3> cases[] = {

@@ -92,6 +92,8 @@ class Nearest {
   void considerCrossing(const Points& points) { consider(points, -8.0 * rounding_); }
   /// Of unit length.
   void consider(const Vec3& n) { consider(n, rounding_); }
+  /// Whether the direction proves the distance, up to rounding.
+  bool proved() const { return separation_ >= distance_ - rounding_; }
   double distance() const { return distance_; }
   const Vec3& n() const { return n_; }
   Vec3 sum() const { return points_.on_u + points_.on_v; }
@@ -121,6 +123,62 @@ Vec3 nearestOn(const Vec3& centre, const Vec3& half, const Vec3& end) {
   return centre + t * half;
 }
 
+// The first segment lies on the z axis.
+// Between the ends the nearest points of the two lines are found in the frame of the first: along it, and
+// along q, the part of the second that is across it. However nearly parallel they are, and however badly q
+// then is known, q only has to take out as much as the second segment is wide across the first.
+Nearest nearestOfAll(const Vec3& u, const Vec3& v, const Vec3& p) {
+  Nearest nearest(u, v, p);
+  for (const double sign : {1.0, -1.0}) {
+    const Vec3 end_u = sign * u, end_v = p + sign * v;
+    const Vec3 on_v = nearestOn(p, v, end_u), on_u = nearestOn(Vec3::Zero(), u, end_v);
+    nearest.consider({end_u, on_v, on_v - end_u});
+    nearest.consider({on_u, end_v, end_v - on_u});
+  }
+
+  const Vec3 across(v.x(), v.y(), 0.0);
+  const double width = across.norm();
+  Vec3 n = Vec3::UnitX();  // at right angles to both, for axes that meet
+  if (width > 0.0) {
+    const Vec3 q = across / width;
+    n = Vec3(-q.y(), q.x(), 0.0);
+    const double y = -q.dot(p), t = y / width, s = p.z() + t * v.z();
+    if (std::abs(t) < 1.0 && std::abs(s) < u.z()) {
+      const Vec3 apart = Vec3(p.x(), p.y(), 0.0) + y * q;
+      // Their normal is known better than what lies between them where the segments are wider than apart.
+      const bool wide = apart.squaredNorm() < width * width;
+      nearest.considerCrossing({Vec3(0.0, 0.0, s), p + t * v, wide ? Vec3(n.dot(apart) * n) : apart});
+    }
+  }
+  nearest.consider(n);
+  nearest.consider(-n);
+  return nearest;
+}
+
+// The same where the segments are far from parallel and nothing is nearly as near; else what it finds may not
+// be proved. The point of the second line nearest to the first, held between the ends, has a nearest point on
+// the first segment; where that is an end, it has one on the second. (C. Ericson, Real-Time Collision
+// Detection, 2005, 5.1.9.)
+Nearest nearestByClamping(const Vec3& u, const Vec3& v, const Vec3& p) {
+  constexpr double kParallel = 0.01;  // square of the sine
+  Nearest nearest(u, v, p);
+  const double squared = v.squaredNorm(), across = v.x() * v.x() + v.y() * v.y();
+  if (!(across > kParallel * squared)) return nearest;
+  const double crossing = -(v.x() * p.x() + v.y() * p.y()) / across;
+  double t = std::clamp(crossing, -1.0, 1.0);
+  const double beside = p.z() + t * v.z(), s = std::clamp(beside, -u.z(), u.z());
+  const Vec3 on_u(0.0, 0.0, s);
+  if (s != beside) t = std::clamp(v.dot(on_u - p) / squared, -1.0, 1.0);
+  const Vec3 on_v = p + t * v;
+  Vec3 apart = on_v - on_u;
+  if (t == crossing && s == beside) {
+    const Vec3 n(-v.y(), v.x(), 0.0);
+    apart = n.dot(p) / across * n;
+  }
+  nearest.consider({on_u, on_v, apart});
+  return nearest;
+}
+
 }  // namespace
 
 ConvexGap convexGap(const Sphere& a, const Capsule& b, const RelativePose& X_AB) {
@@ -145,36 +203,10 @@ ConvexGap convexGap(const Sphere& a, const Cone& b, const RelativePose& X_AB) {
   return sphereAgainst(std::array{Edge(r, base, 0.0, apex), Edge(0.0, base, r, base)}, a.radius, X_AB);
 }
 
-// Between the ends the nearest points of the two lines are found in the frame of the first: along it, and
-// along q, the part of the second that is across it. However nearly parallel they are, and however badly q
-// then is known, q only has to take out as much as the second segment is wide across the first.
 ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB) {
   const Vec3 u(0.0, 0.0, a.half_length), v = b.half_length * X_AB.R_AB.col(2);
-  const Vec3& p = X_AB.p_AB;
-  Nearest nearest(u, v, p);
-  for (const double sign : {1.0, -1.0}) {
-    const Vec3 end_u = sign * u, end_v = p + sign * v;
-    const Vec3 on_v = nearestOn(p, v, end_u), on_u = nearestOn(Vec3::Zero(), u, end_v);
-    nearest.consider({end_u, on_v, on_v - end_u});
-    nearest.consider({on_u, end_v, end_v - on_u});
-  }
-
-  const Vec3 across(v.x(), v.y(), 0.0);
-  const double width = across.norm();
-  Vec3 n = Vec3::UnitX();  // at right angles to both, for axes that meet
-  if (width > 0.0) {
-    const Vec3 q = across / width;
-    n = Vec3(-q.y(), q.x(), 0.0);
-    const double y = -q.dot(p), t = y / width, s = p.z() + t * v.z();
-    if (std::abs(t) < 1.0 && std::abs(s) < a.half_length) {
-      const Vec3 apart = Vec3(p.x(), p.y(), 0.0) + y * q;
-      // Their normal is known better than what lies between them where the segments are wider than apart.
-      const bool wide = apart.squaredNorm() < width * width;
-      nearest.considerCrossing({Vec3(0.0, 0.0, s), p + t * v, wide ? Vec3(n.dot(apart) * n) : apart});
-    }
-  }
-  nearest.consider(n);
-  nearest.consider(-n);
+  Nearest nearest = nearestByClamping(u, v, X_AB.p_AB);
+  if (!nearest.proved()) nearest = nearestOfAll(u, v, X_AB.p_AB);
   ConvexGap gap;
   gap.n_A = nearest.n();
   gap.distance = nearest.distance() - a.radius - b.radius;

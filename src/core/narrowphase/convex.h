@@ -14,6 +14,7 @@
 #include <functional>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace rbs {
 
@@ -95,6 +96,15 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
   return gap;
 }
 
+template <class ShapeA, class ShapeB>
+RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
+  using Cores = Finish<decltype(coreOf(std::declval<ShapeA>())), decltype(coreOf(std::declval<ShapeB>()))>;
+  if constexpr (Cores::kRound && kSearched<ShapeA, ShapeB>)
+    return RelativePose::withAllDigits(X_WA, X_WB);
+  else
+    return RelativePose(X_WA, X_WB);
+}
+
 /// An order of poses that knows nothing of which shape is called A.
 inline bool comesBefore(const Pose& x, const Pose& y) {
   const auto coordinates = [](const Pose& pose) {
@@ -119,13 +129,13 @@ ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Po
   };
   if constexpr (std::is_same_v<ShapeA, ShapeB>) {
     if (search.kept == nullptr && comesBefore(X_WB, X_WA)) {
-      const RelativePose X_BA(X_WB, X_WA);
+      const RelativePose X_BA = relativePose<ShapeB, ShapeA>(X_WB, X_WA);
       const ConvexGap gap = measure(b, a, X_BA);
       const Mat3 R_AB = X_BA.R_AB.transpose();
       return {gap.distance, R_AB * -gap.n_A, R_AB * (gap.middle_A - X_BA.p_AB)};
     }
   }
-  return measure(a, b, RelativePose(X_WA, X_WB));
+  return measure(a, b, relativePose<ShapeA, ShapeB>(X_WA, X_WB));
 }
 
 /// The gap whose points lie half of it to either side of `middle_W`.

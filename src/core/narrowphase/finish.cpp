@@ -111,6 +111,62 @@ Vec3 onSphere(const Feature& a, const Feature& b, const Vec3& start) {
   return start;
 }
 
+bool isEdge(const Feature& feature) {
+  return feature.size == 2 && feature.radius[0] == 0.0 && feature.radius[1] == 0.0;
+}
+// Whether it is a rim about an axis that is nearly n.
+bool isRimAlong(const Feature& feature, const Vec3& n) {
+  constexpr double kAlong = 0.995;  // cosine
+  return feature.size == 1 && feature.radius[0] > 0.0 && feature.pin == Feature::Pin::None &&
+         std::abs(feature.axis.dot(n)) > kAlong;
+}
+
+// Where an edge and a rim are nearest: the direction, and the point of the rim; n is 0 where that is not
+// found.
+struct AtRim {
+  Vec3 n = Vec3::Zero(), on_rim = Vec3::Zero();
+};
+
+// Near its axis the farthest point of a circle turns faster than any direction does; but where the edge lies
+// over the disc but for a small tilt, the point x of it at which it is nearest to the rim is a smooth root:
+// with rho and z its distance from the axis and height over the circle of the radius R, and e the unit vector
+// along the edge, the way from the rim to x is across the edge,
+//   (rho - R) e_rho + z e_z = 0.
+// And n, across the edge in the plane of the axis and x, does not become worse as the gap vanishes. Of the
+// two crossings of the line with the cylinder over the rim the one is taken towards which it comes down along
+// n.
+AtRim edgeAtRim(const Feature& edge, const Feature& rim, const Vec3& outward) {
+  constexpr double kAlong = 1e-3;  // an edge that runs along the rim spans no plane with the axis
+  const Vec3 &axis = rim.axis, &e = edge.pin_axis;
+  const double radius = rim.radius[0], e_z = axis.dot(e);
+  const Vec3 flat = e - e_z * axis, from = edge.centre[0] - rim.centre[0];
+  const double squared = flat.squaredNorm(), z_from = axis.dot(from);
+  const Vec3 from_flat = from - z_from * axis;
+  if (!(squared > kAlong * kAlong)) return {};
+  const double middle = -flat.dot(from_flat) / squared;
+  const double half =
+      std::sqrt(std::max(radius * radius - (from_flat + middle * flat).squaredNorm(), 0.0) / squared);
+  double s = middle - std::copysign(half, axis.dot(outward) * e_z),
+         before = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kSteps; ++k) {
+    const Vec3 x = from_flat + s * flat;
+    const double rho = x.norm(), z = z_from + s * e_z, e_rho = flat.dot(x) / rho;
+    const double bend = e_rho * e_rho + (rho - radius) * (squared - e_rho * e_rho) / rho + e_z * e_z;
+    if (!(rho > 0.0 && bend > 0.0)) return {};
+    const double step = -((rho - radius) * e_rho + z * e_z) / bend, size = std::abs(step);
+    s += step;
+    if (size > 0.0 && !(size < 1e-5 * radius && size >= 0.5 * before)) {
+      before = size;
+      continue;
+    }
+    const double length = std::hypot(e_rho, e_z);
+    if (!(length > kAlong)) return {};
+    const Vec3 n = (e_rho * axis - e_z / rho * x) / length;
+    return {std::copysign(1.0, n.dot(outward)) * n, rim.centre[0] + radius / rho * x};
+  }
+  return {};
+}
+
 // Along its axis a circle has no farthest point, and near to it none that Newton's method gets on from. A
 // direction so near is turned to where the other feature lies, `outward` being that from the circle to it.
 Vec3 offAxis(const Feature& circle, const Feature& other, const Vec3& outward) {
@@ -199,8 +255,9 @@ std::array<Belt, 4> beltsOf(const Feature& pin, const Feature& other, double sig
 }
 
 // From `p`, the start of the segment `along`, to its lowest point over the disc; the one nearest to the
-// middle of the disc where it is level up to rounding, or does not lie over the disc.
-Vec3 overDisc(const Feature& disc, const Vec3& p, const Vec3& along) {
+// middle of the disc where it is level up to rounding, or does not lie over the disc. `beside`: it would be
+// lower beyond the rim.
+Vec3 overDisc(const Feature& disc, const Vec3& p, const Vec3& along, bool& beside) {
   const Vec3 to_middle = disc.centre[0] - p;
   const double slope = disc.pin_axis.dot(along);
   const Vec3 flat = along - disc.axis.dot(along) * disc.axis;
@@ -212,13 +269,15 @@ Vec3 overDisc(const Feature& disc, const Vec3& p, const Vec3& along) {
       std::sqrt(std::max(disc.radius[0] * disc.radius[0] - offset.squaredNorm(), 0.0) / squared);
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * (p.norm() + disc.radius[0]);
   const double towards = std::abs(slope) <= rounding ? 0.0 : std::copysign(half, -slope);
-  return std::clamp(nearest + towards, 0.0, 1.0) * along;
+  const double lowest = nearest + towards;
+  beside = towards != 0.0 && lowest > 0.0 && lowest < 1.0;
+  return std::clamp(lowest, 0.0, 1.0) * along;
 }
 
 // The point of a disc over or under one of a point, a line or another disc, and how far it is from the rim;
 // none where it is beyond that.
 bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, Vec3& on_disc, Vec3& on_other,
-               double& margin) {
+               double& margin, bool& beside) {
   const auto across = [&](const Vec3& v) -> Vec3 { return v - disc.axis.dot(v) * disc.axis; };
   double reach = disc.radius[0];
   if (other.isDisc()) {
@@ -228,10 +287,13 @@ bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, V
   } else {
     if (other.size > 2) return false;
     on_other = farthest(other, n_other).point;
-    if (other.size == 2) on_other += overDisc(disc, on_other, farthest(other, n_other, 1).point - on_other);
+    if (other.size == 2)
+      on_other += overDisc(disc, on_other, farthest(other, n_other, 1).point - on_other, beside);
     margin = reach - across(on_other - disc.centre[0]).norm();
   }
   on_disc = on_other - disc.axis.dot(on_other - disc.centre[0]) * disc.axis;
+  // What has corners is met at the rim, where it lies beside the disc; what is round may not be.
+  beside = (beside || margin < 0.0) && other.radius[0] == 0.0 && other.radius[1] == 0.0;
   return margin >= 0.0;
 }
 
@@ -239,8 +301,12 @@ bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, V
 
 Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& start, Seek seek) {
   Meeting found;
+  AtRim of_a, of_b;
   if (seek == Seek::Stationary) {
-    found.n = directionOf(a, b, start);
+    if (isEdge(a) && isRimAlong(b, start)) of_b = edgeAtRim(a, b, -start);
+    if (isEdge(b) && isRimAlong(a, start)) of_a = edgeAtRim(b, a, start);
+    found.n = !of_a.n.isZero(0.0) ? of_a.n : !of_b.n.isZero(0.0) ? Vec3(-of_b.n) : directionOf(a, b, start);
+    found.elsewhere = found.n == start;
   } else {
     const Feature& pin = seek == Seek::PinnedByA ? a : b;
     found.n = start;
@@ -250,17 +316,17 @@ Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& start, Seek se
     found.belts = beltsOf(pin, &pin == &a ? b : a, sign);
   }
   if (a.isDisc()) {
-    found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0], found.margin);
+    found.size = underDisc(a, b, -found.n, found.on_a[0], found.on_b[0], found.margin, found.elsewhere);
     found.between = true;
   } else if (b.isDisc()) {
-    found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0], found.margin);
+    found.size = underDisc(b, a, found.n, found.on_b[0], found.on_a[0], found.margin, found.elsewhere);
     found.between = true;
   } else if (a.size * b.size <= 4) {
     for (int i = 0; i < a.size; ++i)
       for (int j = 0; j < b.size; ++j) {
-        found.on_a[found.size] = farthest(a, found.n, i).point;
+        found.on_a[found.size] = of_a.n.isZero(0.0) ? farthest(a, found.n, i).point : of_a.on_rim;
         if (b.radius[j] == 0.0) found.corner_b[found.size] = j;
-        found.on_b[found.size++] = farthest(b, -found.n, j).point;
+        found.on_b[found.size++] = of_b.n.isZero(0.0) ? farthest(b, -found.n, j).point : of_b.on_rim;
       }
   }
   return found;
@@ -319,6 +385,15 @@ Features featuresAt(const ConeCore& core, const Vec3& d, const Vec3* points, int
   }
   features.add(base);
   if (d.z() < -kNearFace && features.size < 2) features.add(disc(core.radius, -0.25 * core.height, -1.0));
+  return features;
+}
+
+Features featuresAt(const SegmentCore& core, const Vec3& d, const Vec3* points, int size) {
+  Features features = spannedBy(d, points, size);
+  if (features.of[0].size == 1 && std::abs(d.z()) < kNearSide && core.half > 0.0) {
+    const std::array<Vec3, 2> ends{Vec3(0.0, 0.0, -core.half), Vec3(0.0, 0.0, core.half)};
+    features.add(spannedBy(d, ends.data(), 2).of[0]);
+  }
   return features;
 }
 

@@ -46,6 +46,7 @@ struct Meeting {
   std::array<Vec3, 4> on_a, on_b;
   std::array<int, 4> corner_b{-1, -1, -1, -1};  ///< which point of the feature of B on_b is; -1: none
   bool between = false;                         ///< the points lie between corners
+  bool elsewhere = false;  ///< n is what it was, or that of a disc beside which the features meet
   double margin = 0.0;
   std::array<Belt, 4> belts{};
 };
@@ -63,7 +64,8 @@ struct Features {
 };
 Features featuresAt(const CylinderCore& core, const Vec3& d, const Vec3* points, int size);
 Features featuresAt(const ConeCore& core, const Vec3& d, const Vec3* points, int size);
-/// Of a polytope or a segment: the vertex, the edge or the face that the points span.
+Features featuresAt(const SegmentCore& core, const Vec3& d, const Vec3* points, int size);
+/// Of a polytope: the vertex, the edge or the face that the points span.
 Features spannedBy(const Vec3& d, const Vec3* points, int size);
 template <class Flat>
 Features featuresAt(const Flat& /*core*/, const Vec3& d, const Vec3* points, int size) {
@@ -104,7 +106,9 @@ class Finish {
           if (best.size == 0) best = found, corners_B = own_corners;
           continue;
         }
-        const double along = of_a.size * of_b.size == 1 ? 0.0 : separation(found.n);
+        // One that was not found, or lies elsewhere, would win a tie by rounding.
+        const double along =
+            of_a.size * of_b.size == 1 ? 0.0 : separation(found.n) - (found.elsewhere ? rounding() : 0.0);
         if ((i == 0 && j == 0) || along > most) most = along, best = found, corners_B = own_corners;
       }
     }
@@ -141,6 +145,11 @@ class Finish {
   double separation(const Vec3& n) const {
     const Vec3 n_B = X_AB_.R_AB.transpose() * n;
     return n.dot(X_AB_.p_AB) + n_B.dot(b_(-n_B)) - n.dot(a_(n));
+  }
+
+  double rounding() const {
+    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+    return kRounding * (a_(Vec3::UnitX()).norm() + b_(Vec3::UnitX()).norm() + X_AB_.p_AB.norm());
   }
 
   CoreA a_;

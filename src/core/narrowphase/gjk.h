@@ -178,7 +178,7 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     };
     if ((Finish::kRound || !last) && !result.finished)
       consider(finish(result.v / -result.upper, result.simplex.points.data(), result.simplex.size).n,
-               result.lower - rounding);
+               result.lower - (Finish::kRound ? unproved : rounding));
     // Where v is so short that rounding turns it, what lies beyond its plane spans the right one with points
     // of the simplex, though it is not nearer to the origin than these by more than rounding.
     Simplex around = result.simplex;

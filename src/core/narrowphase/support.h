@@ -105,6 +105,16 @@ struct RelativePose {
   RelativePose(const Pose& X_WA, const Pose& X_WB)
       : R_AB((X_WA.q_WB.conjugate() * X_WB.q_WB).toRotationMatrix()),
         p_AB(X_WA.q_WB.conjugate() * (X_WB.p_WB - X_WA.p_WB)) {}
+
+  /// With the digits of R_AB that the product of the attitudes loses where they nearly agree: lines on round
+  /// sides that are nearly parallel cross where these say.
+  static RelativePose withAllDigits(const Pose& X_WA, const Pose& X_WB) {
+    RelativePose X_AB(X_WA, X_WB);
+    using Real = long double;
+    X_AB.R_AB =
+        (X_WA.q_WB.conjugate().cast<Real>() * X_WB.q_WB.cast<Real>()).toRotationMatrix().cast<double>();
+    return X_AB;
+  }
 };
 
 /// A point w = a - b of the Minkowski difference A - B, and the points of A and B it comes from.
