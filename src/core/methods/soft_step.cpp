@@ -136,6 +136,10 @@ class Solver {
   [[gnu::always_inline]] void kick();
   [[gnu::always_inline]] void warmStart();
   template <bool kBias>
+  [[gnu::always_inline]] void solve() {
+    built::friction && context_.scene.effects[Effect::Friction] ? solve<kBias, true>() : solve<kBias, false>();
+  }
+  template <bool kBias, bool kRough>
   [[gnu::always_inline]] void solve();
   [[gnu::always_inline]] void drift();
   void findWedged();
@@ -203,13 +207,14 @@ inline void Solver<kRolling>::warmStart() {
   }
 }
 
+// Without friction not a test of it is left in the loop.
 template <bool kRolling>
-template <bool kBias>
+template <bool kBias, bool kRough>
 inline void Solver<kRolling>::solve() {
   for (const SolverBlock& block : contacts_.blocks) {
     PairMotion pair(contacts_, block);
 
-    if (built::friction && block.rough) {
+    if (kRough && block.rough) {
       for (int k = block.first; k < block.first + block.size; ++k) {
         SolverPoint& point = contacts_.points[k];
         const double limit = block.mu * point.l_n;
