@@ -110,6 +110,16 @@ void beginAgain(Context& context, const StepStore& begun, const std::vector<std:
   link(context);
 }
 
+// Whether contacts may push something: some are there, or impacts may leave bodies in contact.
+bool mayOverlook(const Context& context) {
+  const StepStore& step = context.step;
+  if (!settingsOf(context.scene.settings.fidelity).exact || context.scene.rosters.movers.size() < 2) return false;
+  const auto stays = [&](const ContactPair& pair) { return context.scene.restitutionOf(pair.i, pair.j) == 0.0; };
+  const auto inContact = [](const Island& island) { return !island.pairs.empty(); };
+  return std::any_of(step.islands.begin(), step.islands.end(), inContact) ||
+         (!step.impacts.empty() && std::any_of(step.contacts.pairs.begin(), step.contacts.pairs.end(), stays));
+}
+
 // Contacts push bodies off the courses on which they were foretold to pass others. Where that makes a pair overlap,
 // the step is taken again with this pair among the contacts.
 void advanceOverlookingNone(Context& context) {
@@ -181,11 +191,7 @@ void link(Context& context) {
 }
 
 void advance(Context& context) {
-  StepStore& step = context.step;
-  const auto inContact = [](const Island& island) { return !island.pairs.empty(); };
-  const bool may_overlook = settingsOf(context.scene.settings.fidelity).exact && context.scene.rosters.movers.size() > 1 &&
-                            (!step.impacts.empty() || std::any_of(step.islands.begin(), step.islands.end(), inContact));
-  if (may_overlook) {
+  if (mayOverlook(context)) {
     advanceOverlookingNone(context);
   } else {
     takeImpacts(context);

@@ -43,6 +43,7 @@ Pairs findOverlooked(const Context& context) {
   std::vector<Index> pushed;
   for (const Island& island : step.islands)
     if (!island.pairs.empty()) pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
+  if (pushed.empty()) return {};
   std::vector<Bounds> bounds = step.bounds;
   Neighbourhood neighbourhood(scene.sweep.order, bounds);
   for (const Index i : pushed) neighbourhood.move(i, sweptBounds(scene.bodies, {}, i, 0.0));
