@@ -19,11 +19,18 @@ inline Mat3 crossMatrix(const Vec3& r) {
 
 /// exp(theta): the turn by |theta| radians about theta.
 inline Quat rotationBy(const Vec3& theta) {
-  const double angle = theta.norm();
-  // sin(x)/x to full precision near zero, where the quotient would lose it.
-  const double half = 0.5 * angle;
-  const double s = half < 1e-4 ? 0.5 * (1.0 - half * half / 6.0) : std::sin(half) / angle;
-  return Quat(std::cos(half), s * theta.x(), s * theta.y(), s * theta.z());
+  const double square = 0.25 * theta.squaredNorm();
+  double cosine, half_sinc;  // cos(x), sin(x)/(2 x) at x = |theta|/2
+  if (square < 0.01) {
+    // Their series, to terms below 2e-18.
+    const double& s = square;
+    cosine = 1.0 - s * (1.0 / 2) * (1.0 - s * (1.0 / 12) * (1.0 - s * (1.0 / 30) * (1.0 - s * (1.0 / 56) * (1.0 - s * (1.0 / 90)))));
+    half_sinc = 0.5 - s * (1.0 / 12) * (1.0 - s * (1.0 / 20) * (1.0 - s * (1.0 / 42) * (1.0 - s * (1.0 / 72))));
+  } else {
+    const double half = std::sqrt(square);
+    cosine = std::cos(half), half_sinc = 0.5 * std::sin(half) / half;
+  }
+  return Quat(cosine, half_sinc * theta.x(), half_sinc * theta.y(), half_sinc * theta.z());
 }
 
 /// Two unit vectors that make a right-handed frame (t1, t2, n) with the unit vector n. Duff et al.,

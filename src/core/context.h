@@ -169,6 +169,8 @@ struct StepStore {
   /// for none when all that move are ballistic.
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
+  /// Whether the time for exact solves is over, where there is a limit to it.
+  bool isLate() const { return solve_until && std::chrono::steady_clock::now() >= *solve_until; }
   /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.
   double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
   /// Where body i is at time t: a mover is where its island left it, a led body on its way from t0.

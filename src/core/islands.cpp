@@ -128,7 +128,7 @@ void advanceOverlookingNone(Context& context) {
   for (int times = 1;; ++times) {
     takeImpacts(context);
     finish(context);
-    if (times == kMostTimes || (begun.solve_until && std::chrono::steady_clock::now() >= *begun.solve_until)) return;
+    if (times == kMostTimes || context.step.isLate()) return;
     const std::vector<std::pair<Index, Index>> overlooked = findOverlooked(context);
     if (overlooked.empty()) return;
     beginAgain(context, begun, overlooked);

@@ -1,6 +1,9 @@
 // The time of a step beside Bullet's, on the same scenes in the same run: turn by turn, in stretches of
-// steps, so that a noisy machine is noisy for all. Also how deep bodies overlap at the end of the stretches,
-// found by our narrow phase on the poses of either engine, because time without error says little.
+// steps, so that a noisy machine is noisy for all. Also how many contact points there are, how deep bodies overlap at the
+// end of the stretches, found by our narrow phase on the poses of either engine, and how far the highest body has sunk:
+// time without error says little.
+//
+// Usage: beside_bullet_benchmark [NAME]     NAME: only the scenes whose names begin so
 #include "narrowphase/collide.h"
 #include "rigid_body_sim/scenes.h"
 
@@ -11,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -18,7 +22,21 @@ namespace {
 
 using namespace rbs;
 
-constexpr int kSteps = 600, kStretch = 20;
+constexpr int kStretch = 20;
+
+/// So many steps in a row that are summed up together. Before the first of them each body that moves may be given a
+/// velocity, to the side and up, m/s.
+struct Phase {
+  std::string name;
+  int steps;
+  double kick = 0.0;
+};
+
+struct Race {
+  std::string name;
+  SceneDef scene;
+  std::vector<Phase> phases;
+};
 
 /// One engine with one scene.
 class Contestant {
@@ -26,17 +44,31 @@ class Contestant {
   explicit Contestant(std::string name) : name(std::move(name)) {}
   virtual ~Contestant() = default;
   virtual void step() = 0;
+  virtual void kick(double speed) = 0;
   virtual std::vector<Pose> poses() const = 0;  ///< in the order of the scene
+  virtual std::size_t contacts() const = 0;     ///< points
 
   const std::string name;
-  std::vector<double> seconds;  ///< of each step
-  double deepest = 0.0;         ///< m
+  std::vector<double> seconds;  ///< of each step of the phase
+  double deepest = 0.0;         ///< in the phase, m
 };
+
+Vec3 kicked(double speed) {
+  return speed * Vec3(0.5, 0.5, 1.0);
+}
 
 class Ours : public Contestant {
  public:
   explicit Ours(const SceneDef& scene) : Contestant("rigid_body_sim, interactive"), world_(scene) {}
   void step() override { world_.step(); }
+  void kick(double speed) override {
+    BodyEdit edit;
+    edit.twist = Twist{kicked(speed), Vec3::Zero()};
+    const Snapshot now = world_.snapshot();
+    for (const BodyDescription& body : *now.bodies)
+      if (body.kind == BodyKind::Dynamic) world_.editBody(body.id, edit);
+  }
+  std::size_t contacts() const override { return world_.snapshot().contacts.size(); }
   std::vector<Pose> poses() const override {
     std::vector<Pose> poses;
     for (const BodyState& state : world_.snapshot().states) poses.push_back(state.pose);
@@ -69,6 +101,20 @@ class Bullet : public Contestant {
 
   void step() override {
     for (int k = 0; k < cuts_; ++k) world_.stepSimulation(btScalar(step_), 0);
+  }
+  void kick(double speed) override {
+    for (const auto& body : bodies_) {
+      if (body->isStaticObject()) continue;
+      body->setLinearVelocity(toBullet(kicked(speed)));
+      body->setAngularVelocity(btVector3(0, 0, 0));
+    }
+  }
+  std::size_t contacts() const override {
+    std::size_t points = 0;
+    btDispatcher* dispatcher = const_cast<btCollisionDispatcher*>(&dispatcher_);
+    for (int k = 0; k < dispatcher->getNumManifolds(); ++k)
+      points += static_cast<std::size_t>(dispatcher->getManifoldByIndexInternal(k)->getNumContacts());
+    return points;
   }
   std::vector<Pose> poses() const override {
     std::vector<Pose> poses;
@@ -143,39 +189,117 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-void race(const std::string& name) {
-  const SceneDef scene = readScene(std::string(RBS_SCENES) + "/" + name + ".yaml").scene;
+double highest(const std::vector<Pose>& poses) {
+  double z = 0.0;
+  for (const Pose& pose : poses) z = std::max(z, pose.p_WB.z());
+  return z;
+}
+
+void run(const Race& race) {
   std::vector<std::unique_ptr<Contestant>> contestants;
-  contestants.push_back(std::make_unique<Ours>(scene));
-  contestants.push_back(std::make_unique<Bullet>(scene, 1));
-  contestants.push_back(std::make_unique<Bullet>(scene, 4));
-  for (int done = 0; done < kSteps; done += kStretch) {
-    std::fprintf(stderr, "\r%s: step %d of %d ", name.c_str(), done, kSteps);
+  contestants.push_back(std::make_unique<Ours>(race.scene));
+  contestants.push_back(std::make_unique<Bullet>(race.scene, 1));
+  contestants.push_back(std::make_unique<Bullet>(race.scene, 4));
+  const double top = highest(contestants.front()->poses());
+  for (const Phase& phase : race.phases) {
     for (const auto& contestant : contestants) {
-      for (int k = 0; k < kStretch; ++k) {
-        const auto start = std::chrono::steady_clock::now();
-        contestant->step();
-        contestant->seconds.push_back(
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      contestant->seconds.clear();
+      contestant->deepest = 0.0;
+      if (phase.kick > 0.0) contestant->kick(phase.kick);
+    }
+    for (int done = 0; done < phase.steps; done += kStretch) {
+      std::fprintf(stderr, "\r%s, %s: step %d of %d ", race.name.c_str(), phase.name.c_str(), done, phase.steps);
+      for (const auto& contestant : contestants) {
+        for (int k = 0; k < kStretch; ++k) {
+          const auto start = std::chrono::steady_clock::now();
+          contestant->step();
+          contestant->seconds.push_back(
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        }
+        if (done % 100 == 0 || done + kStretch == phase.steps)
+          contestant->deepest = std::max(contestant->deepest, deepestOverlap(race.scene, contestant->poses()));
       }
-      contestant->deepest = std::max(contestant->deepest, deepestOverlap(scene, contestant->poses()));
+    }
+    std::fprintf(stderr, "\r%*s\r", 60, "");
+    const double ours = quantile(contestants.front()->seconds, 0.5);
+    for (const auto& c : contestants) {
+      const double median = quantile(c->seconds, 0.5);
+      std::printf("| %s | %s | %s | %zu | %.2f | %.2f | %.2f | %.1f | %.2f |\n", race.name.c_str(), phase.name.c_str(),
+                  c->name.c_str(), c->contacts(), 1e3 * median, 1e3 * quantile(c->seconds, 0.99), median / ours,
+                  1e3 * c->deepest, top - highest(c->poses()));
+      std::fflush(stdout);
     }
   }
-  std::fprintf(stderr, "\r%*s\r", 40, "");
-  const double ours = quantile(contestants.front()->seconds, 0.5);
-  for (const auto& c : contestants) {
-    const double median = quantile(c->seconds, 0.5);
-    std::printf("| %s | %s | %.2f | %.2f | %.2f | %.1f |\n", name.c_str(), c->name.c_str(), 1e3 * median,
-                1e3 * quantile(c->seconds, 0.99), median / ours, 1e3 * c->deepest);
+}
+
+SceneDef catalogue(const std::string& name) {
+  return readScene(std::string(RBS_SCENES) + "/" + name + ".yaml").scene;
+}
+
+// A wall of so many rows of boxes of 1 m, half overlapping.
+SceneDef wall(int rows) {
+  SceneDef scene = catalogue("pyramid");
+  scene.bodies.resize(1);
+  BodyDef brick;
+  brick.shape = Box{Vec3::Ones()};
+  brick.material.friction = 0.5;
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < rows - row; ++column) {
+      brick.pose.p_WB = Vec3(1.1 * (column + 0.5 * (row - rows + 1)), 0.0, 0.5 + row);
+      scene.bodies.push_back(brick);
+    }
+  return scene;
+}
+
+// A thousand balls and cubes of half a metre, at random attitudes, that fall into a pen of 4 m.
+SceneDef pile() {
+  SceneDef scene = catalogue("pyramid");
+  scene.bodies.resize(1);
+  const auto addWall = [&](const Vec3& size, const Vec3& p_WB) {
+    BodyDef def;
+    def.shape = Box{size};
+    def.kind = BodyKind::Static;
+    def.pose.p_WB = p_WB;
+    def.material.friction = 0.5;
+    scene.bodies.push_back(def);
+  };
+  for (const double side : {-1.0, 1.0}) {
+    addWall(Vec3(1.0, 6.0, 30.0), Vec3(side * 2.5, 0.0, 15.0));
+    addWall(Vec3(6.0, 1.0, 30.0), Vec3(0.0, side * 2.5, 15.0));
   }
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 1000; ++k) {
+    BodyDef def;
+    if (k % 2 == 0)
+      def.shape = Sphere{0.25};
+    else
+      def.shape = Box{Vec3::Constant(0.5)};
+    def.material.friction = 0.5;
+    def.pose.p_WB = Vec3(-1.4 + 0.7 * (k % 5), -1.4 + 0.7 * (k / 5 % 5), 0.6 + 0.7 * (k / 25));
+    def.pose.q_WB = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+    scene.bodies.push_back(def);
+  }
+  return scene;
 }
 
 }  // namespace
 
-int main() {
+int main(int argc, char** argv) {
+  const std::string only = argc > 1 ? argv[1] : "";
+  const std::vector<Phase> falls = {{"falling and at rest", 600}};
+  const std::vector<Phase> stands = {{"at rest", 300}};
+  const std::vector<Race> races = {
+      {"mixed_rain", catalogue("mixed_rain"), falls},
+      {"sphere_rain", catalogue("sphere_rain"), falls},
+      {"wall of 55", wall(10), stands},
+      {"wall of 210", wall(20), stands},
+      {"wall of 1830", wall(60), stands},
+      {"pile of 1000", pile(), {{"settling", 300}, {"", 200}, {"at rest", 100}, {"kicked", 40, 3.0}}}};
   std::printf(
-      "| scene | engine | median step, ms | 99th percentile, ms | median against ours | deepest overlap, mm "
-      "|\n");
-  std::printf("|---|---|--:|--:|--:|--:|\n");
-  for (const char* scene : {"mixed_rain", "pyramid", "sphere_rain"}) race(scene);
+      "| scene | phase | engine | contacts | median step, ms | 99th percentile, ms | median against ours | deepest "
+      "overlap, mm | top sunk by, m |\n");
+  std::printf("|---|---|---|--:|--:|--:|--:|--:|--:|\n");
+  for (const Race& race : races)
+    if (race.name.rfind(only, 0) == 0) run(race);
 }

@@ -14,6 +14,8 @@ namespace {
 
 // A guess may miss the aim by so much, or rounding would unsettle rest.
 constexpr double kGuess = 10.0;
+// Where less than this is asked, the rounding of double would show in the residuals of a guess.
+constexpr double kEveryDigit = 1e-10;
 
 // How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
 double closingWithoutImpulses(const CoulombProblem& problem) {
@@ -61,7 +63,8 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
   CoulombSolver solver = CoulombSolver::Guess;
   Answer best;
   best.r = system.guess(problem);
-  best.residuals = system.residuals(best.r);
+  best.residuals = near < kEveryDigit ? system.residuals(best.r)
+                                      : system.residuals(best.r, system.relativeVelocitiesAbout(best.r));
   int iterations = 0;
   const auto consider = [&](CoulombSolver of, const Answer& answer) {
     iterations += answer.iterations;

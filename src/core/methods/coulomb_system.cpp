@@ -106,31 +106,29 @@ System::System(const CoulombProblem& problem) {
   }
 }
 
-Impulses System::relativeVelocities(const Impulses& r) const {
-  Eigen::Matrix<long double, 6, Eigen::Dynamic> y = free_.cast<long double>();
+template <class Scalar>
+Impulses System::velocitiesSummedIn(const Impulses& r) const {
+  Eigen::Matrix<Scalar, 6, Eigen::Dynamic> y = free_.cast<Scalar>();
+  const auto push = [&](Index body, const Mat36& J, const Vec3& impulse) {
+    if (body != kNone) y.col(body).noalias() += J.transpose().cast<Scalar>() * impulse.cast<Scalar>();
+  };
   for (std::size_t k = 0; k < columns(); ++k) {
-    const Rows& point = rows(k);
-    const auto push = [&](Index body, const Mat36& J) {
-      for (int row = 0; row < 3; ++row)
-        for (int c = 0; c < 6; ++c) y(c, body) += J(row, c) * static_cast<long double>(r(row, k));
-    };
-    if (point.i != kNone) push(point.i, point.J_i);
-    if (point.j != kNone) push(point.j, point.J_j);
+    push(rows(k).i, rows(k).J_i, r.col(k));
+    push(rows(k).j, rows(k).J_j, r.col(k));
   }
   Impulses u(3, columns());
   for (std::size_t k = 0; k < columns(); ++k) {
     const Rows& point = rows(k);
-    for (int row = 0; row < 3; ++row) {
-      long double sum = point.drive[row];
-      for (int c = 0; c < 6; ++c) {
-        if (point.i != kNone) sum += point.J_i(row, c) * y(c, point.i);
-        if (point.j != kNone) sum += point.J_j(row, c) * y(c, point.j);
-      }
-      u(row, k) = static_cast<double>(sum);
-    }
+    Eigen::Matrix<Scalar, 3, 1> sum = point.drive.cast<Scalar>();
+    if (point.i != kNone) sum.noalias() += point.J_i.cast<Scalar>() * y.col(point.i);
+    if (point.j != kNone) sum.noalias() += point.J_j.cast<Scalar>() * y.col(point.j);
+    u.col(k) = sum.template cast<double>();
   }
   return u;
 }
+
+template Impulses System::velocitiesSummedIn<double>(const Impulses&) const;
+template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const;
 
 // The residuals of a point, each a speed, from the natural maps of the three laws at the point's own scale,
 // an impulse x being worth the speed response x:

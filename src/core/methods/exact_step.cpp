@@ -504,7 +504,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.touching = find(now_ + tau);
     const bool matters = curvatureMatters(kick, segment.touching, tau, curvature);
     const bool deep = segment.first.converged && overlaps(segment.touching);
-    if (!matters || corrections >= (deep ? kMostCorrections : corrections_)) break;
+    if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;
     island_.restore(start);
   }
 
@@ -586,7 +586,7 @@ bool Stepper::run() {
       segment = attempt(tau, Friction::Free);
     }
     const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
-    if (segment.slip_left.share <= 1e-9 && cuts_ >= points) {
+    if (segment.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
       cuts_ -= points;
       stops_.push_back(segment.slip_left.of);
       cutAtStop(tau, segment);

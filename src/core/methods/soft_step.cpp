@@ -39,7 +39,7 @@
 #include "effects_built.h"
 #include "fidelity.h"
 #include "integrate.h"
-#include "methods/solver_contacts.h"
+#include "methods/contact_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,10 +65,6 @@ constexpr double kMostSubSteps = 256.0;
 // Share of the smaller length from which an overlap is deep: no contact makes one, but edits and hands do.
 constexpr double kDeep = 0.1;
 
-struct Softness {
-  double bias, mass, impulse;  // b, a, c
-};
-
 // Of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
 Softness softness(double h, double h_full) {
   const double omega = kStiffness / h_full;
@@ -76,43 +72,13 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-// The velocities of a pair while its points are solved, in a place of their own: nothing else that is written
-// may be them, so that they stay in registers.
-class PairMotion {
- public:
-  PairMotion(SolverContacts& contacts, const SolverBlock& block)
-      : i_(contacts.bodies[block.i]), j_(contacts.bodies[block.j]) {
-    v_ << i_.v, j_.v;
-    w_ << i_.w, j_.w;
-    inv_mass_ << Vec3::Constant(i_.inv_mass), Vec3::Constant(j_.inv_mass);
-  }
-
-  /// Speed of j against i along d at the point of the row, m/s.
-  double speed(const Vec6& d_ij, const SolverRow& row) const {
-    return (d_ij.cwiseProduct(v_) + row.lever.cwiseProduct(w_)).sum();
-  }
-  /// An impulse (N s) along d on j, and its opposite on i.
-  void push(const Vec6& d_ij, const SolverRow& row, double impulse) {
-    v_ += (impulse * inv_mass_).cwiseProduct(d_ij);
-    w_ += impulse * row.turn;
-  }
-  void store() const {
-    if (!i_.still) i_.v = v_.head<3>(), i_.w = w_.head<3>();
-    if (!j_.still) j_.v = v_.tail<3>(), j_.w = w_.tail<3>();
-  }
-
- private:
-  SolverBody &i_, &j_;
-  Vec6 v_, w_, inv_mass_;
-};
-
 // With rolling resistance, or as if there were none: not a test of it is left in the loops of a scene that
 // has none.
 template <bool kRolling>
 class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
-      : context_(context), contacts_(context, batch), t0_(t0), dt_(t1 - t0) {
+      : context_(context), contacts_(context, batch), lanes_(contacts_), t0_(t0), dt_(t1 - t0) {
     h_full_ = subStep(context, batch.pairs);
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
@@ -121,10 +87,12 @@ class Solver {
 
   void begin() {
     contacts_.find(t0_, dt_, h_);
+    lanes_.take();
     if constexpr (kRolling) rolling_ = rolling::find(context_.scene, contacts_);
     findWedged();
   }
   void goOn();
+  void end() { lanes_.giveBack(); }
   void rebound();
   void holdWedged();
   void store() { contacts_.store(h_, h_full_); }
@@ -134,14 +102,8 @@ class Solver {
   // Inlined whatever their size, which depends on the effects that this build has: what it lacks is to save
   // no more than its own instructions.
   [[gnu::always_inline]] void kick();
-  [[gnu::always_inline]] void warmStart();
-  template <bool kBias>
-  [[gnu::always_inline]] void solve() {
-    built::friction && context_.scene.effects[Effect::Friction] ? solve<kBias, true>() : solve<kBias, false>();
-  }
-  template <bool kBias, bool kRough>
-  [[gnu::always_inline]] void solve();
   [[gnu::always_inline]] void drift();
+  void solveRolling();
   void findWedged();
 
   // A body that overlaps others deeply, and the speed at which it may leave them, m/s.
@@ -152,6 +114,7 @@ class Solver {
 
   Context& context_;
   SolverContacts contacts_;
+  ContactLanes lanes_;
   std::vector<rolling::Row> rolling_;
   std::vector<Wedged> wedged_;
   double t0_, dt_;
@@ -164,20 +127,26 @@ class Solver {
 
 template <bool kRolling>
 void Solver<kRolling>::goOn() {
-  if (done_ > 0) contacts_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
+  if (done_ > 0) lanes_.refresh(t0_ + done_ * h_, dt_ - done_ * h_);
   kick();
-  warmStart();
-  if constexpr (kRolling) rolling::warmStart(contacts_, rolling_), rolling::solve(contacts_, rolling_);
-  solve<true>();
+  lanes_.warmStart();
+  if constexpr (kRolling) rolling::warmStart(contacts_, rolling_), solveRolling();
+  lanes_.solve(ContactLanes::Pass::Soft, soft_, h_);
   drift();
   // Twice with rolling rows, whose bounds are the normal forces as they are then.
   for (int pass = kRolling && !rolling_.empty() ? 0 : 1; pass < 2; ++pass) {
-    solve<false>();
+    lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
     if constexpr (kRolling)
-      if (pass == 0) rolling::solve(contacts_, rolling_);
+      if (pass == 0) solveRolling();
   }
-  for (SolverPoint& point : contacts_.points) point.sum_n += point.l_n, point.sum_t += point.l_t;
+  lanes_.addUp();
   ++done_;
+}
+
+template <bool kRolling>
+void Solver<kRolling>::solveRolling() {
+  lanes_.giveBack();
+  rolling::solve(contacts_, rolling_);
 }
 
 template <bool kRolling>
@@ -188,71 +157,6 @@ inline void Solver<kRolling>::kick() {
     s.v += h_ * load.a_W;
     s.v_free = s.v;
     s.w += h_ * (s.inv_inertia_W * load.torque_W);
-  }
-}
-
-template <bool kRolling>
-inline void Solver<kRolling>::warmStart() {
-  for (const SolverBlock& block : contacts_.blocks) {
-    PairMotion pair(contacts_, block);
-    for (int k = block.first; k < block.first + block.size; ++k) {
-      const SolverPoint& point = contacts_.points[k];
-      if (point.l_n == 0.0) continue;
-      pair.push(block.n_ij, point.n, point.l_n);
-      if (!block.rough) continue;
-      pair.push(block.t1_ij, point.t1, point.l_t.x());
-      pair.push(block.t2_ij, point.t2, point.l_t.y());
-    }
-    pair.store();
-  }
-}
-
-// Without friction not a test of it is left in the loop.
-template <bool kRolling>
-template <bool kBias, bool kRough>
-inline void Solver<kRolling>::solve() {
-  for (const SolverBlock& block : contacts_.blocks) {
-    PairMotion pair(contacts_, block);
-
-    if (kRough && block.rough) {
-      for (int k = block.first; k < block.first + block.size; ++k) {
-        SolverPoint& point = contacts_.points[k];
-        const double limit = block.mu * point.l_n;
-        if (limit == 0.0 && point.l_t.isZero(0.0)) continue;
-        const Eigen::Vector2d u_t(pair.speed(block.t1_ij, point.t1), pair.speed(block.t2_ij, point.t2));
-        Eigen::Vector2d l_t = point.l_t - point.mass_t * u_t;
-        if (l_t.squaredNorm() > limit * limit) {
-          l_t = point.l_t - point.rho * u_t;
-          const double length = l_t.norm();
-          if (length > limit) l_t *= limit / length;
-        }
-        const Eigen::Vector2d change = l_t - point.l_t;
-        point.l_t = l_t;
-        pair.push(block.t1_ij, point.t1, change.x());
-        pair.push(block.t2_ij, point.t2, change.y());
-      }
-    }
-
-    for (int k = block.first; k < block.first + block.size; ++k) {
-      SolverPoint& point = contacts_.points[k];
-      if (!kBias && point.l_n == 0.0) continue;
-      const double u_n = pair.speed(block.n_ij, point.n);
-      double change;
-      if (point.open > 0.0) {
-        change = -point.mass_n * (u_n + point.open / h_);
-      } else if (kBias) {
-        const double bias = std::max(soft_.bias * point.open, -block.push);
-        change = -soft_.mass * point.mass_n * (u_n + bias) - soft_.impulse * point.l_n;
-      } else {
-        change = -point.mass_n * u_n;
-      }
-      const double l_n = std::max(point.l_n + change, 0.0);
-      change = l_n - point.l_n;
-      if (change == 0.0) continue;
-      point.l_n = l_n;
-      pair.push(block.n_ij, point.n, change);
-    }
-    pair.store();
   }
 }
 
@@ -283,7 +187,7 @@ inline void Solver<kRolling>::drift() {
       s.turned_axes = true;
     }
   }
-  contacts_.follow();
+  lanes_.follow();
 }
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
@@ -291,16 +195,20 @@ template <bool kRolling>
 void Solver<kRolling>::rebound() {
   const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
   for (const SolverBlock& block : contacts_.blocks) {
-    PairMotion pair(contacts_, block);
+    SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
       if (-block.e * point.u_0 <= slowest || point.sum_n == 0.0) continue;
-      const double impulse = -point.mass_n * (pair.speed(block.n_ij, point.n) + block.e * point.u_0);
+      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
+      const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
       if (impulse <= 0.0) continue;
       point.sum_n += impulse;
-      pair.push(block.n_ij, point.n, impulse);
+      const Vec3 impulse_W = impulse * block.n;
+      i.v -= i.inv_mass * impulse_W;
+      i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
+      j.v += j.inv_mass * impulse_W;
+      j.w += j.inv_inertia_W * point.r_j.cross(impulse_W);
     }
-    pair.store();
   }
 }
 
@@ -346,6 +254,7 @@ void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1)
   solver.begin();
   clock.charge(kCollide);
   for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
+  solver.end();
   if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
   solver.holdWedged();
   clock.charge(kSolve);

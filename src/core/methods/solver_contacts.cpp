@@ -5,8 +5,6 @@
 #include "fidelity.h"
 #include "narrowphase/collide.h"
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -124,9 +122,6 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
-  block.n_ij << -block.n, block.n;
-  block.t1_ij << -block.t1, block.t1;
-  block.t2_ij << -block.t2, block.t2;
   block.stray = manifold.size > 0 ? kStray * length : margin;
   block.moved_i = i.moved, block.turned_i = i.turned;
   block.moved_j = j.moved, block.turned_j = j.turned;
@@ -139,58 +134,12 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                                   const Vec3& centre_j, SolverPoint& point) const {
-  const SolverBody& i = bodies[block.i];
-  const SolverBody& j = bodies[block.j];
   point.p_W = found.p_W;
   point.r_i = found.p_W - centre_i;
   point.r_j = found.p_W - centre_j;
   point.gap = point.open = found.separation;
   point.feature = found.feature;
-
-  const auto setLever = [&](SolverRow& row, const Vec3& d) { row.lever << d.cross(point.r_i), point.r_j.cross(d); };
-  setLever(point.n, block.n);
-  if (block.rough) setLever(point.t1, block.t1), setLever(point.t2, block.t2);
-  turnRows(block, point);
-
-  const double inv_mass = i.inv_mass + j.inv_mass;
-  point.mass_n = 1.0 / (inv_mass + point.n.lever.dot(point.n.turn));
   point.u_0 = block.n.dot(velocityAt(block, point));
-  if (!block.rough) return;
-  Eigen::Matrix2d S;
-  S(0, 0) = inv_mass + point.t1.lever.dot(point.t1.turn);
-  S(1, 1) = inv_mass + point.t2.lever.dot(point.t2.turn);
-  S(0, 1) = S(1, 0) = point.t1.lever.dot(point.t2.turn);
-  point.mass_t = S.inverse();
-  const double half_trace = 0.5 * S.trace();
-  point.rho = 1.0 / (half_trace + std::sqrt(std::max(half_trace * half_trace - S.determinant(), 0.0)));
-}
-
-void SolverContacts::turnRows(const SolverBlock& block, SolverPoint& point) const {
-  const Mat3 &inv_i = bodies[block.i].inv_inertia_W, &inv_j = bodies[block.j].inv_inertia_W;
-  const auto turn = [&](SolverRow& row) { row.turn << inv_i * row.lever.head<3>(), inv_j * row.lever.tail<3>(); };
-  turn(point.n);
-  if (block.rough) turn(point.t1), turn(point.t2);
-}
-
-void SolverContacts::follow() {
-  for (const SolverBlock& block : blocks) {
-    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-    const bool turned = i.turned_axes || j.turned_axes;
-    // c, with n . (theta x r + theta x (theta x r)/2) = c . r
-    const auto turning = [&](const SolverBody& body, const Vec3& turned_then) -> Vec3 {
-      if (body.round) return Vec3::Zero();
-      const Vec3 theta = body.turned - turned_then;
-      return block.n.cross(theta) + 0.5 * (theta.dot(block.n) * theta - theta.squaredNorm() * block.n);
-    };
-    const Vec3 c_i = turning(i, block.turned_i), c_j = turning(j, block.turned_j);
-    const double shift = block.n.dot((j.moved - block.moved_j) - (i.moved - block.moved_i));
-    for (int k = block.first; k < block.first + block.size; ++k) {
-      SolverPoint& point = points[k];
-      if (turned) turnRows(block, point);
-      point.open = point.gap + shift + c_j.dot(point.r_j) - c_i.dot(point.r_i);
-    }
-  }
-  for (SolverBody& body : bodies) body.turned_axes = false;
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
@@ -228,18 +177,26 @@ void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_b
 bool SolverContacts::hasStrayed(const SolverBlock& block) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
-  const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).norm();
-  const double turn_i = (i.turned - block.turned_i).norm(), turn_j = (j.turned - block.turned_j).norm();
-  return travel + i.reach * turn_i + j.reach * turn_j > block.stray;
+  const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
+  const double turn_i = i.reach * i.reach * (i.turned - block.turned_i).squaredNorm();
+  const double turn_j = j.reach * j.reach * (j.turned - block.turned_j).squaredNorm();
+  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are told without a root.
+  if (3.0 * (travel + turn_i + turn_j) <= block.stray * block.stray) return false;
+  return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.stray;
 }
 
-void SolverContacts::refresh(double now, double left) {
-  for (SolverBlock& block : blocks) {
-    if (!hasStrayed(block)) continue;
-    const SolverBlock old = block;
-    findPoints(block, now, left);
-    for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
-  }
+std::vector<Index> SolverContacts::strayed() const {
+  std::vector<Index> found;
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    if (hasStrayed(blocks[k])) found.push_back(static_cast<Index>(k));
+  return found;
+}
+
+void SolverContacts::refresh(Index which, double now, double left) {
+  SolverBlock& block = blocks[which];
+  const SolverBlock old = block;
+  findPoints(block, now, left);
+  for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
 }
 
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut

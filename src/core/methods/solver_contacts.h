@@ -16,33 +16,21 @@ struct SolverBody {
   Vec3 moved, turned;  // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
-  bool turned_axes;  // inv_inertia_W has changed since the rows of its points were made
+  bool turned_axes;  // inv_inertia_W has changed in this sub-step
   bool still;    // nothing moves it: neither impulses nor a motion of its own
   bool round;    // its surface does not turn with it: a sphere
   double reach;  // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
-/// Of the two bodies of a pair: i above, j below.
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-
-/// How a pair turns at a point, along a direction d: what speed its angular velocities make there, and what an impulse
-/// makes of them.
-struct SolverRow {
-  Vec6 lever;  // (-r_i x d, r_j x d), m
-  Vec6 turn;   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m)
-};
-
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
   SolverPoint() {}  // not "= default": a vector would clear what is about to be filled in
-  SolverRow n, t1, t2;  // the last two only where the block is rough
   Vec3 r_i, r_j;           // from the centres, m
   double gap;              // when it was found, m
   double u_0;              // normal velocity of j against i when it was found, m/s
   double mass_n;           // effective, along the normal, kg
   Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
-  double rho;              // 1/(largest eigenvalue of the response in the contact plane), kg
   double l_n = 0.0;        // impulses of this sub-step, N s
   Eigen::Vector2d l_t{0.0, 0.0};
   double guess_n = 0.0;  // the forces it began with, N
@@ -58,7 +46,6 @@ struct SolverPoint {
 struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
-  Vec6 n_ij, t1_ij, t2_ij;  // (-d, d)
   double mu, e;
   bool rough;                                 // its friction is solved for
   double push;                                // largest speed of separation, m/s
@@ -75,14 +62,10 @@ class SolverContacts {
   /// Finds the points of all pairs at time `now`, with `left` s to go, and the impulses that the forces of
   /// the last step make of a sub-step of length h.
   void find(double now, double left, double h);
-  /// Finds the points anew of the pairs that have strayed since theirs were found.
-  void refresh(double now, double left);
-  /// To be called when the bodies have moved: measures the gaps, and makes the rows anew of the points of bodies whose
-  /// axes have turned.
-  ///
-  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r, to second
-  /// order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
-  void follow();
+  /// The blocks that have strayed from where their points were found.
+  std::vector<Index> strayed() const;
+  /// Finds the points of a block anew.
+  void refresh(Index block, double now, double left);
   /// Velocity of j against i at a point, m/s.
   Vec3 velocityAt(const SolverBlock& block, const SolverPoint& point) const {
     const SolverBody &i = bodies[block.i], &j = bodies[block.j];
@@ -109,7 +92,6 @@ class SolverContacts {
   void findPoints(SolverBlock& block, double now, double left);
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
-  void turnRows(const SolverBlock& block, SolverPoint& point) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasStrayed(const SolverBlock& block) const;
