@@ -44,8 +44,9 @@ RBS_INLINE void dot(const Lanes* a, const Lanes* b, Lanes& result) {
   result = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-RBS_INLINE void dot6(const Lanes* a, const Lanes* b, Lanes& result) {
-  result = (a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3]) + (a[4] * b[4] + a[5] * b[5]);
+// c + a . b in as few sums one after another as can be: passes wait for it.
+RBS_INLINE void add6(const Lanes& c, const Lanes* a, const Lanes* b, Lanes& result) {
+  result = ((a[0] * b[0] + a[1] * b[1]) + (a[2] * b[2] + a[3] * b[3])) + ((a[4] * b[4] + a[5] * b[5]) + c);
 }
 
 RBS_INLINE void cross(const Lanes* a, const Lanes* b, Lanes* result) {
@@ -236,8 +237,7 @@ void ContactLanes::findMasses(const Bundle& bundle) {
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     Lanes response;
-    dot6(row.turning.lever, row.turning.turn, response);
-    response += inv_mass;
+    add6(inv_mass, row.turning.lever, row.turning.turn, response);
     Lanes present;
     for (int lane = 0; lane < kLanes; ++lane)
       present[lane] = bundle.block[lane] != kNone && k < contacts_.blocks[bundle.block[lane]].size ? 1.0 : 0.0;
@@ -245,11 +245,9 @@ void ContactLanes::findMasses(const Bundle& bundle) {
     if (!bundle.rough) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
     Lanes s11, s12, s22;
-    dot6(friction.turning1.lever, friction.turning1.turn, s11);
-    dot6(friction.turning1.lever, friction.turning2.turn, s12);
-    dot6(friction.turning2.lever, friction.turning2.turn, s22);
-    s11 += inv_mass;
-    s22 += inv_mass;
+    add6(inv_mass, friction.turning1.lever, friction.turning1.turn, s11);
+    add6(Lanes{}, friction.turning1.lever, friction.turning2.turn, s12);
+    add6(inv_mass, friction.turning2.lever, friction.turning2.turn, s22);
     const Lanes determinant = s11 * s22 - s12 * s12, half_trace = 0.5 * (s11 + s22);
     Lanes root = half_trace * half_trace - determinant;
     for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(std::max(root[lane], 0.0));
@@ -346,10 +344,8 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
         FrictionRow& row = friction_[bundle.friction + k];
         const Lanes limit = bundle.mu * normal_[bundle.normal + k].impulse;
         Lanes slip1, slip2;
-        dot6(row.turning1.lever, w, slip1);
-        dot6(row.turning2.lever, w, slip2);
-        slip1 += u1;
-        slip2 += u2;
+        add6(u1, row.turning1.lever, w, slip1);
+        add6(u2, row.turning2.lever, w, slip2);
         Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
         Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
         const auto slides = l1 * l1 + l2 * l2 > limit * limit;
@@ -378,21 +374,21 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
     dot(bundle.n, apart, u_n);
     for (int k = 0; k < bundle.size; ++k) {
       NormalRow& row = normal_[bundle.normal + k];
-      Lanes speed;
-      dot6(row.turning.lever, w, speed);
-      speed += u_n;
       const auto open = row.open > zero;
-      Lanes l_n;
+      Lanes at_rest, mass, speed;  // the impulse that a point at rest would get, what speed takes of it
       if (kPass == Pass::Soft) {
         const Lanes closing = bias * row.open, capped = closing > -bundle.push ? closing : -bundle.push;
         const Lanes target = open ? per_second * row.open : capped;
-        const Lanes mass = open ? row.mass : soft_mass * row.mass;
         const Lanes kept = open ? row.impulse : row.impulse - soft_impulse * row.impulse;
-        l_n = kept - mass * (speed + target);
+        mass = open ? row.mass : soft_mass * row.mass;
+        at_rest = kept - mass * target;
       } else {
-        l_n = row.impulse - row.mass * (speed + (open ? per_second * row.open : zero));
-        l_n = row.impulse == zero ? zero : l_n;
+        // Points without an impulse stay so.
+        mass = row.impulse == zero ? zero : row.mass;
+        at_rest = row.impulse - mass * (open ? per_second * row.open : zero);
       }
+      add6(u_n, row.turning.lever, w, speed);
+      Lanes l_n = at_rest - mass * speed;
       l_n = l_n > zero ? l_n : zero;
       const Lanes change = l_n - row.impulse;
       row.impulse = l_n;

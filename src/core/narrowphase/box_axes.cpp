@@ -79,6 +79,9 @@ std::optional<BoxAxis> farthestAxis(const Vec3& half_a, const Vec3& half_b, cons
         const double length = std::sqrt(squared);
         separation = unscaled / length, noise = rounding / length;
       } else if (squared > kNoSine * kNoSine) {
+        // What has lost digits can still tell most axes that are farther back.
+        const double lost = 4.0 * (rounding + kRounding * p.lpNorm<1>());
+        if (unscaled + lost <= best * std::sqrt(squared)) continue;
         const Vec3 l = acrossBoth(Vec3::Unit(i), R.col(j));
         separation =
             std::abs(l.dot(p)) - l.cwiseAbs().dot(half_a) - (R.transpose() * l).cwiseAbs().dot(half_b);

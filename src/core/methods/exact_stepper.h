@@ -1,0 +1,90 @@
+// One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make up the
+// way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
+#pragma once
+
+#include "methods/island_motion.h"
+#include "methods/methods.h"
+#include "methods/touching.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace rbs::exact_step {
+
+using Vec2 = Eigen::Vector2d;
+
+/// A gap below this share of the smaller length of its pair is closed.
+inline constexpr double kTouch = 1e-7;
+
+class Stepper {
+ public:
+  Stepper(Context& context, const IslandBatch& batch, double t0, double t1);
+
+  bool run();
+  void store();
+
+ private:
+  // How fast closed points slide, and couples turn, in their frames; zero where they do not.
+  struct Slip {
+    std::vector<Vec2> points;
+    std::vector<Vec3> couples;
+  };
+  // What may stop: the sliding of a point, or the turning of a pair.
+  using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // pair; feature of the point
+  // What a segment has left of the sliding, or turning, that has lost the most of its speed.
+  struct Left {
+    double share = 1.0;  // <= 0: it has stopped
+    double speed = 0.0;  // before the segment, m/s
+    Stop of{};
+  };
+  // How a segment ends.
+  struct Segment {
+    std::vector<BodyMotion> end;
+    Touching touching;
+    CoulombResult first, second;  // of its kicks
+    Left slip_left;
+  };
+  enum class Friction { Free, KeepsDirection };
+
+  Touching find(double time);
+  bool overlooked(const Touching& later) const;
+  void lookFarther();
+  bool takeOverlapsAway();
+  void settle();
+  Segment attempt(double tau, Friction friction);
+  Slip slipNow() const;
+  Vec3 turningOf(const Movers& movers, const CoulombCouple& couple) const;
+  bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
+  bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+                        std::vector<double>& curvature) const;
+  void aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const;
+  void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+                  Touching& later) const;
+  CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
+  Left slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
+  void cutAtStop(double& tau, Segment& segment);
+
+  CoulombResult solve(CoulombProblem& problem) const;
+  IslandCertificate& islandCertificate() const;
+  void certify(const CoulombResult& result) const;
+
+  Context& context_;
+  StepStore& step_;
+  std::vector<Index> pairs_;
+  IslandMotion island_;
+  std::vector<Index> slot_;  // by body: its place in the problem
+  ContactClock clock_;
+  double now_, end_, span_;
+  double reach_ = 1.0;  // of the margin within which pairs are looked at
+  double tolerance_, aim_;
+  int corrections_, cuts_;
+  bool promoted_;      // by a setting that has another method for it
+  double slow_;        // a slip below is none
+  Touching touching_;  // now
+  std::vector<Stop> stops_;  // at which segments have been cut
+};
+
+}  // namespace rbs::exact_step

@@ -1,0 +1,105 @@
+// What acts on single bodies from outside: impulses, wrenches, hands.
+#include "world_parts.h"
+
+#include "checks.h"
+#include "text.h"
+
+namespace rbs {
+
+void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) {
+  const Index i = impl_->require(id);
+  Bodies& bodies = impl_->scene.bodies;
+  std::vector<Problem> problems;
+  checkVector(impulse_W, Limits::max_impulse, "impulse", "N s", problems);
+  checkVector(point_W, Limits::max_position, "point", "m", problems);
+  if (!bodies.traits[i].movable())
+    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
+  throwIfAny(problems);
+  Twist twist = bodies.twist[i];
+  twist.v_WB += impulse_W / bodies.traits[i].mass;
+  const Pose pose = bodies.poseNow(i, impl_->scene.time);
+  const Vec3 couple_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
+  twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(couple_B));
+  if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
+      twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
+    throw InvalidInput({{"impulse", textOf(impulse_W),
+                         "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
+                             text(Limits::max_spin) + " rad/s"}});
+  bodies.bringAttitude(i, impl_->scene.time);
+  bodies.twist[i] = twist;
+  impl_->edited(false, std::vector<Index>{});
+}
+
+void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                        double seconds) {
+  const Index i = impl_->require(id);
+  const Bodies& bodies = impl_->scene.bodies;
+  std::vector<Problem> problems;
+  checkVector(force_W, Limits::max_impulse, "force", "N", problems);
+  checkVector(torque_W, Limits::max_impulse, "torque", "N m", problems);
+  checkVector(point_W, Limits::max_position, "point", "m", problems);
+  checkPositive(seconds, 1e9, "seconds", "s", problems);
+  if (!bodies.traits[i].movable())
+    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
+  throwIfAny(problems);
+  const Vec3 couple = torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W);
+  impl_->scene.wrenches.push_back({id, force_W, couple, impl_->scene.time + seconds});
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+void World::grab(BodyId id, const Grab& grab) {
+  const Index i = impl_->require(id);
+  std::vector<Problem> problems;
+  checkVector(grab.p_B, Limits::max_position, "grab.p_B", "m", problems);
+  checkVector(grab.p_W, Limits::max_position, "grab.p_W", "m", problems);
+  checkPositive(grab.frequency, 1e4, "grab.frequency", "Hz", problems);
+  checkPositive(grab.max_acceleration, 1e9, "grab.max_acceleration", "m/s^2", problems);
+  if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
+    problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
+  throwIfAny(problems);
+  for (HandGrab& hand : impl_->scene.grabs) {
+    if (hand.body != id) continue;
+    hand.grab = grab;
+    ++impl_->edits;
+    return;
+  }
+  release(id);
+  impl_->scene.grabs.push_back({id, grab});
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+void World::hold(BodyId id, const Pose& target) {
+  const Index i = impl_->require(id);
+  std::vector<Problem> problems;
+  checkVector(target.p_WB, Limits::max_position, "hold.position", "m", problems);
+  const double norm = target.q_WB.norm();
+  if (!(norm > 1e-3 && norm < 1e3))
+    problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
+  throwIfAny(problems);
+  const Pose unit{target.p_WB, target.q_WB.normalized()};
+  for (HandHold& hold : impl_->scene.holds) {
+    if (hold.body != id) continue;
+    hold.target = unit;
+    ++impl_->edits;
+    return;
+  }
+  release(id);
+  impl_->scene.holds.push_back({id, unit});
+  impl_->scene.bodies.traits[i].held = true;
+  impl_->scene.bodies.refresh(i);
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+void World::release(BodyId id) {
+  const Index i = impl_->require(id);
+  Bodies& bodies = impl_->scene.bodies;
+  impl_->letGo(id);
+  if (bodies.traits[i].held) {
+    bodies.traits[i].held = false;
+    bodies.twist[i] = {};
+    bodies.refresh(i);
+  }
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+}  // namespace rbs

@@ -1,0 +1,80 @@
+// The parts behind the interface of World.
+#pragma once
+
+#include "context.h"
+#include "pipeline.h"
+#include "rigid_body_sim/world.h"
+#include "sleep.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+namespace rbs {
+
+struct World::Impl {
+  SceneStore scene;
+  StepStore step;
+  Census census;
+  Pipeline pipeline;
+  std::uint64_t next_serial = 1;
+  std::uint64_t edits = 0;
+  std::uint64_t description_version = 0;
+  std::unordered_map<std::string, std::uint64_t> next_number;  // of names by shape
+  mutable std::shared_ptr<const std::vector<BodyDescription>> descriptions;
+
+  Index require(BodyId id) const {
+    const Index i = scene.bodies.indexOf(id);
+    if (i == kNone) throw InvalidInput({{"body", std::to_string(id.serial), "a body of this world"}});
+    return i;
+  }
+
+  // To be called after every edit; `described` when a description changed. `changed` lists the bodies that the edit was
+  // about, besides those it appended, where it was about nothing else.
+  void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
+    ++edits;
+    if (described) {
+      ++description_version;
+      descriptions.reset();
+    }
+    begunAnew(changed);
+  }
+
+  // To be called when what the stages go by has changed.
+  void begunAnew(const std::optional<std::vector<Index>>& changed = std::nullopt) {
+    const bool some_rest = !scene.rest.empty();
+    sleep::wakeAll(scene);
+    changed && !some_rest ? adopt(takeCensus(scene, *changed)) : recount();
+  }
+
+  void recount() { adopt(takeCensus(scene)); }
+
+  void adopt(Census now) {
+    if (now == census) return;
+    census = std::move(now);
+    pipeline.filter(census);
+  }
+
+  // What is known of a body's contacts is void once it has been moved or reshaped.
+  void forgetContacts(BodyId id) {
+    for (ContactPair& pair : scene.contacts.pairs)
+      if (pair.id_i == id || pair.id_j == id) pair.size = 0;
+  }
+
+  void letGo(BodyId id) {
+    const auto ofBody = [id](const auto& hand) { return hand.body == id; };
+    scene.grabs.erase(std::remove_if(scene.grabs.begin(), scene.grabs.end(), ofBody), scene.grabs.end());
+    scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
+  }
+
+  void keepContacts();
+  void advance(double to);
+  std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
+  void nameBodies(std::vector<BodyDef>& bodies);
+};
+
+}  // namespace rbs

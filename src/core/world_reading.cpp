@@ -1,0 +1,117 @@
+// What can be read of a world: its captures, sums and snapshots.
+#include "world_parts.h"
+
+#include "effects/effects.h"
+#include "saved_state.h"
+#include "state_hash.h"
+
+#include <algorithm>
+
+namespace rbs {
+
+double World::time() const {
+  return impl_->scene.time;
+}
+std::uint64_t World::steps() const {
+  return impl_->scene.steps;
+}
+std::uint64_t World::edits() const {
+  return impl_->edits;
+}
+const SceneDef& World::scene() const {
+  return impl_->scene.settings;
+}
+std::vector<StageInfo> World::pipeline() const {
+  return impl_->pipeline.describe(impl_->census, impl_->scene, impl_->step);
+}
+std::uint64_t World::stateHash() const {
+  return rbs::stateHash(impl_->scene);
+}
+
+SceneDef World::capture() const {
+  SceneDef scene = impl_->scene.settings;
+  for (Index i = 0; i < impl_->scene.bodies.size(); ++i)
+    scene.bodies.push_back(impl_->scene.bodies.define(i, impl_->scene.time));
+  return scene;
+}
+
+SavedState World::captureState() const {
+  return rbs::captureState(impl_->scene);
+}
+
+Totals World::totals() const {
+  const Bodies& bodies = impl_->scene.bodies;
+  const Vec3& gravity = impl_->scene.gravity_W;
+  Totals sum;
+  for (Index i = 0; i < bodies.size(); ++i) {
+    const Traits& t = bodies.traits[i];
+    if (t.kind != BodyKind::Dynamic || t.frozen) continue;
+    const Vec3& p = bodies.pose[i].p_WB;
+    const Twist& twist = bodies.twist[i];
+    const Vec3 w_B = bodies.pose[i].q_WB.conjugate() * twist.w_WB;
+    const Vec3 l_B = bodies.inertia[i].moments.cwiseProduct(w_B);
+    sum.kinetic_energy += 0.5 * (t.mass * twist.v_WB.squaredNorm() + l_B.dot(w_B));
+    sum.potential_energy -= t.mass * gravity.dot(p);
+    sum.momentum += t.mass * twist.v_WB;
+    sum.angular_momentum += p.cross(t.mass * twist.v_WB) + bodies.pose[i].q_WB * l_B;
+  }
+  return sum;
+}
+
+Snapshot World::snapshot() const {
+  const Impl& w = *impl_;
+  const Bodies& bodies = w.scene.bodies;
+  Snapshot s;
+  s.scene = w.scene.settings.name;
+  s.time = w.scene.time;
+  s.steps = w.scene.steps;
+  s.step = w.scene.settings.step;
+  s.edits = w.edits;
+  s.description_version = w.description_version;
+  if (!w.descriptions) {
+    auto fresh = std::make_shared<std::vector<BodyDescription>>();
+    for (Index i = 0; i < bodies.size(); ++i) fresh->push_back(bodies.describe(i));
+    w.descriptions = std::move(fresh);
+  }
+  s.bodies = w.descriptions;
+  s.states.reserve(bodies.size());
+  for (Index i = 0; i < bodies.size(); ++i)
+    s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});
+  for (const ContactPair& pair : w.scene.contacts.pairs) {
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      const Touch& touch = w.scene.contacts.touches[t];
+      s.contacts.push_back({pair.id_i, pair.id_j, touch.p_W, touch.n_W, touch.separation,
+                            touch.normal_impulse, touch.friction_impulse_W});
+    }
+  }
+  s.pipeline = pipeline();
+  s.report = w.step.report;
+  s.totals = totals();
+  const SceneDef& settings = w.scene.settings;
+  s.air.air = settings.air.has_value();
+  s.air.wind = settings.wind.has_value();
+  if (settings.air) s.air.density = settings.air->density;
+  if (settings.wind) s.air.mean = settings.wind->velocity, s.air.gust = settings.wind->gust;
+  s.air.velocity = airVelocity(settings, w.scene.time);
+  s.fluid = settings.fluid;
+  s.gravity = settings.gravity;
+  s.fidelity = settings.fidelity;
+  s.goal = settings.goal;
+  s.view = settings.view;
+  s.hash = stateHash();
+  return s;
+}
+
+int Snapshot::find(const std::string& name) const {
+  for (std::size_t k = 0; bodies && k < bodies->size(); ++k)
+    if ((*bodies)[k].name == name) return static_cast<int>(k);
+  return -1;
+}
+
+int Snapshot::find(BodyId id) const {
+  const auto it = std::lower_bound(states.begin(), states.end(), id,
+                                   [](const BodyState& state, BodyId wanted) { return state.id < wanted; });
+  return it != states.end() && it->id == id ? static_cast<int>(it - states.begin()) : -1;
+}
+
+}  // namespace rbs
