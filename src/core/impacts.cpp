@@ -16,6 +16,8 @@ namespace {
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
 // wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
+// An overlap deeper than this share of the smaller length is more than rounding leaves of an impact.
+constexpr double kSunk = 1e-6;
 
 // A body's course from where it has been advanced to. A supported body is foretold to keep its velocity: what
 // carries it cancels its load.
@@ -82,15 +84,31 @@ double slowest(const Context& context, Index i, Index j) {
   return std::max(settings.slowest_impact * step.h() * a, unseen);
 }
 
+// What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the
+// difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes that turn.
+double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j, double from) {
+  const double left = context.step.t1 - from;
+  double speed = (course_i.velocityAt(from) - course_j.velocityAt(from)).norm();
+  for (const auto& [body, course] : {std::pair(i, &course_i), std::pair(j, &course_j)}) {
+    const Traits& traits = context.scene.bodies.traits[body];
+    const double rate = course->twist.w_WB.norm();
+    if (rate > 0.0 && !std::holds_alternative<Sphere>(traits.shape)) speed += rate * traits.bounding_radius;
+  }
+  return left * (speed + 0.5 * left * (course_i.a_W - course_j.a_W).norm());
+}
+
 }  // namespace
 
-// A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
+// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
 // another, to find when it comes back, would cost more than it is worth within a step. Of spheres and planes
 // it is known in closed form.
 Outlook foretell(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
+  const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
+  const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
+  if (std::isfinite(near) && !areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
   const auto touchAt = [&](const Meeting& meeting, double time) {
     Outlook outlook;
     outlook.touches = true;
@@ -107,8 +125,12 @@ Outlook foretell(const Context& context, Index i, Index j, double from) {
     if (now.manifold.size > 0) return touchAt(now, from);
   }
   const std::optional<double> time =
-      timeOfImpact(a, courseOf(context, i), b, courseOf(context, j), from, step.t1);
-  return time ? touchAt(Meeting(context, i, j, *time), *time) : Outlook{};
+      timeOfImpact(a, course_i, b, course_j, from, step.t1);
+  if (time) return touchAt(Meeting(context, i, j, *time), *time);
+  // What overlaps touches, though nothing closes: contacts are to part it.
+  Outlook outlook;
+  outlook.touches = gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
+  return outlook;
 }
 
 // Courses are foretold with a constant angular velocity; what torque and gyroscopic torque do to it must not

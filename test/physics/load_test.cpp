@@ -74,5 +74,18 @@ TEST_P(Load, WhatIsWedgedInDoesNotShootOut) {
   }
 }
 
+// Nothing closes, and nothing carries them: still they are in each other.
+TEST_P(Load, BallsInEachOtherPartThoughTheyFlyAlike) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.fidelity = GetParam();
+  for (const double x : {0.0, 0.3}) {
+    scene.bodies.push_back(ball(x == 0.0 ? "one" : "two", 0.5, Vec3(x, 0.0, 0.0)));
+    scene.bodies.back().twist.v_WB = Vec3(0.0, 1.0, 2.0);
+  }
+  World world(scene);
+  advance(world, 2.0);
+  EXPECT_GT((stateOf(world, "two").pose.p_WB - stateOf(world, "one").pose.p_WB).norm(), 0.99);
+}
+
 }  // namespace
 }  // namespace rbs::test

@@ -186,6 +186,7 @@ std::optional<double> sphereAndBox(double radius, const Vec3& half, const Scene&
 
 Pose Motion::at(double t) const {
   const double s = t - t0;
+  if (s == 0.0) return pose;
   return {pose.p_WB + s * (twist.v_WB + 0.5 * s * a_W),
           (rotationBy(s * twist.w_WB) * pose.q_WB).normalized()};
 }
