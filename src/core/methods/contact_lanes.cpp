@@ -193,7 +193,7 @@ void ContactLanes::refresh(double now, double left) {
 }
 
 // The rows of a bundle from the places of its points.
-void ContactLanes::findRows(const Bundle& bundle) {
+RBS_WIDE void ContactLanes::findRows(const Bundle& bundle) {
   const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
     cross(d, row.arm_i, turning.lever);
     cross(row.arm_j, d, turning.lever + 3);
@@ -209,7 +209,7 @@ void ContactLanes::findRows(const Bundle& bundle) {
   findMasses(bundle);
 }
 
-void ContactLanes::findTurns(const Bundle& bundle) {
+RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
   Lanes inv_i[9], inv_j[9];
   for (int c = 0; c < 9; ++c) {
     const auto of = [c](const SolverBody* body) { return body->inv_inertia_W.data()[c]; };
@@ -232,7 +232,7 @@ void ContactLanes::findTurns(const Bundle& bundle) {
 
 // The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix S, and rho
 // the inverse of its largest eigenvalue.
-void ContactLanes::findMasses(const Bundle& bundle) {
+RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle) {
   const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
@@ -417,7 +417,7 @@ void ContactLanes::solve(Pass pass, const Softness& soft, double h) {
     rough ? solveBundles<Pass::Relax, built::friction>(soft, h) : solveBundles<Pass::Relax, false>(soft, h);
 }
 
-void ContactLanes::addUp() {
+RBS_WIDE void ContactLanes::addUp() {
   for (NormalRow& row : normal_) row.sum += row.impulse;
   for (FrictionRow& row : friction_) row.sum1 += row.impulse1, row.sum2 += row.impulse2;
 }
