@@ -88,36 +88,59 @@ void ContactLanes::schedule() {
     if (key[k] != kNone) ordered[first[key[k]]++] = static_cast<Index>(k);
 
   bundles_.clear();
+  normal_.clear();
+  friction_.clear();
   places_.assign(blocks.size(), {});
-  std::size_t normal = 0, friction = 0;
   for (std::size_t k = 0; k < ordered.size();) {
-    Bundle bundle{};
-    bundle.block.fill(kNone);
-    bundle.i.fill(&nobody_);
-    bundle.j.fill(&nobody_);
     const Index group = key[ordered[k]] / kSizes;
-    for (int lane = 0; lane < kLanes && k < ordered.size() && key[ordered[k]] / kSizes == group; ++lane, ++k) {
-      bundle.block[lane] = ordered[k];
-      bundle.size = std::max(bundle.size, blocks[ordered[k]].size);
-      places_[ordered[k]] = {static_cast<Index>(bundles_.size()), lane};
-    }
-    bundle.rough = blocks[bundle.block[0]].rough;
-    bundle.normal = normal;
-    bundle.friction = friction;
-    normal += static_cast<std::size_t>(bundle.size);
-    if (bundle.rough) friction += static_cast<std::size_t>(bundle.size);
-    bundles_.push_back(bundle);
+    const std::size_t bundle = bundles_.size();
+    for (int lane = 0; lane < kLanes && k < ordered.size() && key[ordered[k]] / kSizes == group; ++lane, ++k)
+      append(bundle, ordered[k]);
   }
-  normal_.resize(normal);
-  friction_.resize(friction);
+}
+
+// Puts a block into the last bundle, or opens it. The first block of a bundle is its largest.
+void ContactLanes::append(std::size_t bundle, Index which) {
+  const SolverBlock& block = contacts_.blocks[which];
+  if (bundle == bundles_.size()) {
+    Bundle fresh{};
+    fresh.block.fill(kNone);
+    fresh.i.fill(&nobody_);
+    fresh.j.fill(&nobody_);
+    fresh.rough = block.rough;
+    fresh.normal = normal_.size();
+    fresh.friction = friction_.size();
+    bundles_.push_back(fresh);
+  }
+  Bundle& last = bundles_.back();
+  const auto lane = std::find(last.block.begin(), last.block.end(), kNone);
+  *lane = which;
+  places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin())};
+  last.size = std::max(last.size, block.size);
+  normal_.resize(last.normal + static_cast<std::size_t>(last.size));
+  if (last.rough) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
+}
+
+// Whether a block may go beside those of a bundle: there is a lane, and no body that both would move.
+bool ContactLanes::accepts(const Bundle& bundle, const SolverBlock& block) const {
+  if (bundle.block.back() != kNone || bundle.rough != block.rough) return false;
+  for (const Index body : {block.i, block.j}) {
+    const SolverBody* s = &contacts_.bodies[body];
+    if (s->inv_mass == 0.0) continue;
+    for (const Index other : bundle.block)
+      if (other != kNone && (contacts_.blocks[other].i == body || contacts_.blocks[other].j == body)) return false;
+  }
+  return true;
 }
 
 void ContactLanes::take() {
   schedule();
-  for (std::size_t b = 0; b < bundles_.size(); ++b) {
-    for (int lane = 0; lane < kLanes; ++lane) takeBlock({static_cast<Index>(b), lane});
-    findRows(bundles_[b]);
-  }
+  for (std::size_t b = 0; b < bundles_.size(); ++b) takeBundle(b);
+}
+
+void ContactLanes::takeBundle(std::size_t bundle) {
+  for (int lane = 0; lane < kLanes; ++lane) takeBlock({static_cast<Index>(bundle), lane});
+  findRows(bundles_[bundle]);
 }
 
 // Where a lane has fewer points than its bundle has rows, the others are all zero.
@@ -125,6 +148,7 @@ void ContactLanes::takeBlock(Place place) {
   Bundle& bundle = bundles_[place.bundle];
   const int lane = place.lane;
   int size = 0;
+  bundle.i[lane] = bundle.j[lane] = &nobody_;
   if (bundle.block[lane] != kNone) {
     const SolverBlock& block = contacts_.blocks[bundle.block[lane]];
     SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
@@ -169,27 +193,25 @@ void ContactLanes::takeBlock(Place place) {
   }
 }
 
-// In its own lane where the new points have room there, all anew where not.
 void ContactLanes::refresh(double now, double left) {
-  const std::vector<Index> strayed = contacts_.strayed();
-  bool room = true;
-  for (const Index k : strayed) {
+  const std::size_t known = bundles_.size();
+  for (const Index k : contacts_.strayed()) {
     giveBackBlock(k);
     contacts_.refresh(k, now, left);
-    const Place& place = places_[k];
-    room = room && contacts_.blocks[k].size <= (place.bundle == kNone ? 0 : bundles_[place.bundle].size);
-  }
-  if (room) {
-    for (const Index k : strayed) {
-      if (places_[k].bundle == kNone) continue;
-      takeBlock(places_[k]);
-      findRows(bundles_[places_[k].bundle]);
+    const SolverBlock& block = contacts_.blocks[k];
+    if (const Place place = places_[k]; place.bundle != kNone) {
+      Bundle& bundle = bundles_[place.bundle];
+      const bool room = block.size <= bundle.size;
+      if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
+      takeBlock(place);
+      findRows(bundle);
+      if (room) continue;
     }
-  } else {
-    for (const Index k : strayed) places_[k] = {};
-    giveBack();
-    take();
+    if (block.size == 0) continue;
+    const bool beside = bundles_.size() > known && accepts(bundles_.back(), block);
+    append(beside ? bundles_.size() - 1 : bundles_.size(), k);
   }
+  for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
 
 // The rows of a bundle from the places of its points.

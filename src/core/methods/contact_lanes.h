@@ -32,7 +32,8 @@ class ContactLanes {
 
   /// Takes over the points of the contacts, when they have been found.
   void take();
-  /// Has the points of the pairs found anew that have strayed since theirs were found.
+  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more of them than
+  /// its lane has room for goes behind all others.
   void refresh(double now, double left);
   /// Gives the points their impulses, their gaps and what resists there.
   void giveBack();
@@ -93,6 +94,9 @@ class ContactLanes {
   };
 
   void schedule();
+  void append(std::size_t bundle, Index block);
+  bool accepts(const Bundle& bundle, const SolverBlock& block) const;
+  void takeBundle(std::size_t bundle);
   void takeBlock(Place place);
   void giveBackBlock(Index block);
   void findRows(const Bundle& bundle);
