@@ -17,8 +17,8 @@ namespace {
 // curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what kicks leave that are
 // right to ten times the aim; curvature beyond kCurved is given back to the first kick.
 constexpr double kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
-// Forces that change by less than this many times what solves aim at are as expected.
-constexpr double kNoChange = 4.0;
+// Forces that change by less than this many times what solves aim at are nearly as expected.
+constexpr double kNoChange = 1e3;
 
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
@@ -34,6 +34,18 @@ const char* nameOf(CoulombSolver solver) {
       break;
   }
   return "admm";
+}
+
+// Adds an impulse on the second side of a point, and its opposite on the first.
+void push(Movers& movers, const CoulombPoint& law, const Vec3& impulse_W) {
+  const auto give = [&](Index body, const Vec3& arm, const Vec3& impulse) {
+    if (body == kNone) return;
+    CoulombBody& b = movers[body];
+    b.v += impulse / b.mass;
+    if (b.turns) b.w += b.inertia_W.llt().solve(arm.cross(impulse));
+  };
+  give(law.i, law.r_i, -impulse_W);
+  give(law.j, law.r_j, impulse_W);
 }
 
 }  // namespace
@@ -188,9 +200,7 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
   return matters;
 }
 
-// Whether impulses are those of the forces expected but for a few times what solves aim at. Such a change
-// makes good what the guesses of earlier kicks have left; were it expected again, the next kicks would make
-// good the opposite, for ever.
+// Whether impulses are nearly those of the forces expected.
 bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
                          double seconds) const {
   double change = 0.0;
@@ -200,17 +210,44 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
   return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
 }
 
+// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near rest a
+// solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of speed or of a gap,
+// because their guesses were right enough to pass. Were all of it expected again, the next kick would overdo it, and the
+// one after that undo it, for ever; were none, forces that are a little wrong would have to be mended for ever. With u_n
+// the normal velocities of the points that push, at the start of the kick, as guessed, and as solved, the forces are wrong
+// by what the guess did to them, and all is mended that the solve does to the guess:
+//   share = sum (u_guess - u_start)(u_guess - u_solved) / sum (u_guess - u_solved)^2,
+// which is exact where the two are in proportion, as after any number of equal kicks.
+double Stepper::lastingShare(const CoulombResult& result, const Touching& touching, const std::vector<CoulombPoint>& laws,
+                             double seconds, const Movers& start, const Movers& solved) const {
+  if (result.solver == CoulombSolver::Guess) return 0.0;
+  if (!asExpected(touching, laws, seconds)) return 1.0;
+  Movers guessed = solved;
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
+  double wrong = 0.0, mended = 0.0;
+  for (const CoulombPoint& law : laws) {
+    if (!(law.impulse[2] > 0.0)) continue;
+    const bool sticks = law.impulse.head<2>().norm() < law.mu * law.impulse[2] * (1.0 - 1e-6);
+    const Vec3 seen(sticks ? 1.0 : 0.0, sticks ? 1.0 : 0.0, 1.0);
+    const Vec3 u_guess = velocityAt(guessed, law).cwiseProduct(seen);
+    const Vec3 mend = u_guess - velocityAt(solved, law).cwiseProduct(seen);
+    wrong += mend.dot(u_guess - velocityAt(start, law).cwiseProduct(seen));
+    mended += mend.squaredNorm();
+  }
+  return mended > 0.0 ? std::clamp(wrong / mended, 0.0, 1.0) : 0.0;
+}
+
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
-void Stepper::aimSecondKick(const CoulombProblem& kick, double tau, Friction friction,
+void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
                             Touching& later) const {
   const Movers drifted = island_.movers();
-  const bool expected = asExpected(touching_, kick.points, 0.5 * tau);
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
     const Index m = later.matching(touching_.points[k]);
     if (m == kNone) continue;
     const Vec3 impulse_W = law.frame * law.impulse;
-    later.points[m].force_W = expected ? touching_.points[k].force_W : Vec3(2.0 / tau * impulse_W);
+    later.points[m].force_W = expectedNext(touching_.points[k].force_W, 2.0 / tau * impulse_W, lasting);
     later.points[m].impulse_W = touching_.points[k].impulse_W + impulse_W;
     const Vec2 u_T = velocityAt(kick.bodies, law).head<2>();
     const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;

@@ -111,6 +111,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
   const Slip slip = slipNow();
   CoulombProblem kick{island_.movers(), touching_.law, 0.0};
+  Movers start_movers = kick.bodies;
   island_.addLoad(kick.bodies, 0.5 * tau);
   const Movers loaded = kick.bodies;
   const bool keeps = friction == Friction::KeepsDirection;
@@ -144,17 +145,19 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Touching& later = segment.touching;
-  aimSecondKick(kick, tau, friction, later);
-  Movers after = island_.movers();
+  aimSecondKick(kick, lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies), tau, friction,
+                later);
+  start_movers = island_.movers();
+  Movers after = start_movers;
   island_.addLoad(after, 0.5 * tau);
   Touching aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
-  const bool expected = asExpected(later, aimed.law, 0.5 * tau);
+  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, start_movers, after);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
     const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;
-    if (!expected) point.force_W = 2.0 / tau * impulse_W;
+    point.force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
   }

@@ -19,6 +19,13 @@ using Vec2 = Eigen::Vector2d;
 /// A gap below this share of the smaller length of its pair is closed.
 inline constexpr double kTouch = 1e-7;
 
+/// The force to expect of a point when `share` of what was found beyond the one expected lasts; the one expected to the
+/// last bit for none.
+inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double share) {
+  if (share == 0.0) return expected_W;
+  return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
+}
+
 class Stepper {
  public:
   Stepper(Context& context, const IslandBatch& batch, double t0, double t1);
@@ -60,7 +67,9 @@ class Stepper {
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                         std::vector<double>& curvature) const;
-  void aimSecondKick(const CoulombProblem& kick, double tau, Friction friction, Touching& later) const;
+  double lastingShare(const CoulombResult& result, const Touching& touching, const std::vector<CoulombPoint>& laws,
+                      double seconds, const Movers& start, const Movers& solved) const;
+  void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction, Touching& later) const;
   void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
                   Touching& later) const;
   CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
