@@ -23,8 +23,9 @@ inline Quat rotationBy(const Vec3& theta) {
   double cosine, half_sinc;  // cos(x), sin(x)/(2 x) at x = |theta|/2
   if (square < 0.01) {
     // Their series, to terms below 2e-18.
-    const double& s = square;
-    cosine = 1.0 - s * (1.0 / 2) * (1.0 - s * (1.0 / 12) * (1.0 - s * (1.0 / 30) * (1.0 - s * (1.0 / 56) * (1.0 - s * (1.0 / 90)))));
+    const double s = square;
+    const double c6 = 1.0 - s * (1.0 / 56) * (1.0 - s * (1.0 / 90));
+    cosine = 1.0 - s * (1.0 / 2) * (1.0 - s * (1.0 / 12) * (1.0 - s * (1.0 / 30) * c6));
     half_sinc = 0.5 - s * (1.0 / 12) * (1.0 - s * (1.0 / 20) * (1.0 - s * (1.0 / 42) * (1.0 - s * (1.0 / 72))));
   } else {
     const double half = std::sqrt(square);

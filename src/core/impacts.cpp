@@ -86,7 +86,8 @@ double slowest(const Context& context, Index i, Index j) {
 
 // What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the
 // difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes that turn.
-double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j, double from) {
+double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
+                  double from) {
   const double left = context.step.t1 - from;
   double speed = (course_i.velocityAt(from) - course_j.velocityAt(from)).norm();
   for (const auto& [body, course] : {std::pair(i, &course_i), std::pair(j, &course_j)}) {
@@ -99,9 +100,9 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 
 }  // namespace
 
-// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is left to the contact solver: foretelling how a face rocks on
-// another, to find when it comes back, would cost more than it is worth within a step. Of spheres and planes
-// it is known in closed form.
+// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is left to
+// the contact solver: foretelling how a face rocks on another, to find when it comes back, would cost more than it
+// is worth within a step. Of spheres and planes it is known in closed form.
 Outlook foretell(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;

@@ -32,8 +32,8 @@ class ContactLanes {
 
   /// Takes over the points of the contacts, when they have been found.
   void take();
-  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more of them than
-  /// its lane has room for goes behind all others.
+  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more of them
+  /// than its lane has room for goes behind all others.
   void refresh(double now, double left);
   /// Gives the points their impulses, their gaps and what resists there.
   void giveBack();

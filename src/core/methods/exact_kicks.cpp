@@ -210,16 +210,18 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
   return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
 }
 
-// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near rest a
-// solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of speed or of a gap,
-// because their guesses were right enough to pass. Were all of it expected again, the next kick would overdo it, and the
-// one after that undo it, for ever; were none, forces that are a little wrong would have to be mended for ever. With u_n
-// the normal velocities of the points that push, at the start of the kick, as guessed, and as solved, the forces are wrong
-// by what the guess did to them, and all is mended that the solve does to the guess:
-//   share = sum (u_guess - u_start)(u_guess - u_solved) / sum (u_guess - u_solved)^2,
+// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near rest
+// a solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of speed or of
+// a gap, because their guesses were right enough to pass. Were all of it expected again, the next kick would overdo
+// it, and the one after that undo it, for ever; were none, forces that are a little wrong would have to be mended
+// for ever. With u the velocities of the points that push, along their normals and, where they stick, across, at the
+// start of the kick, as guessed, and as solved, the forces are wrong by what the guess did to them, and all is
+// mended that the solve does to the guess:
+//   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
-double Stepper::lastingShare(const CoulombResult& result, const Touching& touching, const std::vector<CoulombPoint>& laws,
-                             double seconds, const Movers& start, const Movers& solved) const {
+double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
+                             const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
+                             const Movers& solved) const {
   if (result.solver == CoulombSolver::Guess) return 0.0;
   if (!asExpected(touching, laws, seconds)) return 1.0;
   Movers guessed = solved;
