@@ -99,7 +99,7 @@ void ContactLanes::schedule() {
   }
 }
 
-// Puts a block into the last bundle, or opens it. The first block of a bundle is its largest.
+// Puts a block into the last bundle, or opens it.
 void ContactLanes::append(std::size_t bundle, Index which) {
   const SolverBlock& block = contacts_.blocks[which];
   if (bundle == bundles_.size()) {
@@ -140,7 +140,7 @@ void ContactLanes::take() {
 
 void ContactLanes::takeBundle(std::size_t bundle) {
   for (int lane = 0; lane < kLanes; ++lane) takeBlock({static_cast<Index>(bundle), lane});
-  findRows(bundles_[bundle]);
+  findRows(bundles_[bundle], {true, true, true, true});
 }
 
 // Where a lane has fewer points than its bundle has rows, the others are all zero.
@@ -204,7 +204,9 @@ void ContactLanes::refresh(double now, double left) {
       const bool room = block.size <= bundle.size;
       if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
       takeBlock(place);
-      findRows(bundle);
+      std::array<bool, kLanes> strayed{};
+      strayed[place.lane] = true;
+      findRows(bundle, strayed);
       if (room) continue;
     }
     if (block.size == 0) continue;
@@ -214,8 +216,9 @@ void ContactLanes::refresh(double now, double left) {
   for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
 
-// The rows of a bundle from the places of its points.
-RBS_WIDE void ContactLanes::findRows(const Bundle& bundle) {
+// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay what they were
+// when their points were found, whoever stands beside them.
+RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
     cross(d, row.arm_i, turning.lever);
     cross(row.arm_j, d, turning.lever + 3);
@@ -228,7 +231,7 @@ RBS_WIDE void ContactLanes::findRows(const Bundle& bundle) {
     setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
   }
   findTurns(bundle);
-  findMasses(bundle);
+  findMasses(bundle, found);
 }
 
 RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
@@ -254,8 +257,9 @@ RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
 
 // The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix S, and rho
 // the inverse of its largest eigenvalue.
-RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle) {
+RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
+  const Lanes fresh = {found[0] ? 1.0 : 0.0, found[1] ? 1.0 : 0.0, found[2] ? 1.0 : 0.0, found[3] ? 1.0 : 0.0};
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     Lanes response;
@@ -263,7 +267,8 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle) {
     Lanes present;
     for (int lane = 0; lane < kLanes; ++lane)
       present[lane] = bundle.block[lane] != kNone && k < contacts_.blocks[bundle.block[lane]].size ? 1.0 : 0.0;
-    row.mass = present != 0.0 ? 1.0 / response : present;
+    const auto set = [&](Lanes& to, const Lanes& mass) { to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to; };
+    set(row.mass, 1.0 / response);
     if (!bundle.rough) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
     Lanes s11, s12, s22;
@@ -273,10 +278,10 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle) {
     const Lanes determinant = s11 * s22 - s12 * s12, half_trace = 0.5 * (s11 + s22);
     Lanes root = half_trace * half_trace - determinant;
     for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(std::max(root[lane], 0.0));
-    friction.mass11 = present != 0.0 ? s22 / determinant : present;
-    friction.mass12 = present != 0.0 ? -s12 / determinant : present;
-    friction.mass22 = present != 0.0 ? s11 / determinant : present;
-    friction.rho = present != 0.0 ? 1.0 / (half_trace + root) : present;
+    set(friction.mass11, s22 / determinant);
+    set(friction.mass12, -s12 / determinant);
+    set(friction.mass22, s11 / determinant);
+    set(friction.rho, 1.0 / (half_trace + root));
   }
 }
 

@@ -26,7 +26,10 @@ struct Softness {
 
 class ContactLanes {
  public:
-  explicit ContactLanes(SolverContacts& contacts) : contacts_(contacts) {}
+  explicit ContactLanes(SolverContacts& contacts) : contacts_(contacts) {
+    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned}) zero->setZero();
+    nobody_.inv_inertia_W.setZero();
+  }
   ContactLanes(const ContactLanes&) = delete;
   ContactLanes& operator=(const ContactLanes&) = delete;
 
@@ -60,7 +63,7 @@ class ContactLanes {
     Lanes lever[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
     Lanes turn[6];   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
   };
-  /// Along the normal. Zero in lanes without such a point, where nothing happens then.
+  /// Along the normal. Mass, arms and impulse are zero in lanes without such a point: nothing happens there.
   struct NormalRow {
     NormalRow() {}  // not "= default": a vector would clear what is about to be filled in
     Turning turning;
@@ -99,9 +102,9 @@ class ContactLanes {
   void takeBundle(std::size_t bundle);
   void takeBlock(Place place);
   void giveBackBlock(Index block);
-  void findRows(const Bundle& bundle);
+  void findRows(const Bundle& bundle, const std::array<bool, kLanes>& found);
   void findTurns(const Bundle& bundle);
-  void findMasses(const Bundle& bundle);
+  void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
   template <Pass kPass, bool kRough>
   void solveBundles(const Softness& soft, double h);
 

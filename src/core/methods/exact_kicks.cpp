@@ -222,8 +222,8 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
 double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
                              const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
                              const Movers& solved) const {
-  if (result.solver == CoulombSolver::Guess) return 0.0;
   if (!asExpected(touching, laws, seconds)) return 1.0;
+  if (result.solver == CoulombSolver::Guess) return 0.0;
   Movers guessed = solved;
   for (std::size_t k = 0; k < laws.size(); ++k)
     push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);

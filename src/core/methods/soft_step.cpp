@@ -145,6 +145,7 @@ void Solver<kRolling>::goOn() {
 
 template <bool kRolling>
 void Solver<kRolling>::solveRolling() {
+  if (rolling_.empty()) return;
   lanes_.giveBack();
   rolling::solve(contacts_, rolling_);
 }
