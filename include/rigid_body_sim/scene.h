@@ -111,8 +111,7 @@ struct Setting {
   std::uint32_t divisions = 1;             ///< equal parts that a step is taken in, 1 to 1000
   std::optional<std::uint32_t> sub_steps;  ///< of the soft step, in each part, 1 to 1000; empty: preview 1, others 8
   /// Of the exact step: residuals in impulse and velocity that it stops at, as fractions of what gravity gives in a
-  /// step, 1e-15 to 0.1; empty: accurate 1e-6, reference 1e-12, others 1e-8; all but reference go on to 1e-9 where
-  /// that is quick.
+  /// step, 1e-15 to 0.1; empty: accurate 1e-6, and on to 1e-9 where that is quick, reference 1e-12, others 1e-9.
   std::optional<double> tolerance;
   /// Wall time for the exact solves of a step, ms, 1e-6 to 1e6; empty: as long as they take. What is not solved by then
   /// keeps the best impulses found, and its certificate says so. Gives up equal results from run to run.

@@ -26,7 +26,7 @@ constexpr FidelitySettings settingsNamed(Fidelity fidelity) {
     case Fidelity::Preview:
       return {false, false, 1, false, 1e-6, 1e-6, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Interactive:
-      return {false, true, 8, true, 1e-8, 1e-9, 0, 0, 0.5, 1e-6, 1e-3};
+      return {false, true, 8, true, 1e-9, 1e-9, 0, 0, 0.5, 1e-6, 1e-3};
     case Fidelity::Accurate:
       return {true, false, 8, true, 1e-6, 1e-9, 1, 400, 1e-5, 1e-12, 1e-6};
     case Fidelity::Reference:
