@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Writes docs/accuracy.md from the results of rigid_body_sim_accuracy. Usage: accuracy_page.py RESULTS DOCS"""
 import json
 import os

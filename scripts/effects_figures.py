@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs the measurements of docs/effects.md and puts their tables between its marks. Called by effects_report."""
 import csv
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The two cases of the course report: when to look at them, and the numbers that prove them.
 
 A case has the name of its scene, the times of its frames (physics time, s), and table(): rows of Markdown

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A real RViz on a screen of its own, with a real mouse: for the GUI test and the pictures.
 
 The screen is an Xvfb without a window manager; the mouse and the keys are those of xdotool. Pixels are

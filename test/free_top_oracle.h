@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Euler's equations of a free top, integrated in long double.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Short ways to write a scene in a test.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What accuracy costs for a scene as it stands: the error of each setting of the dial, and its time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How far two runs of one scene have gone apart.
 #pragma once
 

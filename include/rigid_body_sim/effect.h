@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The effects a scene may call for, and their names.
 #pragma once
 

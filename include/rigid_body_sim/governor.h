@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Governor: steps a world, tells its error as it goes, and turns the dial by the world's goal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What it does to a scene to force effects on or off.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A convex polyhedron: what a convex hull is made of.
 #pragma once
 

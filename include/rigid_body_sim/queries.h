@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Questions about a world as a snapshot shows it: what a ray meets, how far two bodies are apart, what is in
 // a place.
 //

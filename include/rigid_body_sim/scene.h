@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a scene is: plain definitions with their defaults, and the check that finds every fault.
 //
 // A default stands here and nowhere else. What a scene does not mention is not simulated: an empty

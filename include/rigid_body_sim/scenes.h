@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scene files (YAML) and the catalogue of named scenes: a folder of them.
 #pragma once
 

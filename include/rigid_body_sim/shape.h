@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The shapes a body can have, and what the rest of the core asks of a shape.
 //
 // A shape is described in its body's frame B, whose origin is the centre of mass and whose axes are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simulator: the one thread that owns a World and paces it by the steady clock.
 //
 // Everyone else posts a command, which runs between two steps, and reads immutable snapshots.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What readers see of a world: immutable copies, safe to keep and to read from any thread.
 #pragma once
 

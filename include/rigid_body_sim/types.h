@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Vectors, poses, handles and errors: the words that every other header uses.
 //
 // Units are SI (m, kg, s, rad) and numbers are double. Names carry frames: p_WB is the position of

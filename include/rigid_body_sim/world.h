@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // World: build it from a scene, edit it, step it, read it. Not thread-safe: one thread owns it.
 //
 // Every edit either does all it was asked or throws InvalidInput and changes nothing.

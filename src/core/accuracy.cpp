@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Each window: from one state of the path, every setting and the truth run for the same time, and their ends are
 // compared. How well the truth itself is known is what halving its step changes, u: an error below u is a bound, and a
 // window where u is not below the errors that are to be told apart says nothing.

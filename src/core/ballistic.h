@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Ballistic bodies: gravity is all they feel, and there is nothing that they can meet.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bodies a scene holds, as parallel arrays in canonical order: the order of creation.
 //
 // Hot arrays (pose, twist, mass) are apart from cold ones (names, definitions). A body's place in the

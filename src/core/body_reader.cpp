@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "body_reader.h"
 
 #include "number_text.h"

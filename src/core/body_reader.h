@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reading the list of bodies of a scene file.
 #pragma once
 

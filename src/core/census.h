@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The census: how much of each thing the scene holds. It decides which stages run.
 //
 // It changes by edits alone. What one step holds (touching pairs, fast bodies, impacts) is not here:

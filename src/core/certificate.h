@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The certificate of a step: what is checked before its result is handed out.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Checks of the numbers of a request: each adds what is wrong to a list, so that all of it is heard at once.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pairs of bodies that may touch, and the points at which they did, with the forces that warm-start them.
 #pragma once
 

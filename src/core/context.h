@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a stage sees: the stores of the scene and of the step.
 //
 // SceneStore is what the scene holds: it lives from edit to edit and is what a saved state saves.

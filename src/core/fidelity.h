@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What stands behind the names of the dial: THE table of settings.
 #pragma once
 

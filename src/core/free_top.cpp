@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The free top: with l the angular momentum in the body frame, L = |l| and a = 1/I,
 //   dl/dt = l x (a l),
 // and the attitude follows from R l being constant but for the angle about it, which is an integral of l.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A rigid body that no torque acts on, after any length of time, in closed form.
 #pragma once
 

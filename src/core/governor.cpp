@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The dial as a ladder, and the two goals as ways to climb it.
 //
 // max_error: beside the world runs a copy of it one rung up; where the two end a window apart is the error of this

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "impact_loop.h"
 
 #include "broadphase/bounds.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The impacts of a step, in the order of their times.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Impacts: closing pairs whose contact is located in time and resolved at that time, in order.
 //
 // A pair in contact that has no restitution is the contact solver's, and so is one that closes too slowly for

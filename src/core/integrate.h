@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Motion between contacts: exact flight under constant acceleration, and the free rotation of a body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Islands: bodies that contacts tie together, each advanced by the method it needs.
 #pragma once
 

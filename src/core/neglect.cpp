@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "rigid_body_sim/neglect.h"
 
 #include "algebra.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers and names as people read and write them in files and messages.
 #pragma once
 

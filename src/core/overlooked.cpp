@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "overlooked.h"
 
 #include "broadphase/bounds.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // THE table of stages: a step of the world is these rows, in this order. A newcomer starts reading here.
 //
 // Each row says when the scene needs it; a row that is not needed is not called. islands.advance hands

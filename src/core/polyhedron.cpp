@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Convex hulls of points: qhull finds the triangles; here they become polygons with mass properties.
 //
 // A hull is made again from its own vertices until they no longer change: then it is in its body's frame, no

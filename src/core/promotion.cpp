@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a
 // sub-step carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a
 // tower of n bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times

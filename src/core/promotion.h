@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which islands the fast settings hand to the exact step.
 #pragma once
 

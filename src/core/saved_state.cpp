@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "saved_state.h"
 
 #include "narrowphase/manifold.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a saved state holds beyond the definitions of its bodies: reading it from the store, and putting it back.
 #pragma once
 

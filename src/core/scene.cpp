@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The check that finds every fault of a scene, and the words for its enumerators.
 #include "rigid_body_sim/scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reading scene files. docs/scenes.md lists the keys; this file is their one definition.
 //
 // Everything that can be wrong is collected and thrown at once: what has the wrong form while reading,

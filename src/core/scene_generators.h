@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Many bodies from one entry of a scene file: grids, rings, walls laid like bricks, and houses of cards.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Writing scene files. A number is written with as many digits as it takes to read it back bit for bit;
 // what has the default's very bits is left out.
 #include "number_text.h"

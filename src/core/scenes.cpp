@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The catalogue of named scenes: a folder of scene files.
 #include "rigid_body_sim/scenes.h"
 #include "number_text.h"

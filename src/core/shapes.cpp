@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mass properties, bounds and names of the shapes.
 #include "narrowphase/support.h"
 #include "number_text.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "rigid_body_sim/simulator.h"
 
 #include "rigid_body_sim/governor.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sleep: groups of bodies at rest that are left out of the step until something comes near.
 //
 // Asleep, a body stands still like a static one, and nothing is computed for it but its bounds. What it would still

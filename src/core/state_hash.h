@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One number for the whole state of a world.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Volume and centre of the part of a shape below a plane up.x <= level.
 //
 // Polyhedra. By Gauss' theorem the volume is the sum of the pyramids over the faces, cut at the plane, with a common

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers and counts in words, for reasons and messages.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What acts on single bodies from outside: impulses, wrenches, hands.
 #include "world_parts.h"
 

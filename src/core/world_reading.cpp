@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What can be read of a world: its captures, sums and snapshots.
 #include "world_parts.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Reads the values of one mapping by name and type, and finds the keys that nobody asked for.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // YAML text as a plain tree in which every node knows its line.
 //
 // Built from the parser's events rather than its node class, for four reasons: a key given twice is

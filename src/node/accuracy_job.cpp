@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_job.h"
 
 #include "../tools/study_json.h"

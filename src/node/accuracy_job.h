@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The study of what accuracy costs for the running scene, in a process of its own at the lowest priority, so that the
 // simulation does not stutter.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "body_markers.h"
 
 #include "body_menu.h"

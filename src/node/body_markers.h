@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The looks of the interactive markers of one body: what to click, the gizmo, the handles of its faces.
 //
 // They are in the world frame with no stamp, so that RViz answers in the world frame whatever its own fixed

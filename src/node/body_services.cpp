@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Services that make, remove and change bodies.
 #include "services.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "body_spec.h"
 
 #include "convert.h"

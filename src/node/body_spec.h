@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // From the fields of a request to a body or an edit, with the defaults of what was left out.
 #pragma once
 

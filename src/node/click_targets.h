@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which bodies can be clicked, and the markers that catch the click.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ~cmd_twist and ~cmd_wrench: for controllers that would not call a service at every step. The frame_id
 // of a message names the body, and its numbers are along the axes of that body.
 #pragma once

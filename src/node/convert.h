@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Between core types and ROS messages: the one place where the two meet.
 //
 // Outgoing numbers are always finite, since RViz aborts on any other: what is not becomes 0. (The core

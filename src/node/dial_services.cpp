@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Services that turn the dial from fast to exact, and that tell what each setting costs.
 #include "services.h"
 

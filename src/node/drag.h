@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A drag: what one mouse does to one body from the press to the release.
 #pragma once
 

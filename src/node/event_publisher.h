@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Events: what happened to the world, found by comparing each snapshot with the one before. So it does not
 // matter whether a service, a marker or a topic did it.
 #pragma once

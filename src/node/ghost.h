@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The ghost: the reference run of the scene, drawn translucent beside the live bodies, so that error can be seen.
 #pragma once
 

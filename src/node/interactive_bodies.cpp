@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "interactive_bodies.h"
 
 #include "body_markers.h"

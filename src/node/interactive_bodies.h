@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Interactive bodies: what a person does to bodies with the mouse in RViz.
 //
 // A click selects; a drag of the body pulls it; the selection has a gizmo to carry it, or handles to resize

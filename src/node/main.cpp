@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
 #include "command_topics.h"
 #include "publishers.h"

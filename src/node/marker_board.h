@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The interactive markers that clients see, kept at what they should be with as few messages as possible.
 #pragma once
 

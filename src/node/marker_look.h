@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The look of a body as RViz markers: all but where the body is.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Markers: the bodies as RViz's MarkerArray display draws them.
 //
 // A message that moves a marker must carry its whole mesh again. So the mesh of a body that tf follows is

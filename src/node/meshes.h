@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Triangle meshes of the shapes, as the markers of RViz want them.
 //
 // RViz lights a TRIANGLE_LIST only where it has one colour, and a ball of one colour does not show that it

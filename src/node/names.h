@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Names in requests: bodies, and frames, which are the world or a body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "publishers.h"
 
 #include <rosgraph_msgs/Clock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All that the node publishes, each at its own rate, from one thread that lives on wall time: so pictures
 // and /clock go on while the simulation is paused.
 #pragma once

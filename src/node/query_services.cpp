@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Services that answer questions about the world, from the last snapshot.
 #include "services.h"
 

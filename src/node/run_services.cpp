@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Services that start, stop and pace the simulation.
 #include "services.h"
 

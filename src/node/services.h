@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The services of the node: each posts a command to the simulator, waits until it is done and answers.
 //
 // An answer has `success` and `message`: what was done and assumed, or every reason why not, and then the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Session: the scene that is loaded, and what replaces it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Topics that follow the bodies: descriptions, states and contacts.
 #pragma once
 

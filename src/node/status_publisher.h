@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the simulation is doing: ~status, ~wind, /diagnostics and the line on the terminal.
 #pragma once
 

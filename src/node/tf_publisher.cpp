@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tf_publisher.h"
 
 #include "convert.h"

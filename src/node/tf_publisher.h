@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Transforms: the bodies that can move, under "world", in one message and only where something moved.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Timeline: the stamps of what the node publishes, on a line of time that never goes back.
 //
 // Physics time starts again at 0 whenever the world is replaced. The stamps go on: they advance with the

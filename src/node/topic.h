@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Topic: a publisher that sends only where someone listens, and everything once to someone new.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Numbers, bodies and the air in words, for answers, events and the log.
 #pragma once
 

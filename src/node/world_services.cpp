@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Services that change the air and gravity, and those that read.
 #include "services.h"
 

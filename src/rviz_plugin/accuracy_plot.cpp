@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_plot.h"
 
 #include <qwt_plot_grid.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The settings of the dial by what they cost and what they give, and the live one among them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Daylight: a display that lights the scene.
 #pragma once
 

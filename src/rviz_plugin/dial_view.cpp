@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "dial_view.h"
 
 #include <QHBoxLayout>

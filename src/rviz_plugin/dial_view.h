@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The dial from fast to exact: where it stands, what its settings cost for this scene, and what error it has now.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The icons of the transport buttons, each in a colour of its own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The stages of the pipeline: which of them run, what each costs, and why.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // ServiceWorker: calls services on a thread of its own, so that a slow or dead node never stops the GUI.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SimulationPanel: the simulation's controls and its state, as a panel of RViz.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "simulator_client.h"
 
 #include <rigid_body_sim/ListScenes.h>

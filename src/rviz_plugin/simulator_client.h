@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // SimulatorClient: the simulator as the panel sees it, what it says and what it can be asked for.
 #pragma once
 

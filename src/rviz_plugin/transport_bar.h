@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The row of buttons that run, step, reset and pace the simulation.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where the catalogue of scenes is, for programs that run without a node.
 #pragma once
 

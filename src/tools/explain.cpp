@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Prints what a scene simulates, why, and what each part costs, without a node.
 #include "catalogue.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Says what accuracy costs for a scene file: the error and the time of each setting, and which one to take.
 #include "catalogue.h"
 #include "study_json.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An accuracy study as JSON: what scene_accuracy prints and the node reads.
 #pragma once
 

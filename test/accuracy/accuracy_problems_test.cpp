@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exact answers of the accuracy problems, against motions that are found another way: Newton's law
 // integrated with steps so small that their error is known, impacts found by bisection, other libraries'
 // integration of a top.

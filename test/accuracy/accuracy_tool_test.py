@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """rigid_body_sim_accuracy and accuracy_probe as a user meets them: short runs, resumed runs, refusals."""
 import glob
 import json

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What a step of a world costs beside the bare arithmetic: 10,000 balls that collide with nothing, under gravity.
 //
 // The hand-written loop does the exact update over arrays of the same layout: poses and twists. The two take turns,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The time of a step beside Bullet's, on the same scenes in the same run: turn by turn, in stretches of
 // steps, so that a noisy machine is noisy for all. Also how many contact points there are, how deep bodies overlap at the
 // end of the stretches, found by our narrow phase on the poses of either engine, and how far the highest body has sunk:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The time of a distance query and its errors beside FCL's and libccd's: the same pairs in the same run, pair
 // by pair in turns, nothing kept from one query to the next. All are asked for the signed gap and its
 // direction; FCL with its two solvers and its own tolerances, libccd, which knows depths but no distances, by

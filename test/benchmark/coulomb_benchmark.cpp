@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every solver of the Coulomb problem on every kind of it, from a cold start: time and iterations to
 // residuals of 1e-6, or F and the residual reached; what solveCoulomb() makes of it, also to 1e-12; and how
 // many of random jams it solves. Times are the least of a few runs, since a busy machine only adds to them.

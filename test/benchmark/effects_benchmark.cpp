@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What each effect costs, alone and in pairs: nanoseconds a body and step beyond the scene without it.
 //
 // Two families of 1,000 bodies, so that each effect has something to work on: balls in the air, and balls that rest on

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Measuring settings on a scene: the errors are those that a closed form gives, and what cannot be known is not told.
 #include "make_scene.h"
 

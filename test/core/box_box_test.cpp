@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Manifolds and gaps of boxes against enumeration in long double, and the pairs that broke other engines.
 #include "narrowphase/collide.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The broad phase against brute force: all pairs whose bounds overlap, whatever moves, grows, comes and goes.
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The census: that an edit looks only at the bodies it is about, and comes to what a look at all would.
 #include "census.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What holds for every pair of shapes: order, place, scale and far-off origins do not matter.
 #include "narrowphase/collide.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contact on Coulomb's cone against what defines it.
 #include "methods/cone.h"
 

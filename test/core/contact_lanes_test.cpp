@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and gone
 // through in the pairs' own order, with responses from whole matrices.
 #include "methods/contact_lanes.h"

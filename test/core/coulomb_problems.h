@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Coulomb problems whose difficulty is known, by formula: shared by the tests of the solvers and their
 // benchmark.
 #pragma once

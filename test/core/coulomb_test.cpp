@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exact Coulomb problem of an island: closed forms of statics and sliding, all modes of a few points
 // tried one by one, slow methods in long double, and the law itself, evaluated from its definition.
 #include "core/coulomb_problems.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is proved of the depth near a stationary direction, against directions drawn at random.
 #include "narrowphase/depth_proof.h"
 

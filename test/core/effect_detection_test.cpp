@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which effects a scene is found to need, what forcing them does, and what is left when it needs none.
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What detection leaves out does not matter: random scenes run as detected, and with every additive effect
 // forced on, and end in the same place.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The optional effects, one by one.
 #include "make_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // EPA against the fifteen axes in long double, and from every kind of start.
 #include "narrowphase/epa.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // GJK against enumeration in long double, and the places where such code is known to break.
 #include "narrowphase/gjk.h"
 

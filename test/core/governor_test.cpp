@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A governor keeps a goal, says why, and repeats itself.
 #include "make_scene.h"
 

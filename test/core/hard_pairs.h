@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pairs of shapes that are hard on collision detection, the truth about them, and the smallest pair that
 // still fails.
 #pragma once

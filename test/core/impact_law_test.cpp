@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The law of impact against what it must keep, whatever meets and however.
 #include "methods/impact_law.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mesh files: the same block in several formats makes the same hull, transforms and units are heeded, and
 // what is no mesh is refused with its name.
 #include "rigid_body_sim/mesh_file.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Up to a hundred thousand hard pairs of each kind against the oracles. A pair that fails is shrunk and
 // printed as it can be pasted into narrowphase_regressions_test.cpp. RBS_BATTERY_PAIRS sets another number of
 // pairs, RBS_BATTERY_SEED another seed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is wrong with the gap that the code finds for a pair: the figures it has to meet.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Slow and obvious answers in long double to hold the narrow phase against, and random pairs to ask about.
 #pragma once
 

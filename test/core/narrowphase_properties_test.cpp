@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What holds for the gap of any two shapes, without knowing it: where they are and in which units does not
 // matter, and moving one by d changes it by at most d, through touching too.
 #include "core/hard_pairs.h"

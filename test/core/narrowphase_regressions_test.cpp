@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pairs of shapes that broke other libraries, by the names under which they were reported, with their
 // numbers. Each is held against the oracles: sign, distance or depth, normal, both orders. docs/collision.md
 // tells what the others did.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Manifolds of convex pairs: the patch in which two facets lie on each other.
 #include "core/narrowphase_oracles.h"
 #include "narrowphase/collide.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Convex hulls: faces against brute force over all triples of points, mass against quadrature over the
 // tetrahedra of another apex and against closed forms, the frame, and what is refused.
 #include "rigid_body_sim/scene.h"

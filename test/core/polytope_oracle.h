@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The signed gap of two convex polytopes by enumeration in long double: every vertex against every face,
 // every edge against every edge; every face normal and every cross product of two edges. Slow, and obviously
 // right: no feature and no axis that is looked at in vain does harm, because the nearest pair of features and

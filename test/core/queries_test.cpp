@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rays, closest points and overlaps in a world.
 #include "rigid_body_sim/queries.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rays against shapes: where a hit is on the surface, with nothing of the shape before it, and a miss is a
 // miss, it is judged in long double by what a point is outside of.
 #include "narrowphase/ray_cast.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The signed gap where a cylinder or a cone takes part, in long double.
 //
 // A solid of revolution is told by its profile in the half-plane (distance from the axis, height), so that

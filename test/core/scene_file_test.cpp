@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scene files: what is written is read back bit for bit, generators make what they say, and a faulty or
 // hostile file is refused whole, with every fault at its line.
 #include "number_text.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // validate() finds every fault of a definition, by its path, and none in what is sound.
 #include "rigid_body_sim/scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The catalogue: every scene is sound, says what it shows, starts without overlaps, and is found by name.
 #include "rigid_body_sim/scenes.h"
 

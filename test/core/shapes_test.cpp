@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mass properties and bounds of the shapes against closed forms and against sums over small cells.
 #include "rigid_body_sim/shape.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The thread that owns a world: pause, step, reset, edits from other threads, and errors that come back.
 #include "rigid_body_sim/simulator.h"
 

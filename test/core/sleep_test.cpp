@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies that sleep, against the same bodies awake.
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spheres against spheres, boxes and planes: closed forms, inside and out.
 #include "core/narrowphase_oracles.h"
 #include "narrowphase/collide.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of a shape below a plane, against closed forms and brute force.
 #include "algebra.h"
 #include "random.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Times of impact against closed forms and against marches in long double that cannot pass a contact.
 #include "narrowphase/time_of_impact.h"
 

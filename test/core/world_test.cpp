@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Edits of a world: what they do, and that a bad one changes nothing.
 #include "make_scene.h"
 

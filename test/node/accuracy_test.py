@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """What accuracy costs: measured beside the running simulation, estimated live, applied, sought, and shown."""
 import os
 import subprocess

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The command-line client: what it prints, and its exit codes."""
 import json
 import os

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Interactive bodies, driven by the messages that RViz sends for a mouse."""
 import time
 import unittest

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The marker array: who gets what, and when."""
 import math
 import subprocess

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The running simulator as the tests of this folder see it."""
 import threading
 import time

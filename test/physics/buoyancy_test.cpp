@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies in a fluid.
 #include "make_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exact settings against closed forms, exact statics and fine integrations made here.
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"

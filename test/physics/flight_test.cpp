@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies that nothing touches, against closed forms, whatever the step.
 #include "free_top_oracle.h"
 #include "make_scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Coulomb friction against closed forms, whatever the step. A slope is a level floor under tilted gravity.
 #include "make_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Many impacts in one step: in order, at their places, with nothing of the step lost, and the same from each
 // side.
 #include "make_scene.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Impacts against closed forms, whatever the step.
 #include "make_scene.h"
 

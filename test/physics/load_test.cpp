@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Loads far beyond gravity, at every setting.
 #include "make_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rolling and torsional resistance, against closed forms.
 #include "make_scene.h"
 

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The saved layout in a real RViz, steered with a real mouse and keyboard.
 
 Nothing here is timed: every check waits, for up to a minute, until what it expects is so.

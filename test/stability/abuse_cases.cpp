@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What people do to a running scene: resizing into overlap, teleporting, dragging, wrong numbers.
 #include "measure.h"
 #include "random.h"

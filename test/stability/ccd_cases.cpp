@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fast bodies: time of impact, and that nothing passes a wall.
 #include "measure.h"
 #include "random.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Energy, jitter, step sizes and determinism.
 #include "measure.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Free flight and free rotation.
 #include "measure.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Coulomb friction. A slope is a level floor under tilted gravity.
 #include "measure.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is known to fall short, with the figure and the reason.
 #include "suite.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How the cases measure: sums over bodies, a world that is watched while it runs, and the free top by itself.
 #pragma once
 

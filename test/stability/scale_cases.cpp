@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same physics in other sizes, far from the origin, and with large beside small.
 #include "measure.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The hard cases as tests, one a case and setting; and with options, as the tool that scripts/stability runs.
 //
 //   stability_suite_test --list                     number, setting and title of each run, one a line

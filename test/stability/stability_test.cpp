@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Promises of the default setting on scenes that break simulators.
 #include "make_scene.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The table of hard cases: what a case is, and the sheet on which it writes its figures.
 //
 // A figure is one bound of one metric of one case at one setting. It holds when the measured number is within

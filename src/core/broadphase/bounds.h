@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a body can be during a part of a step: bounds for the broad phase.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which bodies are near one whose course has changed within the step.
 #pragma once
 

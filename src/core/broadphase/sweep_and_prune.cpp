@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "broadphase/sweep_and_prune.h"
 
 #include "broadphase/bounds.h"

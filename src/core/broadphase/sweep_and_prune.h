@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Sweep and prune on the axis (1, 1, 1): the candidate pairs of a step.
 #pragma once
 

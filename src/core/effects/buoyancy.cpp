@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Buoyancy: the fluid pushes a body up with the weight of what it displaces, at the centre of that part
 // (Archimedes). The surface of the fluid is the plane z = level of W, and stays so.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drag: the force of the air.
 //
 // A sphere of radius R moving at u = v - v_air feels F = -(rho C A/2) |u| u with A = pi R².

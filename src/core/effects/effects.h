@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The effects: when a scene needs each, and those that are stages of their own.
 //
 // To add one: a row in Effect and in the table of effects.cpp, its file here with need() and run(), a row in the

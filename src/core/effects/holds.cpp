@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "algebra.h"
 #include "effects/effects.h"
 #include "text.h"

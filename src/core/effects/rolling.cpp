@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A ball that rolls, or spins on the spot, is slowed by a torque about its contact, for which there are two
 // numbers a body: c (rolling) and s (torsional). With R the radius of relative curvature, N the normal force
 // and w the angular velocity of j against i, split along the normal n and across it,

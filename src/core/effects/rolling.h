@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rolling and torsional resistance: the torques of a contact that is a small patch, not a point.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The wind: what drag measures velocities against.
 #include "algebra.h"
 #include "effects/effects.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
 //
 // D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A couple has

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The central path of the Coulomb problem, on which interior point methods move, and Newton's method for its
 // points.
 //

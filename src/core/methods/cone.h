@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The Coulomb problem of one contact point, solved exactly.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "methods/contact_lanes.h"
 
 #include "effects_built.h"

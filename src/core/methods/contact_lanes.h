@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contact points of the soft step, four pairs at a time.
 //
 // Gauss-Seidel takes pair after pair, each with the velocities that the one before has left, so that a processor which

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The exact velocity-level Coulomb problem of one island of bodies.
 //
 // Impulses r at the contact points change the velocities of the bodies, v = v_free + M^-1 J^T r, so that at

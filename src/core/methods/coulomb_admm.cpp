@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Alternating direction method of multipliers, for the Coulomb problem as in Carpentier, Le Lidec and
 // Montaut, "From compliant to rigid contact simulation", 2024.
 //

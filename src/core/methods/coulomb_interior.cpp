@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Interior point method: Mehrotra's predictor and corrector (1992) along the central path.
 //
 // The predictor aims at products of 0. How far it gets within the cones, a, tells what to aim at: products of

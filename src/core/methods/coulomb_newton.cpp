@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Augmented Lagrangian with a semismooth Newton method in body space.
 //
 // Coulomb's law is, for any rho > 0 (Alart and Curnier 1991),

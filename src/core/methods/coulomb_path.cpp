@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The central path followed by its arc length, through the places where it turns back.
 //
 // Coulomb's problem is not monotone: t may have a least value from which the path leads on to larger ones

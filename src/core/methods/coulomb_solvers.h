@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The solvers of the Coulomb problem, each from a start to the best impulses it finds.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "methods/coulomb_system.h"
 
 #include "algebra.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The Coulomb problem of an island without units, as its solvers see it.
 //
 // Mass is measured in the mass of all bodies, speed in CoulombProblem::speed_unit. A body moves by

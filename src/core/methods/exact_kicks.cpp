@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The impulses of a segment: what its two kicks solve, how far their answers are from the law, and what one kick
 // expects of the next.
 #include "methods/exact_stepper.h"

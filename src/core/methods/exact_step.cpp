@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Exact step: the Coulomb problem without softness, second order in time between located events.
 //
 // A segment of length tau goes from positions x0 and velocities v0 that obey the contact law to x1 and v1

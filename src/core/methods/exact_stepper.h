@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make up the
 // way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
 #pragma once

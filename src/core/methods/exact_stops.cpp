@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where a segment ends early: at a point whose sliding stops, or a pair that stops turning.
 #include "methods/exact_stepper.h"
 

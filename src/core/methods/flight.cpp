@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Flight: bodies that nothing touches, over any length of time: in closed form, or to rounding where the air
 // slows them.
 #include "effects/effects.h"

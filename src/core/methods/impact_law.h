@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The impact of two bodies: what an instant of contact does to their velocities.
 #pragma once
 

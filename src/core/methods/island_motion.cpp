@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "methods/island_motion.h"
 
 #include "algebra.h"

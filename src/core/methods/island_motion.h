@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The bodies of one island as the exact step moves them: kicks change velocities, drifts change places.
 #pragma once
 

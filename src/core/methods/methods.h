@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The ways to advance islands, siblings with one signature.
 #pragma once
 

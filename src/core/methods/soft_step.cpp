@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
 //
 // The interval [t0, t1] is cut into n sub-steps of length h, which the setting says; into more of them where

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "methods/solver_contacts.h"
 
 #include "algebra.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The contact points of a batch of islands: where its pairs touch, what resists there, and what the last step
 // and the next one know of it. Shared by the methods that solve contacts by impulses.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Where an island touches at one instant: its contact points as the exact step sees them.
 #pragma once
 

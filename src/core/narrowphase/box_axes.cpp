@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Two boxes are apart if and only if they are apart along the normal of a face of one or along the cross
 // product of an edge of each: S. Gottschalk, M. C. Lin, D. Manocha, "OBBTree", SIGGRAPH 1996. Along a unit
 // axis l, with p the centre of B seen from A and a_i, b_j the half edges as vectors,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The separating-axis test of two boxes.
 #pragma once
 

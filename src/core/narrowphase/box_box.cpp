@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The manifold of two boxes.
 //
 // The normal is the separating axis of farthestAxis(). Where a face of a box looks along it, up to a few

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Which routine finds the manifold of which pair of shapes is a matter of overloads: pairs.h has those of the
 // pairs with a method of their own, convex.h and half_space.h the general ones. Each pair is written down in
 // one order of its kinds, that of their names in Shape; in the other order A and B are swapped.

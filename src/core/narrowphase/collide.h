@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The collision table: which routine finds the manifold of which pair of shapes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any two convex shapes, by GJK and EPA: what a new shape gets for a support function.
 #pragma once
 

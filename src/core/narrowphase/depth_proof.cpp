@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "narrowphase/depth_proof.h"
 
 #include "algebra.h"

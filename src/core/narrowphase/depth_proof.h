@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Why no direction near one that was finished is shallower than a depth U: what lets EPA stop at a round
 // surface without covering it with chords.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A polytope inside A - B grows around the origin. Its face nearest to the origin, at distance `lower` along
 // its outward normal n, is pushed out to w = support(n): all faces that w sees are removed, and the horizon
 // they leave is joined to w. Since A - B holds the polytope and ends at the plane through w,

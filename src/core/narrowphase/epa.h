@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The penetration depth of two convex sets, and the direction that separates them soonest: the expanding
 // polytope algorithm. G. van den Bergen, "Proximity queries and penetration depth computation on 3D game
 // objects", GDC 2001.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The flat piece of a convex shape's surface that faces a direction: what can lie on another shape.
 #pragma once
 

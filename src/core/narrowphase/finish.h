@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The last digits of the direction in which two shapes are nearest, where one of them is round.
 //
 // GJK and EPA approach a rim by chords, and know a direction only to the square root of what they know of the

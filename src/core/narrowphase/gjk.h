@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The distance of two convex sets: E. G. Gilbert, D. W. Johnson, S. S. Keerthi, "A fast procedure for
 // computing the distance between complex objects in three-dimensional space", IEEE J. Robotics Autom. 4(2),
 // 1988.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any convex shape against a half-space: the heights of what it turns down to it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A contact manifold: the points at which two convex shapes touch or nearly touch.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The pairs of shapes with a method of their own: one manifold routine and one gap routine each. The other
 // pairs meet by the templates of convex.h; an overload here takes a pair away from these.
 #pragma once

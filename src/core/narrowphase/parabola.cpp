@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The point of a box that is nearest to a path changes its kind (corner, edge, face) where the path crosses
 // the plane of a face. In between, the distance is that of a parabola u(s) from the origin: of the components
 // by which the path is outside of the box. |u|² is a polynomial of degree 4 at most; between the roots of its

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // When a point on a parabola is near something: times of impact that are roots of polynomials.
 #pragma once
 

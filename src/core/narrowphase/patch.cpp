@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Both facets are projected along the normal n, where they are convex polygons (or segments): the patch is
 // their intersection. The gap at a point of the plane is the difference of the heights at which the line
 // through it along n meets the facets. The two are treated alike, so that it does not matter whose face is

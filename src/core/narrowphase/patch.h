@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The patch in which two facets lie on each other.
 #pragma once
 

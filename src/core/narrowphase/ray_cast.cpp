@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The part of a ray inside a convex set is an interval, and inside the common part of several sets the common
 // part of their intervals. So a shape is cut out of the ray by half-spaces, a round side or a ball. A
 // capsule, which is no such common part, goes by its support function, and so may any new shape.

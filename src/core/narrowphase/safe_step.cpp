@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bounds for conservative advancement: B. Mirtich, "Impulse-based dynamic simulation of rigid body systems",
 // PhD thesis, Berkeley, 1996. The separation of the bodies along a direction n(s) that turns with a constant
 // angular velocity w_n, n(s) = exp(w_n s) n, is known at any s from their support functions, without a search

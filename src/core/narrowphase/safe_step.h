@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How long two moving shapes certainly stay apart.
 #pragma once
 

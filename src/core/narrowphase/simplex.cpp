@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The sub-distance problem of GJK by signed volumes: M. Montanari, N. Petrinic, E. Barbieri, "Improving the
 // GJK algorithm for faster and more reliable distance queries between convex objects", ACM TOG 36(3), 2017.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Simplices of up to four points of a Minkowski difference, and their point nearest to the origin.
 #pragma once
 

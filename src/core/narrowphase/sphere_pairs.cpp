@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Spheres against spheres, boxes and planes: one point each, in closed form.
 #include "narrowphase/pairs.h"
 

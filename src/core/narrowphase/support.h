@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Support functions: the only thing GJK and EPA know of a shape.
 //
 // A convex shape is a core (a point, a segment, a polytope, a cylinder, a cone) with a ball of some radius

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Closed forms where the gap is a root of a polynomial in time; conservative advancement elsewhere.
 #include "narrowphase/time_of_impact.h"
 

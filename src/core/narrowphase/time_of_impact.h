@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // When two moving shapes first touch.
 #pragma once
 

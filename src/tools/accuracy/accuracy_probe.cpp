@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Makes one measurement of accuracy and cost, and prints it as JSON.
 #include "measure.h"
 

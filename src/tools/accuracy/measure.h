@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One measurement: the error of an engine on a problem, and what it costs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // This simulator behind the seam, at every fidelity, and with the numbers behind them changed.
 #include "../../../test/benchmark/peers/engine.h"
 #include "rigid_body_sim/world.h"

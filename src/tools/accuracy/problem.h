@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A problem whose answer is known, and the list of them. Each is a file of its own in problems/, which adds
 // itself.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bullet behind the seam: its discrete dynamics world.
 #include "engine.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The seam between the accuracy probe and the engines that it measures: one small interface, and an adapter a
 // file.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // MuJoCo behind the seam. It has no restitution and no contact without softness.
 #include "engine.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The Open Dynamics Engine behind the seam.
 #include "engine.h"
 

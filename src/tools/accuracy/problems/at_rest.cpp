@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Boxes that stand on each other: nothing moves, whatever they weigh. What carries n of them is n times the
 // weight of one, so an iteration that has not got there lets them sink; how far they sank is what its
 // impulses lack.

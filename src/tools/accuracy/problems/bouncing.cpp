@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A ball dropped from a height h over a floor: it meets the floor after t0 = √(2h/g) with the speed u = g t0,
 // leaves it with e u, is back after 2 e t0, and so on. In flight k it leaves with e^k u.
 #include "../problem.h"

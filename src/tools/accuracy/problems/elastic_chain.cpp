@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Five balls of different mass on a line, no gravity, e = 1. The first runs into the others.
 //
 // Between impacts all move straight on. The next impact is of the neighbours whose gap closes first; it

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Free tops of three different moments: no torque, so Euler's equations I w' = I w x w hold in the body's
 // frame, and the attitude follows q' = q w / 2.
 //

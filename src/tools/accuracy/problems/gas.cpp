@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Elastic balls without friction or gravity between six walls. The motion is chaotic, so only what must stay
 // is compared: the kinetic energy. A ball that has left the box is no gas any more: the error is then
 // infinite.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Two balls without spin meet a floor at a slant, no gravity; e = 0.5, mu = 0.3. The normal speed u turns
 // into e u, so the normal impulse is m (1 + e) u. Friction would need m (2/7) v to end the slip v of the
 // lowest point; it gives that if it is below mu m (1 + e) u, and the ball then rolls: that is the steep one.

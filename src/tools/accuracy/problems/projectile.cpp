@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A ball thrown in a vacuum: x = x0 + v0 t + g t²/2.
 #include "../problem.h"
 

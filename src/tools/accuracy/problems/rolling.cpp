@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Balls that roll.
 //
 // A ball thrown along a floor without spin slides with the deceleration mu g, while its spin grows at 5 mu

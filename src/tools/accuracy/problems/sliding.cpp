@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A flat box that slides on a floor. Coulomb's friction is mu g against the slip, wherever its weight rests:
 // it does not turn, as the friction of all of it passes through the line along which its centre moves.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A ball that falls through air: m v' = m g - k v² with k = rho c A/2. With V = √(m g/k) it falls at V tanh(g
 // t/V), and has fallen (V²/g) ln cosh(g t/V).
 #include "../problem.h"
