@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
 #include "command_topics.h"
+#include "parameters.h"
 #include "publishers.h"
 #include "services.h"
 #include "session.h"
@@ -11,7 +12,8 @@
 #include <ros/ros.h>
 
 #include <cstdio>
-#include <memory>
+#include <limits>
+#include <optional>
 #include <vector>
 
 namespace {
@@ -27,36 +29,86 @@ void initOnWallTime(int argc, char** argv) {
   ros::init(count, arguments.data(), "sim");
 }
 
-rbs::Session::Options sessionOptions(const ros::NodeHandle& node) {
-  rbs::Session::Options options;
-  options.folder = node.param("scenes", ros::package::getPath("rigid_body_sim") + "/scenes");
-  options.scene = node.param("scene", options.scene);
-  const int seed = node.param("seed", -1);
-  if (seed >= 0) options.seed = static_cast<std::uint64_t>(seed);
-  const std::string fidelity = node.param<std::string>("fidelity", "");
-  if (!fidelity.empty()) options.fidelity = rbs::fidelityNamed(fidelity);
-  options.wall_stamps = !node.param("publish_clock", true);
-  options.run.paused = node.param("paused", options.run.paused);
-  options.run.speed = node.param("speed", options.run.speed);
+struct Options {
+  rbs::Session::Options session;
+  rbs::Publishers::Options publishers;
+};
+
+/// Throws InvalidInput for parameters that are not allowed.
+Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
+  Options options;
+  rbs::Session::Options& session = options.session;
+  session.scene =
+      parameters.text("scene", session.scene, "a scene of the catalogue, or a path to a .yaml file");
+  session.folder = parameters.text("scenes", scenes, "folder of the catalogue");
+  session.run.paused = parameters.flag("paused", false, "start paused");
+  const int seed = parameters.integer("seed", -1, -1, std::numeric_limits<int>::max(),
+                                      "seed of gusts and scattered bodies; -1 takes the scene's own");
+  if (seed >= 0) session.seed = static_cast<std::uint64_t>(seed);
+  const std::string fidelity = parameters.choice(
+      "fidelity", "", {"", "preview", "interactive", "accurate", "reference"}, "instead of the scene's own");
+  if (!fidelity.empty()) session.fidelity = rbs::fidelityNamed(fidelity);
+  constexpr double kFastest = 1e6;
+  session.run.speed = parameters.number("speed", session.run.speed, 0.0, kFastest,
+                                        "times real time; 0 is as fast as possible");
+  options.publishers.clock =
+      parameters.flag("publish_clock", true, "publish /clock; otherwise messages are stamped with wall time");
+  session.wall_stamps = !options.publishers.clock;
+  options.publishers.tf = parameters.choice("tf", "all", {"all", "none"}, "transforms to publish") == "all"
+                              ? rbs::TfMode::All
+                              : rbs::TfMode::None;
+  options.publishers.tf_prefix =
+      parameters.text("tf_prefix", "", "put before the name of every body's frame");
+  options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
+  parameters.check();
   return options;
 }
 
-rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
-  rbs::Publishers::Options options;
-  options.clock = node.param("publish_clock", options.clock);
-  options.status_line = node.param("status_line", options.status_line);
-  options.tf_prefix = node.param("tf_prefix", options.tf_prefix);
-  const std::string tf = node.param<std::string>("tf", "all");
-  if (tf != "all" && tf != "none") throw rbs::InvalidInput({{"~tf", "'" + tf + "'", "all or none"}});
-  options.tf = tf == "all" ? rbs::TfMode::All : rbs::TfMode::None;
+/// What was given on the parameter server, with a warning for each name that means nothing to this node.
+Options givenOptions(const ros::NodeHandle& node) {
+  XmlRpc::XmlRpcValue given;
+  ros::param::get(node.getNamespace(), given);
+  rbs::Parameters parameters(given);
+  const Options options = readOptions(parameters, ros::package::getPath("rigid_body_sim") + "/scenes");
+  for (const std::string& sentence : parameters.unknown())
+    ROS_WARN_NAMED("parameters", "%s", sentence.c_str());
   return options;
+}
+
+/// Answers what is asked on the command line without a node: one that started would end another of its name.
+/// Nothing where there is nothing but remappings; otherwise the exit code.
+std::optional<int> answerWithoutNode(int argc, char** argv) {
+  std::vector<std::string> arguments;
+  ros::removeROSArgs(argc, argv, arguments);
+  if (arguments.size() <= 1) return {};
+  if (arguments.size() == 2 && arguments[1] == "--version") {
+    std::puts("rigid_body_sim " RBS_VERSION);
+    return 0;
+  }
+  const bool help = arguments.size() == 2 && (arguments[1] == "--help" || arguments[1] == "-h");
+  if (!help) {
+    const std::string& wrong =
+        arguments[1] == "--help" || arguments[1] == "--version" ? arguments[2] : arguments[1];
+    std::fprintf(stderr,
+                 "simulator_node: unknown argument '%.80s'; allowed: --help, --version, _PARAMETER:=VALUE\n",
+                 wrong.c_str());
+    return 2;
+  }
+  rbs::Parameters parameters;
+  readOptions(parameters, "that of the package");
+  std::printf(
+      "The node of rigid_body_sim. Usage: simulator_node [--help] [--version] [_PARAMETER:=VALUE ...]\n"
+      "Parameters, with what holds where none is given:\n%s",
+      parameters.list().c_str());
+  return 0;
 }
 
 void run() {
   ros::NodeHandle node("~");
-  rbs::Session session(sessionOptions(node));
+  const Options options = givenOptions(node);
+  rbs::Session session(options.session);
   rbs::Ghost ghost(node, session.simulator());
-  rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, publisherOptions(node));
+  rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, options.publishers);
   rbs::Services services(session, ghost);
   rbs::CommandTopics commands(session.simulator());
   constexpr int kThreads = 4;  // so that one client's long step() holds up no other client
@@ -68,6 +120,7 @@ void run() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (const std::optional<int> code = answerWithoutNode(argc, argv)) return *code;
   initOnWallTime(argc, argv);
   rbs::findPackagesBy(ros::package::getPath);
   try {

@@ -2,43 +2,10 @@
 #include "names.h"
 
 #include "convert.h"
-
-#include <algorithm>
-#include <numeric>
+#include "nearest.h"
 
 namespace rbs {
 namespace {
-
-/// Levenshtein distance: how many characters must be added, removed or replaced to turn `a` into `b`.
-/// `row[j]` holds the distance of the part of `a` seen so far to the first j characters of `b`.
-std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
-/// The most similar name, where one is similar enough to have been meant; otherwise "".
-std::string nearestName(const std::string& name, const std::vector<BodyDescription>& bodies) {
-  constexpr std::size_t kLongestName = 64;
-  if (name.empty() || name.size() > kLongestName) return "";
-  std::string nearest;
-  std::size_t least = 1 + std::max<std::size_t>(2, name.size() / 3);
-  for (const BodyDescription& body : bodies) {
-    const std::size_t distance = editDistance(name, body.name);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = body.name;
-  }
-  return nearest;
-}
 
 /// The first few names, and how many more there are.
 std::string someNames(const std::vector<BodyDescription>& bodies) {
@@ -52,7 +19,9 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
 }
 
 [[noreturn]] void refuseName(const std::string& name, const std::vector<BodyDescription>& bodies) {
-  const std::string nearest = nearestName(name, bodies);
+  std::vector<std::string> names;
+  for (const BodyDescription& body : bodies) names.push_back(body.name);
+  const std::string nearest = nearestName(name, names);
   const std::string hint = nearest.empty() ? "" : "did you mean '" + nearest + "'?; ";
   const std::string known = bodies.empty() ? "the world has no bodies" : "bodies: " + someNames(bodies);
   throw InvalidInput({{name.empty() ? "name is missing" : "unknown body '" + name + "'", "", hint + known}});
