@@ -19,10 +19,10 @@ TOOL = ROOT / 'src/tools/rigid_body_sim_accuracy'
 def probe_path():
     """In the build that runs this test: its folder comes with the environment, else the one of this tree."""
     for prefix in os.environ.get('CMAKE_PREFIX_PATH', '').split(':') + [str(ROOT / 'build/devel')]:
-        path = os.path.join(prefix, 'lib/rigid_body_sim/accuracy_probe')
+        path = os.path.join(prefix, 'lib/rigid_body_sim/accuracy_probe_with_peers')
         if os.path.isfile(path):
             return path
-    raise RuntimeError('accuracy_probe is not built')
+    raise RuntimeError('accuracy_probe_with_peers is not built')
 
 
 PROBE = probe_path()
