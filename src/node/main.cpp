@@ -41,6 +41,12 @@ rbs::Session::Options sessionOptions(const ros::NodeHandle& node) {
   return options;
 }
 
+double notNegative(const ros::NodeHandle& node, const std::string& name, double usual) {
+  const double value = node.param(name, usual);
+  if (value >= 0.0 && value <= 1e6) return value;
+  throw rbs::InvalidInput({{"~" + name, std::to_string(value), "0 to 1e6"}});
+}
+
 rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
   rbs::Publishers::Options options;
   options.clock = node.param("publish_clock", options.clock);
@@ -48,6 +54,8 @@ rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
   options.tf_prefix = node.param("tf_prefix", options.tf_prefix);
   const std::string tf = node.param<std::string>("tf", "all");
   if (tf != "all" && tf != "none") throw rbs::InvalidInput({{"~tf", "'" + tf + "'", "all or none"}});
+  options.contacts_rate = notNegative(node, "contacts_rate", options.contacts_rate);
+  options.repeat_period = notNegative(node, "repeat_period", options.repeat_period);
   options.tf = tf == "all" ? rbs::TfMode::All : rbs::TfMode::None;
   return options;
 }
@@ -59,7 +67,7 @@ void run() {
   rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, publisherOptions(node));
   rbs::Services services(session, ghost);
   rbs::CommandTopics commands(session.simulator());
-  constexpr int kThreads = 4;  // so that one client's long step() holds up no other client
+  constexpr int kThreads = 4;  // so that a client that waits for a load holds up no other client
   ros::AsyncSpinner spinner(kThreads);
   spinner.start();
   ros::waitForShutdown();
