@@ -147,9 +147,10 @@ struct Snapshot {
   View view;
   std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
 
+  // What the Simulator adds.
   bool paused = false;
-  double requested_speed = 1.0;  ///< times real time; 0 is as fast as possible
-  double achieved_speed = 0.0;   ///< times real time, over about the last second
+  std::uint64_t world = 0;  ///< which world it is of: grows with every load and reset
+  double elapsed = 0.0;     ///< physics time simulated in all its worlds, s; never goes back
 
   /// Position of this body in `bodies` and `states`, or -1.
   int find(const std::string& name) const;

@@ -83,6 +83,8 @@ class World {
   void editBody(BodyId id, const BodyEdit& edit);
   /// The body of this name; no body when there is none.
   BodyId find(const std::string& name) const;
+  /// Where the body is now. Throws InvalidInput where there is none. Costs far less than a snapshot.
+  Pose pose(BodyId id) const;
   /// The lowest free place for this shape, turned by q_WB, above (x, y) = (0, 0) and at least `clearance`
   /// above 0, m.
   Vec3 freePlace(const Shape& shape, const Quat& q_WB, double clearance = 0.5) const;
@@ -90,7 +92,11 @@ class World {
   // --- forces
   void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);  ///< N s, m
   /// Force at a point and a couple, from now on for `seconds` of physics time (> 0).
+  /// Adds to the wrenches that already act.
   void applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
+  /// The same, but in the place of the body's last commanded wrench: a body has one slot for commands, beside whatever
+  /// applyWrench() has added, so a controller may send as often as it likes. `seconds` is its time-out.
+  void commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
   void grab(BodyId id, const Grab& grab);    ///< from now on, until release()
   void hold(BodyId id, const Pose& target);  ///< leads the body there as if kinematic, until release()
   void release(BodyId id);                   ///< a grabbed body keeps its velocity; a held one is at rest
@@ -115,6 +121,7 @@ class World {
   const SceneDef& scene() const;            ///< settings as they are now; `bodies` is not kept up
   SceneDef capture() const;                 ///< the scene as it is now, bodies and velocities included
   SavedState captureState() const;          ///< what capture() leaves out
+  std::shared_ptr<const std::vector<BodyDescription>> bodies() const;  ///< in canonical order
   Snapshot snapshot() const;                ///< all but the pacing, and what a Governor adds
   std::vector<StageInfo> pipeline() const;  ///< which stages run, and why
   std::uint64_t stateHash() const;

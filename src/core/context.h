@@ -24,6 +24,7 @@ struct TimedWrench {
   BodyId body;
   Vec3 force_W, torque_W;  ///< N, and N m about the centre of mass
   double until;            ///< physics time, s
+  bool commanded = false;  ///< the next command takes its place
 };
 
 struct HandGrab {

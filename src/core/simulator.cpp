@@ -2,57 +2,44 @@
 #include "rigid_body_sim/simulator.h"
 
 #include "rigid_body_sim/governor.h"
+#include "pacer.h"
 #include "text.h"
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <deque>
+#include <exception>
 #include <future>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace rbs {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using Clock = Pacer::Clock;
 
-double seconds(Clock::duration d) {
-  return std::chrono::duration<double>(d).count();
-}
-Clock::duration duration(double s) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-}
+// What a world is made of, and made again on a reset.
+struct Origin {
+  SceneDef scene;
+  std::optional<SavedState> saved;
+};
 
-// Wall time after which lost steps are dropped instead of made up for, s: a simulation that cannot keep up
-// runs slower, it does not freeze.
-constexpr double kLargestLag = 0.1;
-// How long the achieved speed is averaged over, s.
-constexpr double kSpeedWindow = 1.0;
+struct Command {
+  std::function<void()> run;
+  std::shared_ptr<std::promise<void>> done;  // none: nobody waits
+};
 
-// Physics time over wall time, measured over about the last second.
-class SpeedMeter {
- public:
-  void reset() { samples_.clear(); }
-  void add(Clock::time_point now, double physics_time) {
-    samples_.push_back({now, physics_time});
-    while (samples_.size() > 2 && seconds(now - samples_.front().wall) > kSpeedWindow) samples_.pop_front();
-  }
-  double speed() const {
-    if (samples_.size() < 2) return 0.0;
-    const double wall = seconds(samples_.back().wall - samples_.front().wall);
-    return wall > 0.0 ? (samples_.back().physics - samples_.front().physics) / wall : 0.0;
-  }
+// A request for steps that is under way.
+struct StepRequest {
+  std::uint64_t left, taken = 0;
+  std::function<bool()> go_on;
+  std::promise<StepsTaken> done;
 
- private:
-  struct Sample {
-    Clock::time_point wall;
-    double physics;
-  };
-  std::deque<Sample> samples_;
+  void end(const std::string& by) { done.set_value({taken, by}); }
 };
 
 }  // namespace
@@ -62,96 +49,176 @@ struct Simulator::Impl {
   World world;
   Governor governor;
   std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
-  SceneDef loaded;
-  std::optional<SavedState> loaded_state;
-  bool paused;
-  double speed;
-  std::atomic<bool> estimating{false};
-  Clock::time_point next_step = Clock::now();  // when the next step is due
-  SpeedMeter meter;
+  double elapsed_before = 0.0, began_at = 0.0;          // of the worlds before it; its own time when it came, s
+  std::uint64_t worlds = 0;                             // how many came before it
+  std::optional<StepRequest> request;
+  bool stale = false;  // the world has changed since the last snapshot
 
   // What others share with it, under the mutex.
-  std::mutex mutex;
+  mutable std::mutex mutex;
   std::condition_variable wake;
-  std::deque<std::packaged_task<void()>> commands;
+  std::vector<Command> commands;
   bool stop = false;
+  Pace pace;  // but for what the pacer says
+  Pacer pacer;
+
+  std::mutex replacing;  // one caller at a time makes another world
+  std::shared_ptr<const Origin> origin;
+  std::atomic<bool> estimating{false};
   std::shared_ptr<const Snapshot> published;  // read and written by atomic_load and atomic_store
 
   std::thread thread;
 
   Impl(SceneDef scene, const Options& options)
-      : world(scene), loaded(std::move(scene)), paused(options.paused), speed(options.speed) {
-    publish();
-  }
-
-  void publish() {
-    Snapshot snapshot = world.snapshot();
-    snapshot.edits += edits_before;
-    snapshot.description_version += versions_before;
-    snapshot.paused = paused;
-    snapshot.estimate = governor.estimate();
-    snapshot.dial_reason = governor.reason();
-    snapshot.requested_speed = speed;
-    snapshot.achieved_speed = paused ? 0.0 : meter.speed();
-    std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
-  }
-
-  void restartClock() {
-    next_step = Clock::now();
-    meter.reset();
-  }
-
-  void replaceWorld(World fresh) {
-    edits_before = published->edits + 1;
-    versions_before = published->description_version + 1;
-    world = std::move(fresh);
-    governor = Governor();
-    governor.setEstimating(estimating);
+      : world(scene), origin(std::make_shared<Origin>(Origin{std::move(scene), std::nullopt})) {
+    pace.paused = options.paused;
+    pace.requested_speed = options.speed;
     restartClock();
     publish();
   }
 
-  // Runs `command` on the thread, between two steps, and waits for it.
-  void post(std::function<void()> command) {
-    std::packaged_task<void()> task(std::move(command));
-    std::future<void> done = task.get_future();
+  void publish() {
+    const Clock::time_point start = Clock::now();
+    Snapshot snapshot = world.snapshot();
+    snapshot.edits += edits_before;
+    snapshot.description_version += versions_before;
+    snapshot.world = worlds;
+    snapshot.elapsed = elapsed_before + (world.time() - began_at);
+    snapshot.paused = pace.paused;
+    snapshot.estimate = governor.estimate();
+    snapshot.dial_reason = governor.reason();
+    std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
+    stale = false;
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.pictured(start, Clock::now());
+  }
+
+  void restartClock() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.restart(Clock::now(), pace.requested_speed, world.scene().step);
+  }
+
+  void setPace(bool paused, double speed) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      commands.push_back(std::move(task));
+      pace.paused = paused;
+      pace.requested_speed = speed;
+    }
+    restartClock();
+  }
+
+  void endRequest(const char* by) {
+    if (!request) return;
+    publish();
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      pace.steps_left = 0;
+    }
+    std::exchange(request, std::nullopt)->end(by);
+  }
+
+  // The caller gets the old world, and with it the work of taking it apart.
+  void replaceWorld(World& fresh, const char* by) {
+    endRequest(by);
+    publish();
+    edits_before = published->edits + 1;
+    versions_before = published->description_version + 1;
+    elapsed_before = published->elapsed;
+    began_at = fresh.time();
+    ++worlds;
+    std::swap(world, fresh);
+    governor = Governor();
+    governor.setEstimating(estimating);
+    restartClock();
+  }
+
+  void beginWith(std::shared_ptr<const Origin> from, const char* by) {
+    World fresh(from->scene, from->saved);
+    post([&] { replaceWorld(fresh, by); });
+    origin = std::move(from);
+  }
+
+  void push(Command command) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      commands.push_back(std::move(command));
     }
     wake.notify_one();
+  }
+
+  // Runs `command` on the thread, between two steps, and waits for it and a snapshot.
+  void post(std::function<void()> command) {
+    auto promise = std::make_shared<std::promise<void>>();
+    std::future<void> done = promise->get_future();
+    push({std::move(command), std::move(promise)});
     done.get();
   }
 
-  bool stepIsDue() const { return !paused && (speed == 0.0 || Clock::now() >= next_step); }
-
-  void takeStep() {
-    governor.step(world);
-    const auto now = Clock::now();
-    meter.add(now, world.time());
-    if (speed > 0.0) next_step += duration(world.scene().step / speed);
-    if (seconds(now - next_step) > kLargestLag) next_step = now;
-    // Steps that are made up for are not shown one by one.
-    if (speed == 0.0 || now < next_step) publish();
+  // One snapshot shows what all of them did, before anybody hears that it is done.
+  void runCommands(std::vector<Command>& todo) {
+    std::vector<std::exception_ptr> thrown(todo.size());
+    bool awaited = false;
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      stale = true;
+      awaited = awaited || todo[k].done;
+      try {
+        todo[k].run();
+      } catch (...) {
+        thrown[k] = std::current_exception();
+      }
+    }
+    if (awaited) publish();
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      if (!todo[k].done) continue;
+      thrown[k] ? todo[k].done->set_exception(thrown[k]) : todo[k].done->set_value();
+    }
   }
 
-  void run() {
-    while (true) {
-      std::deque<std::packaged_task<void()>> todo;
-      {
-        std::unique_lock<std::mutex> lock(mutex);
-        const auto ready = [this] { return stop || !commands.empty(); };
-        if (paused) {
-          wake.wait(lock, ready);
-        } else if (!stepIsDue()) {
-          wake.wait_until(lock, next_step, ready);
-        }
-        if (stop && commands.empty()) return;
-        todo.swap(commands);
-      }
-      for (std::packaged_task<void()>& command : todo) command();
-      if (stepIsDue()) takeStep();
+  void takeStep() {
+    const Clock::time_point start = Clock::now();
+    governor.step(world);
+    stale = true;
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.stepped(start, Clock::now(), world.scene().step);
+    if (!request) return;
+    ++request->taken;
+    pace.steps_left = --request->left;
+  }
+
+  void advance() {
+    if (request && request->go_on && !request->go_on()) endRequest("shutdown");
+    if (request || (!pace.paused && Clock::now() >= pacer.nextStep())) takeStep();
+    if (request && request->left == 0) endRequest("");
+    if (stale && Clock::now() >= pacer.nextPicture()) publish();
+  }
+
+  Clock::time_point nextWork() const {
+    if (request) return Clock::now();
+    Clock::time_point next = pace.paused ? Clock::time_point::max() : pacer.nextStep();
+    if (stale) next = std::min(next, pacer.nextPicture());
+    return next;
+  }
+
+  // Waits until there is something to do. Returns the commands that came, or nothing when it is over.
+  std::optional<std::vector<Command>> await() {
+    std::unique_lock<std::mutex> lock(mutex);
+    const auto called = [this] { return stop || !commands.empty(); };
+    const Clock::time_point next = nextWork();
+    if (next == Clock::time_point::max()) {
+      wake.wait(lock, called);
+    } else if (Clock::now() < next) {
+      wake.wait_until(lock, next, called);
     }
+    if (stop && commands.empty()) return std::nullopt;
+    return std::exchange(commands, {});
+  }
+
+  void loop() {
+    while (std::optional<std::vector<Command>> todo = await()) {
+      runCommands(*todo);
+      advance();
+    }
+    endRequest("shutdown");
   }
 };
 
@@ -167,7 +234,7 @@ void checkSpeed(double speed) {
 Simulator::Simulator(SceneDef scene, const Options& options) {
   checkSpeed(options.speed);
   impl_ = std::make_unique<Impl>(std::move(scene), options);
-  impl_->thread = std::thread([this] { impl_->run(); });
+  impl_->thread = std::thread([this] { impl_->loop(); });
 }
 
 Simulator::~Simulator() {
@@ -180,68 +247,66 @@ Simulator::~Simulator() {
 }
 
 void Simulator::edit(const std::function<void(World&)>& command) {
-  impl_->post([&] {
-    command(impl_->world);
-    impl_->publish();
-  });
+  impl_->post([&] { command(impl_->world); });
+}
+
+void Simulator::send(std::function<void(World&)> command) {
+  impl_->push({[this, command = std::move(command)] { command(impl_->world); }, nullptr});
 }
 
 void Simulator::load(SceneDef scene, const std::optional<SavedState>& saved) {
-  impl_->post([&] {
-    impl_->replaceWorld(World(scene, saved));
-    impl_->loaded = std::move(scene);
-    impl_->loaded_state = saved;
-  });
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  impl_->beginWith(std::make_shared<Origin>(Origin{std::move(scene), saved}), "load");
 }
 
 void Simulator::reset() {
-  impl_->post([&] { impl_->replaceWorld(World(impl_->loaded, impl_->loaded_state)); });
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  impl_->beginWith(impl_->origin, "reset");
 }
 
 void Simulator::pause() {
   impl_->post([&] {
-    impl_->paused = true;
-    impl_->publish();
+    impl_->endRequest("pause");
+    impl_->setPace(true, impl_->pace.requested_speed);
   });
 }
 
 void Simulator::resume() {
   impl_->post([&] {
-    impl_->paused = false;
-    impl_->restartClock();
-    impl_->publish();
+    impl_->endRequest("resume");
+    impl_->setPace(false, impl_->pace.requested_speed);
   });
 }
 
 bool Simulator::togglePause() {
   bool paused = false;
   impl_->post([&] {
-    paused = impl_->paused = !impl_->paused;
-    impl_->restartClock();
-    impl_->publish();
+    paused = impl_->request || !impl_->pace.paused;
+    impl_->endRequest("pause");
+    impl_->setPace(paused, impl_->pace.requested_speed);
   });
   return paused;
 }
 
-void Simulator::step(std::uint64_t n) {
+StepsTaken Simulator::step(std::uint64_t n, const std::function<bool()>& go_on) {
   if (n < 1 || n > 1000000) throw InvalidInput({{"n", std::to_string(n), "1 to 1,000,000 steps"}});
+  std::future<StepsTaken> done;
   impl_->post([&] {
-    if (!impl_->paused) throw InvalidInput({{"step", "running", "a paused simulation: pause it first"}});
-    for (std::uint64_t k = 0; k < n; ++k) {
-      impl_->governor.step(impl_->world);
-      if (k % 16 == 15) impl_->publish();
-    }
-    impl_->publish();
+    if (!impl_->pace.paused) throw InvalidInput({{"step", "running", "a paused simulation: pause it first"}});
+    if (impl_->request)
+      throw InvalidInput({{"step", std::to_string(impl_->request->left) + " steps of another request to go",
+                           "one request at a time: wait, or end it by pause"}});
+    impl_->request = StepRequest{n, 0, go_on, {}};
+    done = impl_->request->done.get_future();
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->pace.steps_left = n;
   });
+  return done.get();
 }
 
 void Simulator::setSpeed(double speed) {
   checkSpeed(speed);
-  impl_->post([&] {
-    impl_->speed = speed;
-    impl_->restartClock();
-    impl_->publish();
-  });
+  impl_->post([&] { impl_->setPace(impl_->pace.paused, speed); });
 }
 
 void Simulator::estimateErrors(bool on) {
@@ -255,12 +320,24 @@ bool Simulator::estimatesErrors() const {
 std::pair<World, std::shared_ptr<const Snapshot>> Simulator::copy() {
   std::optional<World> world;
   std::shared_ptr<const Snapshot> then;
-  impl_->post([&] { world.emplace(impl_->world), then = impl_->published; });
+  impl_->post([&] {
+    impl_->publish();
+    world.emplace(impl_->world), then = impl_->published;
+  });
   return {std::move(*world), then};
 }
 
 std::shared_ptr<const Snapshot> Simulator::snapshot() const {
   return std::atomic_load(&impl_->published);
+}
+
+Pace Simulator::pace() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  Pace pace = impl_->pace;
+  if (pace.paused) return pace;
+  pace.achieved_speed = impl_->pacer.achievedSpeed(Clock::now());
+  pace.lost_time = impl_->pacer.lostTime();
+  return pace;
 }
 
 }  // namespace rbs

@@ -7,6 +7,21 @@
 
 namespace rbs {
 
+TimedWrench World::Impl::wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                                  double seconds) const {
+  const Index i = require(id);
+  const Bodies& bodies = scene.bodies;
+  std::vector<Problem> problems;
+  checkVector(force_W, Limits::max_impulse, "force", "N", problems);
+  checkVector(torque_W, Limits::max_impulse, "torque", "N m", problems);
+  checkVector(point_W, Limits::max_position, "point", "m", problems);
+  checkPositive(seconds, 1e9, "seconds", "s", problems);
+  if (!bodies.traits[i].movable())
+    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
+  throwIfAny(problems);
+  return {id, force_W, torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W), scene.time + seconds};
+}
+
 void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) {
   const Index i = impl_->require(id);
   Bodies& bodies = impl_->scene.bodies;
@@ -33,19 +48,22 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
 
 void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                         double seconds) {
-  const Index i = impl_->require(id);
-  const Bodies& bodies = impl_->scene.bodies;
-  std::vector<Problem> problems;
-  checkVector(force_W, Limits::max_impulse, "force", "N", problems);
-  checkVector(torque_W, Limits::max_impulse, "torque", "N m", problems);
-  checkVector(point_W, Limits::max_position, "point", "m", problems);
-  checkPositive(seconds, 1e9, "seconds", "s", problems);
-  if (!bodies.traits[i].movable())
-    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
-  throwIfAny(problems);
-  const Vec3 couple = torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W);
-  impl_->scene.wrenches.push_back({id, force_W, couple, impl_->scene.time + seconds});
-  impl_->edited(false, std::vector<Index>{i});
+  impl_->scene.wrenches.push_back(impl_->wrenchOf(id, force_W, torque_W, point_W, seconds));
+  impl_->edited(false, std::vector<Index>{impl_->require(id)});
+}
+
+void World::commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                          double seconds) {
+  TimedWrench command = impl_->wrenchOf(id, force_W, torque_W, point_W, seconds);
+  command.commanded = true;
+  for (TimedWrench& wrench : impl_->scene.wrenches) {
+    if (wrench.body != id || !wrench.commanded) continue;
+    wrench = command;
+    ++impl_->edits;
+    return;
+  }
+  impl_->scene.wrenches.push_back(command);
+  impl_->edited(false, std::vector<Index>{impl_->require(id)});
 }
 
 void World::grab(BodyId id, const Grab& grab) {

@@ -72,6 +72,8 @@ struct World::Impl {
     scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
   }
 
+  // A wrench about the centre of mass, from now on. Throws InvalidInput.
+  TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds) const;
   void keepContacts();
   void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);

@@ -40,6 +40,10 @@ SavedState World::captureState() const {
   return rbs::captureState(impl_->scene);
 }
 
+Pose World::pose(BodyId id) const {
+  return impl_->scene.bodies.poseNow(impl_->require(id), impl_->scene.time);
+}
+
 Totals World::totals() const {
   const Bodies& bodies = impl_->scene.bodies;
   const Vec3& gravity = impl_->scene.gravity_W;
@@ -59,6 +63,16 @@ Totals World::totals() const {
   return sum;
 }
 
+std::shared_ptr<const std::vector<BodyDescription>> World::bodies() const {
+  const Bodies& bodies = impl_->scene.bodies;
+  if (!impl_->descriptions) {
+    auto fresh = std::make_shared<std::vector<BodyDescription>>();
+    for (Index i = 0; i < bodies.size(); ++i) fresh->push_back(bodies.describe(i));
+    impl_->descriptions = std::move(fresh);
+  }
+  return impl_->descriptions;
+}
+
 Snapshot World::snapshot() const {
   const Impl& w = *impl_;
   const Bodies& bodies = w.scene.bodies;
@@ -69,12 +83,7 @@ Snapshot World::snapshot() const {
   s.step = w.scene.settings.step;
   s.edits = w.edits;
   s.description_version = w.description_version;
-  if (!w.descriptions) {
-    auto fresh = std::make_shared<std::vector<BodyDescription>>();
-    for (Index i = 0; i < bodies.size(); ++i) fresh->push_back(bodies.describe(i));
-    w.descriptions = std::move(fresh);
-  }
-  s.bodies = w.descriptions;
+  s.bodies = this->bodies();
   s.states.reserve(bodies.size());
   for (Index i = 0; i < bodies.size(); ++i)
     s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});

@@ -60,7 +60,7 @@ void placeBody(const Spec& spec, const World& world, BodyDef& body) {
   const Pose X_WF = frameNamed(world, spec.frame_id);
   if (!isZero(spec.pose)) body.pose = compose(X_WF, fromMsg(spec.pose));
   const Twist twist_F = fromMsg(spec.twist);
-  body.twist = {X_WF.q_WB * twist_F.v_WB, X_WF.q_WB * twist_F.w_WB};
+  body.twist = {turned(X_WF.q_WB, twist_F.v_WB), turned(X_WF.q_WB, twist_F.w_WB)};
 }
 
 void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, BodyDef& body,

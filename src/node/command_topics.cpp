@@ -13,32 +13,35 @@ CommandTopics::CommandTopics(Simulator& simulator) : simulator_(simulator) {
 }
 
 void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
-  edit("cmd_twist", [&](World& world) {
-    const std::string& name = command.header.frame_id;
-    const Quat q_WB = frameNamed(world, name).q_WB;
+  send("cmd_twist", [command](World& world) {
+    const BodyId body = bodyNamed(world, command.header.frame_id);
+    const Quat q_WB = world.pose(body).q_WB;
     const Twist twist_B = fromMsg(command.twist);
     BodyEdit edit;
-    edit.twist = Twist{q_WB * twist_B.v_WB, q_WB * twist_B.w_WB};
-    world.editBody(bodyNamed(world, name), edit);
+    edit.twist = Twist{turned(q_WB, twist_B.v_WB), turned(q_WB, twist_B.w_WB)};
+    world.editBody(body, edit);
   });
 }
 
 void CommandTopics::onWrench(const geometry_msgs::WrenchStamped& command) {
-  edit("cmd_wrench", [&](World& world) {
-    const std::string& name = command.header.frame_id;
-    const Pose X_WB = frameNamed(world, name);
-    const Vec3 force_W = X_WB.q_WB * fromMsg(command.wrench.force);
-    const Vec3 torque_W = X_WB.q_WB * fromMsg(command.wrench.torque);
-    world.applyWrench(bodyNamed(world, name), force_W, torque_W, X_WB.p_WB, kWrenchSeconds);
+  send("cmd_wrench", [command](World& world) {
+    const BodyId body = bodyNamed(world, command.header.frame_id);
+    const Pose X_WB = world.pose(body);
+    const Vec3 force_W = turned(X_WB.q_WB, fromMsg(command.wrench.force));
+    const Vec3 torque_W = turned(X_WB.q_WB, fromMsg(command.wrench.torque));
+    world.commandWrench(body, force_W, torque_W, X_WB.p_WB, kWrenchSeconds);
   });
 }
 
-void CommandTopics::edit(const char* topic, const std::function<void(World&)>& command) {
-  try {
-    simulator_.edit(command);
-  } catch (const InvalidInput& refusal) {
-    ROS_WARN_STREAM_THROTTLE_NAMED(1.0, topic, "~" << topic << ": " << refusal.what());
-  }
+// Nobody waits: a controller sends faster than a slow scene steps, and must hold up nobody else.
+void CommandTopics::send(const char* topic, std::function<void(World&)> command) {
+  simulator_.send([topic, command = std::move(command)](World& world) {
+    try {
+      command(world);
+    } catch (const InvalidInput& refusal) {
+      ROS_WARN_STREAM_THROTTLE_NAMED(1.0, topic, "~" << topic << ": " << refusal.what());
+    }
+  });
 }
 
 }  // namespace rbs

@@ -105,6 +105,8 @@ rigid_body_sim::BodyDescription toMsg(const BodyDescription& body) {
   return msg;
 }
 
+Vec3 turned(const Quat& q, const Vec3& v) { return v.allFinite() ? Vec3(q * v) : v; }
+
 Vec3 fromMsg(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 
 Vec3 fromMsg(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }

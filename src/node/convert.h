@@ -35,6 +35,9 @@ rigid_body_sim::Material toMsg(const Material& material, const Shape& shape);
 rigid_body_sim::BodyDescription toMsg(const BodyDescription& body);
 
 // Incoming numbers are taken as they are; whether they make sense is for the core to say.
+/// v turned by q. A vector that is not finite stays as it is, so that a refusal shows what was sent: the product of
+/// an infinite one would be nan.
+Vec3 turned(const Quat& q, const Vec3& v);
 Vec3 fromMsg(const geometry_msgs::Vector3& v);
 Vec3 fromMsg(const geometry_msgs::Point& p);
 /// Zero is the identity. Normalised, unless it is too far from a unit quaternion to be meant as one: the

@@ -27,7 +27,7 @@ void EventPublisher::publish(const Timeline::Moment& moment) {
   const std::shared_ptr<const Snapshot> before = last_ ? last_ : moment.snapshot;
   last_ = moment.snapshot;
   for (const Timeline::Replacement& event : moment.replacements) send(event.kind, "", event.text);
-  if (moment.replacements.empty()) {
+  if (before->world == last_->world) {
     if (before->bodies != last_->bodies) compareBodies(*before, *last_);
     compareSurroundings(*before, *last_);
   }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kAlpha = 0.35f;
 constexpr std::uint32_t kDivisions = 2;  // of its steps
+constexpr double kRepeatPeriod = 5.0;    // s, as of the bodies
 
 // Behind the live simulation, which must not wait for it.
 void lowerPriorityOfThisThread() {
@@ -23,7 +24,7 @@ void lowerPriorityOfThisThread() {
 }  // namespace
 
 Ghost::Ghost(ros::NodeHandle& node, Simulator& simulator)
-    : simulator_(simulator), markers_(node, "ghost", TfMode::None, "") {}
+    : simulator_(simulator), markers_(node, "ghost", TfMode::None, "", kRepeatPeriod) {}
 
 Ghost::~Ghost() {
   show(false);

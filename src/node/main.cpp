@@ -59,6 +59,11 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
                               : rbs::TfMode::None;
   options.publishers.tf_prefix =
       parameters.text("tf_prefix", "", "put before the name of every body's frame");
+  options.publishers.contacts_rate = parameters.number(
+      "contacts_rate", options.publishers.contacts_rate, 0.0, 1e6, "messages of ~contacts a second; 0 sends every one");
+  options.publishers.repeat_period =
+      parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
+                        "wall time between two sendings of what a bag needs to be replayed, s; 0 sends it once");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
   parameters.check();
   return options;
@@ -111,7 +116,7 @@ void run() {
   rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, options.publishers);
   rbs::Services services(session, ghost);
   rbs::CommandTopics commands(session.simulator());
-  constexpr int kThreads = 4;  // so that one client's long step() holds up no other client
+  constexpr int kThreads = 4;  // so that a client that waits for a load holds up no other client
   ros::AsyncSpinner spinner(kThreads);
   spinner.start();
   ros::waitForShutdown();

@@ -31,8 +31,8 @@ void append(const std::vector<Marker>& markers, MarkerArray& news) {
 }  // namespace
 
 MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf,
-                                 const std::string& tf_prefix)
-    : tf_(tf), tf_prefix_(tf_prefix) {
+                                 const std::string& tf_prefix, double repeat_period)
+    : tf_(tf), tf_prefix_(tf_prefix), repeat_period_(repeat_period) {
   constexpr int kQueue = 100;
   std::lock_guard<std::mutex> lock(mutex_);
   publisher_ = private_node.advertise<MarkerArray>(
@@ -40,12 +40,14 @@ MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::strin
       [this](const ros::SingleSubscriberPublisher& newcomer) { greet(newcomer); });
 }
 
+// The first one gets all by the next message, as there is nothing yet to greet him with.
 void MarkerPublisher::greet(const ros::SingleSubscriberPublisher& newcomer) {
   std::lock_guard<std::mutex> lock(mutex_);
+  begun_ = true;
   MarkerArray all;
   for (const Shown& shown : shown_) append(shown.markers, all);
   if (water_) all.markers.push_back(*water_);
-  newcomer.publish(all);
+  if (!all.markers.empty()) newcomer.publish(all);
 }
 
 void MarkerPublisher::publish(const Snapshot& snapshot) {
@@ -54,16 +56,20 @@ void MarkerPublisher::publish(const Snapshot& snapshot) {
 
 void MarkerPublisher::publishNow(const Snapshot& snapshot) {
   std::lock_guard<std::mutex> lock(mutex_);
+  if (!begun_) return;
   if (publisher_.getNumSubscribers() == 0) {
+    begun_ = false;
     shown_.clear();
     water_.reset();
     described_.reset();
     return;
   }
   MarkerArray removals, news;
-  if (snapshot.bodies != described_) follow(snapshot, removals, news);
+  if (snapshot.bodies != described_) follow(snapshot, removals);
+  move(snapshot);
+  repeat();
   flood(snapshot, removals, news);
-  move(snapshot, news);
+  collect(news);
   // Two messages, since RViz warns of a marker that one message both takes away and adds.
   for (const MarkerArray& message : {removals, news}) {
     if (!message.markers.empty()) publisher_.publish(message);
@@ -102,17 +108,19 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
 void MarkerPublisher::flood(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
   std::optional<Marker> water;
   if (snapshot.fluid) water = waterMarker(*snapshot.fluid, snapshot.view);
+  if (water && water_due_) water_.reset();
   if (water_ && (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
     if (!water) removals.markers.push_back(removalOf(*water_));
     water_.reset();
   }
   if (water && !water_) news.markers.push_back(*water);
   water_ = water;
+  water_due_ = false;
 }
 
 // A marker of the same (ns, id) in the same frame takes the place of the old one and needs no DELETE. RViz
 // keeps a marker locked that once was, so where the frame changes the old one is taken away first.
-void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
+void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& removals) {
   std::map<BodyId, Shown> old;
   for (Shown& shown : shown_) old.emplace(shown.id, std::move(shown));
   shown_.clear();
@@ -126,7 +134,6 @@ void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& removals, Ma
       continue;
     }
     shown_.push_back({state.id, looks[i], state.pose, markersOf(state.id, looks[i], state.pose)});
-    append(shown_.back().markers, news);
     if (it != old.end() && it->second.look.frame == looks[i].frame &&
         it->second.markers.size() <= shown_.back().markers.size()) {
       old.erase(it);
@@ -138,15 +145,35 @@ void MarkerPublisher::follow(const Snapshot& snapshot, MarkerArray& removals, Ma
   described_ = snapshot.bodies;
 }
 
-void MarkerPublisher::move(const Snapshot& snapshot, MarkerArray& news) {
+void MarkerPublisher::move(const Snapshot& snapshot) {
   for (std::size_t i = 0; i < shown_.size(); ++i) {
     Shown& shown = shown_[i];
     const Pose& pose = snapshot.states[i].pose;
     const bool is_locked = shown.look.frame != kWorldFrame;
     if (is_locked || !isFinite(pose) || !visiblyApart(shown.pose, pose, drawnSize(shown.look))) continue;
     shown.pose = pose;
+    shown.due = true;
     for (Marker& marker : shown.markers) marker.pose = toMsg(pose);
-    append(shown.markers, news);
+  }
+}
+
+// A few at a time, in turn: all at once would make RViz stutter.
+void MarkerPublisher::repeat() {
+  const ros::WallTime now = ros::WallTime::now();
+  const double passed = (now - repeated_).toSec();
+  repeated_ = now;
+  if (repeat_period_ == 0.0) return;
+  const std::size_t turns = shown_.size() + 1;  // the last one is the water's
+  for (repeats_ += turns * std::min(1.0, passed / repeat_period_); repeats_ >= 1.0; repeats_ -= 1.0) {
+    next_ = (next_ + 1) % turns;
+    (next_ < shown_.size() ? shown_[next_].due : water_due_) = true;
+  }
+}
+
+void MarkerPublisher::collect(MarkerArray& news) {
+  for (Shown& shown : shown_) {
+    if (shown.due) append(shown.markers, news);
+    shown.due = false;
   }
 }
 

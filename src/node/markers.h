@@ -23,11 +23,13 @@
 namespace rbs {
 
 /// Publishes the bodies of snapshots on a topic. A new subscriber gets every body once; later messages hold what
-/// changed since. Thread-safe.
+/// changed since, and a few of the others in turn: a bag that is played from the middle soon shows all. Thread-safe.
 class MarkerPublisher {
  public:
-  /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name.
-  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf, const std::string& tf_prefix);
+  /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name. Every body is sent again once
+  /// in `repeat_period` s of wall time; 0: never.
+  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf, const std::string& tf_prefix,
+                  double repeat_period);
 
   /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
   void publish(const Snapshot& snapshot);
@@ -41,21 +43,29 @@ class MarkerPublisher {
     MarkerLook look;
     Pose pose;
     std::vector<visualization_msgs::Marker> markers;
+    bool due = true;  ///< to be sent with the next message
   };
 
   void greet(const ros::SingleSubscriberPublisher& newcomer);
   bool isTime(const Snapshot& snapshot);
   std::vector<MarkerLook> looksOf(const Snapshot& snapshot) const;
-  void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
-              visualization_msgs::MarkerArray& news);
+  void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals);
   void flood(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
              visualization_msgs::MarkerArray& news);
-  void move(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
+  void move(const Snapshot& snapshot);
+  void repeat();
+  void collect(visualization_msgs::MarkerArray& news);
 
   const TfMode tf_;
   const std::string tf_prefix_;
+  const double repeat_period_;
   std::mutex mutex_;
+  bool begun_ = false;  ///< somebody has subscribed: shown_ is to be kept up
   std::vector<Shown> shown_;                                       ///< in the order of described_
+  ros::WallTime repeated_;  ///< when the last bodies were sent again
+  bool water_due_ = false;  ///< it is to be sent again
+  double repeats_ = 0.0;    ///< share of a body that is to be sent again, carried over
+  std::size_t next_ = 0;    ///< the next one to be sent again
   std::optional<visualization_msgs::Marker> water_;                ///< as the subscribers know it
   std::shared_ptr<const std::vector<BodyDescription>> described_;  ///< what shown_ shows
   ros::WallTime sent_;

@@ -31,7 +31,7 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
 
 BodyId bodyNamed(const World& world, const std::string& name) {
   const BodyId id = world.find(name);
-  if (!id) refuseName(name, *world.snapshot().bodies);
+  if (!id) refuseName(name, *world.bodies());
   return id;
 }
 
@@ -48,11 +48,11 @@ Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id) {
 
 Pose frameNamed(const World& world, const std::string& frame_id) {
   if (frame_id.empty() || frame_id == kWorldFrame) return {};
-  return frameNamed(world.snapshot(), frame_id);
+  return world.pose(bodyNamed(world, frame_id));
 }
 
 Pose compose(const Pose& X_WF, const Pose& X_FB) {
-  return {X_WF.p_WB + X_WF.q_WB * X_FB.p_WB, X_WF.q_WB * X_FB.q_WB};
+  return {X_WF.p_WB + turned(X_WF.q_WB, X_FB.p_WB), X_WF.q_WB * X_FB.q_WB};
 }
 
 }  // namespace rbs

@@ -23,32 +23,36 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& gh
       options_(options),
       node_("~"),
       tf_(node_, options.tf, options.tf_prefix),
-      states_(node_),
+      states_(node_, options.contacts_rate, options.repeat_period),
       events_(node_),
       status_(node_, simulator, ghost),
-      markers_(node_, "visualization_marker_array", options.tf, options.tf_prefix),
+      markers_(node_, "visualization_marker_array", options.tf, options.tf_prefix, options.repeat_period),
       interactive_(simulator),
       moment_(timeline.advance(simulator, true)),
-      spinner_(1, &queue_) {
+      spinner_(1, &queue_),
+      hands_spinner_(1, &hands_queue_) {
   if (options.clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
-  every(kMotionPeriod, &Publishers::sendMotion);
-  every(kMarkerPeriod, &Publishers::sendMarkers);
-  every(kInteractivePeriod, &Publishers::sendInteractive);
-  every(kStatusPeriod, &Publishers::sendStatus);
-  if (options.status_line) every(kLinePeriod, &Publishers::printStatus);
+  every(kMotionPeriod, &Publishers::sendMotion, queue_);
+  every(kMarkerPeriod, &Publishers::sendMarkers, queue_);
+  every(kInteractivePeriod, &Publishers::sendInteractive, hands_queue_);
+  every(kStatusPeriod, &Publishers::sendStatus, queue_);
+  if (options.status_line) every(kLinePeriod, &Publishers::printStatus, queue_);
   spinner_.start();
+  hands_spinner_.start();
 }
 
-void Publishers::every(double seconds, void (Publishers::*send)()) {
+void Publishers::every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue) {
   ros::WallTimerOptions timer(ros::WallDuration(seconds), [this, send](const ros::WallTimerEvent&) { (this->*send)(); },
-                              &queue_);
+                              &queue);
   timers_.push_back(node_.createWallTimer(timer));
 }
 
+// A newcomer to any of them needs all at one stamp: a state, and the transform to go with it.
 void Publishers::sendMotion() {
-  const bool newcomer = tf_.hasNewcomer();
+  const bool of_tf = tf_.hasNewcomer();
+  const bool newcomer = states_.hasNewcomer() || of_tf;
   moment_ = timeline_.advance(simulator_, newcomer);
-  tf_.publish(moment_, newcomer);
+  tf_.publish(moment_);
   states_.publish(moment_);
   events_.publish(moment_);
   if (!options_.clock) return;
@@ -59,13 +63,13 @@ void Publishers::sendMotion() {
 
 void Publishers::sendMarkers() { markers_.publish(*moment_.snapshot); }
 
-void Publishers::sendInteractive() { interactive_.update(*moment_.snapshot); }
+void Publishers::sendInteractive() { interactive_.update(*simulator_.snapshot()); }
 
 void Publishers::sendStatus() {
   status_.publish(moment_);
   status_.diagnose(moment_);
 }
 
-void Publishers::printStatus() { std::cout << statusLine(*moment_.snapshot) << std::endl; }
+void Publishers::printStatus() { std::cout << statusLine(*moment_.snapshot, simulator_.pace()) << std::endl; }
 
 }  // namespace rbs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that the node publishes, each at its own rate, from one thread that lives on wall time: so pictures
-// and /clock go on while the simulation is paused.
+// All that the node publishes, each at its own rate, from threads that live on wall time: so pictures and /clock go on
+// while the simulation is paused. What hands do to bodies waits for the simulator, so it has a thread of its own: a slow
+// step holds up no clock and no transform.
 #pragma once
 
 #include "event_publisher.h"
@@ -27,12 +28,14 @@ class Publishers {
     bool status_line = false; ///< print a line a second to the terminal
     TfMode tf = TfMode::All;
     std::string tf_prefix;    ///< in front of the bodies' frames
+    double contacts_rate = 10.0;  ///< most messages of ~contacts a second; 0: one with every ~body_states
+    double repeat_period = 5.0;   ///< after which descriptions and markers are sent again, s; 0: never
   };
 
   Publishers(Simulator& simulator, Timeline& timeline, const Ghost& ghost, const Options& options);
 
  private:
-  void every(double seconds, void (Publishers::*send)());
+  void every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue);
   void sendMotion();
   void sendMarkers();
   void sendInteractive();
@@ -42,7 +45,7 @@ class Publishers {
   Simulator& simulator_;
   Timeline& timeline_;
   const Options options_;
-  ros::CallbackQueue queue_;  ///< of the timers alone, so that a long service call holds up nothing
+  ros::CallbackQueue queue_, hands_queue_;  ///< of the timers alone, so that a long service call holds up nothing
   ros::NodeHandle node_;
   ros::Publisher clock_;
   TfPublisher tf_;
@@ -53,7 +56,7 @@ class Publishers {
   InteractiveBodies interactive_;
   Timeline::Moment moment_;  ///< the last one
   std::vector<ros::WallTimer> timers_;
-  ros::AsyncSpinner spinner_;
+  ros::AsyncSpinner spinner_, hands_spinner_;
 };
 
 }  // namespace rbs

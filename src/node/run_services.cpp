@@ -9,15 +9,23 @@
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace rbs {
+namespace {
+
+// A call of step holds a thread until its steps are done: one of its own. Another refuses a second call meanwhile.
+constexpr int kStepThreads = 2;
+
+}  // namespace
 
 using rigid_body_sim::SetSpeed;
 using rigid_body_sim::Step;
 using std_srvs::Trigger;
 
 Services::Services(Session& session, Ghost& ghost) : session_(session), simulator_(session.simulator()),
-      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(ghost) {
+      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(ghost),
+      step_spinner_(kStepThreads, &step_queue_) {
   offerBodyEdits();
   offerPushes();
   offerSurroundings();
@@ -26,7 +34,23 @@ Services::Services(Session& session, Ghost& ghost) : session_(session), simulato
   offerRun();
   offerScenes();
   offerDial();
+  step_spinner_.start();
 }
+
+namespace {
+
+// The steps end with the node, however many there are to go.
+std::string takeSteps(Simulator& simulator, const Step::Request& request, Step::Response& response) {
+  const std::uint32_t n = std::max(request.n, 1u);
+  const StepsTaken taken = simulator.step(n, [] { return ros::ok(); });
+  response.taken = taken.steps;
+  response.time = simulator.snapshot()->time;
+  if (!taken.ended_by.empty())
+    throw std::runtime_error(words(taken.ended_by, " ended it after ", taken.steps, " of ", n, " steps, at ", response.time, " s"));
+  return words("took ", n, n == 1 ? " step" : " steps", ", now at ", response.time, " s");
+}
+
+}  // namespace
 
 void Services::offerRun() {
   const auto stateInWords = [this] {
@@ -45,16 +69,13 @@ void Services::offerRun() {
     simulator_.togglePause();
     return stateInWords();
   });
-  offer<Step>("step", [this](const Step::Request& request, Step::Response& response) {
-    const std::uint32_t n = std::max(request.n, 1u);
-    simulator_.step(n);
-    response.time = simulator_.snapshot()->time;
-    return words("took ", n, n == 1 ? " step" : " steps", ", now at ", response.time, " s");
-  });
   offer<SetSpeed>("set_speed", [this](const SetSpeed::Request& request, SetSpeed::Response&) {
     simulator_.setSpeed(request.factor);
     return request.factor == 0.0 ? "as fast as possible" : words("speed is ", request.factor, " x real time");
   });
+  offer<Step>("step", [this](const Step::Request& request, Step::Response& response) {
+    return takeSteps(simulator_, request, response);
+  }, &step_queue_);
   offer<Trigger>("reset", [this](const Trigger::Request&, Trigger::Response&) {
     session_.reset();
     return words("reset '", simulator_.snapshot()->scene, "'");

@@ -9,6 +9,7 @@
 #include "ghost.h"
 #include "session.h"
 
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include <exception>
@@ -36,8 +37,9 @@ class Services {
   template <class Service>
   using Query = std::string (*)(const Snapshot&, const typename Service::Request&, typename Service::Response&);
 
+  /// On this queue of calls, or on that of all nodes.
   template <class Service>
-  void offer(const std::string& name, Handler<Service> handler);
+  void offer(const std::string& name, Handler<Service> handler, ros::CallbackQueue* queue = nullptr);
   template <class Service>
   void offerEdit(const std::string& name, Edit<Service> edit);
   template <class Service>
@@ -58,10 +60,12 @@ class Services {
   AccuracyJob accuracy_;
   Ghost& ghost_;
   std::vector<ros::ServiceServer> servers_;
+  ros::CallbackQueue step_queue_;
+  ros::AsyncSpinner step_spinner_;
 };
 
 template <class Service>
-void Services::offer(const std::string& name, Handler<Service> handler) {
+void Services::offer(const std::string& name, Handler<Service> handler, ros::CallbackQueue* queue) {
   using Request = typename Service::Request;
   using Response = typename Service::Response;
   const boost::function<bool(Request&, Response&)> answer = [handler](Request& request, Response& response) {
@@ -74,7 +78,8 @@ void Services::offer(const std::string& name, Handler<Service> handler) {
     }
     return true;
   };
-  servers_.push_back(node_.advertiseService(name, answer));
+  auto service = ros::AdvertiseServiceOptions::create<Service>(name, answer, nullptr, queue);
+  servers_.push_back(node_.advertiseService(service));
 }
 
 template <class Service>

@@ -18,7 +18,7 @@ Session::Session(const Options& options, SceneDef first)
       scene_wind_(first.wind.value_or(Wind{})),
       usual_wind_(scene_wind_),
       simulator_(std::move(first), options.run),
-      timeline_(*simulator_.snapshot(), options.wall_stamps) {}
+      timeline_(options.wall_stamps) {}
 
 void Session::loadScene(const std::string& name_or_file) {
   const std::string file = findScene(options_.folder, name_or_file);
@@ -32,14 +32,16 @@ void Session::loadState(const std::string& file) {
 }
 
 void Session::replace(const SceneFile& file, const std::string& text) {
-  timeline_.replaceWorld(simulator_, {"loaded", text}, [&] { simulator_.load(file.scene, file.state); });
+  simulator_.load(file.scene, file.state);
+  timeline_.note({"loaded", text});
   std::lock_guard<std::mutex> lock(mutex_);
   own_air_ = file.scene.air.has_value();
   usual_wind_ = scene_wind_ = file.scene.wind.value_or(Wind{});
 }
 
 void Session::reset() {
-  timeline_.replaceWorld(simulator_, {"reset", ""}, [&] { simulator_.reset(); });
+  simulator_.reset();
+  timeline_.note({"reset", ""});
   std::lock_guard<std::mutex> lock(mutex_);
   usual_wind_ = scene_wind_;
 }

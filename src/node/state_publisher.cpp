@@ -11,15 +11,32 @@
 
 namespace rbs {
 
-StatePublisher::StatePublisher(ros::NodeHandle& node)
-    : descriptions_(node.advertise<rigid_body_sim::BodyDescriptions>("body_descriptions", 1, true)),
+StatePublisher::StatePublisher(ros::NodeHandle& node, double contacts_rate, double repeat_period)
+    : contacts_period_(contacts_rate > 0.0 ? 1.0 / contacts_rate : 0.0),
+      repeat_period_(repeat_period),
+      descriptions_(node.advertise<rigid_body_sim::BodyDescriptions>("body_descriptions", 1, true)),
       states_(Topic::of<rigid_body_sim::BodyStates>(node, "body_states", 10)),
       contacts_(Topic::of<rigid_body_sim::Contacts>(node, "contacts", 10)) {}
 
+bool StatePublisher::hasNewcomer() {
+  const bool of_states = states_.hasNewcomer();
+  return contacts_.hasNewcomer() || of_states;
+}
+
 void StatePublisher::publish(const Timeline::Moment& moment) {
-  if (moment.snapshot->bodies != described_) publishDescriptions(moment);
+  const ros::WallTime now = ros::WallTime::now();
+  const bool again = !repeat_period_.isZero() && now - descriptions_sent_ >= repeat_period_ &&
+                     descriptions_.getNumSubscribers() > 0;
+  if (again || moment.snapshot->bodies != described_) {
+    descriptions_sent_ = now;
+    publishDescriptions(moment);
+  }
   if (states_.wanted(moment.changed)) publishStates(moment);
-  if (contacts_.wanted(moment.changed)) publishContacts(moment);
+  contacts_due_ = contacts_due_ || moment.changed;
+  if (now - contacts_sent_ < contacts_period_ || !contacts_.wanted(contacts_due_)) return;
+  contacts_due_ = false;
+  contacts_sent_ = now;
+  publishContacts(moment);
 }
 
 void StatePublisher::publishDescriptions(const Timeline::Moment& moment) {

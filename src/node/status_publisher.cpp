@@ -2,6 +2,7 @@
 #include "status_publisher.h"
 
 #include "convert.h"
+#include "pace.h"
 #include "words.h"
 
 #include <rigid_body_sim/Status.h>
@@ -95,23 +96,30 @@ void fillDial(const Snapshot& snapshot, rigid_body_sim::Status& msg) {
   told.beside_ms = estimate.beside_ms;
 }
 
-rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
+void fillPace(const Pace& pace, const Snapshot& snapshot, rigid_body_sim::Status& msg) {
+  msg.paused = pace.paused;
+  msg.requested_speed = pace.requested_speed;
+  msg.achieved_speed = finite(pace.achieved_speed);
+  msg.lost_time = pace.lost_time;
+  msg.bottleneck = bottleneck(pace, snapshot);
+  msg.steps_left = pace.steps_left;
+}
+
+rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pace) {
   const Snapshot& snapshot = *moment.snapshot;
   rigid_body_sim::Status msg;
   msg.header.stamp = moment.stamp;
   msg.scene = snapshot.scene;
   msg.view_eye = toPoint(snapshot.view.eye);
   msg.view_target = toPoint(snapshot.view.target);
-  msg.paused = snapshot.paused;
   msg.time = snapshot.time;
   msg.steps = snapshot.steps;
   msg.step = snapshot.step;
-  msg.requested_speed = snapshot.requested_speed;
-  msg.achieved_speed = finite(snapshot.achieved_speed);
   msg.bodies = snapshot.bodies->size();
   msg.gravity = toMsg(snapshot.gravity);
   msg.wind = snapshot.air.wind;
   msg.hash = hexadecimal(snapshot.hash);
+  fillPace(pace, snapshot, msg);
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
   fillDial(snapshot, msg);
@@ -134,12 +142,6 @@ rigid_body_sim::Wind windMsg(const Timeline::Moment& moment) {
   return msg;
 }
 
-/// Whether the simulation runs at less than nine tenths of the speed it is asked for.
-bool fallsBehind(const Snapshot& snapshot) {
-  return !snapshot.paused && snapshot.achieved_speed > 0.0 &&
-         snapshot.achieved_speed < 0.9 * snapshot.requested_speed;
-}
-
 std::size_t frozenBodies(const Snapshot& snapshot) {
   return std::count_if(snapshot.bodies->begin(), snapshot.bodies->end(),
                        [](const BodyDescription& body) { return body.frozen; });
@@ -158,7 +160,7 @@ StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulat
 
 void StatusPublisher::publish(const Timeline::Moment& moment) {
   if (status_.wanted(true)) {
-    rigid_body_sim::Status msg = statusMsg(moment);
+    rigid_body_sim::Status msg = statusMsg(moment, simulator_.pace());
     msg.estimates_error = simulator_.estimatesErrors();
     if (const std::optional<double> lag = ghost_.lag()) msg.ghost_lag.push_back(*lag);
     status_.send(msg);
@@ -174,28 +176,27 @@ void StatusPublisher::diagnose(const Timeline::Moment& moment) {
 void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using Level = diagnostic_msgs::DiagnosticStatus;
   const Snapshot& snapshot = *diagnosed_;
+  const Pace pace = simulator_.pace();
   const std::size_t frozen = frozenBodies(snapshot);
-  status.summary(Level::OK, snapshot.paused ? "paused" : "running");
-  if (fallsBehind(snapshot)) {
-    status.mergeSummary(Level::WARN, "slower than asked for: fewer bodies or a lower speed would help");
-  }
+  status.summary(Level::OK, inWords(pace));
+  if (fallsBehind(pace)) status.mergeSummary(Level::WARN, "slower than asked for: " + bottleneck(pace, snapshot));
   for (const Warning& warning : snapshot.report.warnings) status.mergeSummary(Level::WARN, warning.text);
   if (frozen > 0) status.mergeSummary(Level::ERROR, bodyCount(frozen) + " frozen: delete or reset");
   status.add("scene", snapshot.scene);
   status.add("bodies", snapshot.bodies->size());
   status.add("frozen bodies", frozen);
-  status.add("requested speed", snapshot.requested_speed);
-  status.add("achieved speed", snapshot.achieved_speed);
+  status.add("requested speed", pace.requested_speed);
+  status.add("achieved speed", pace.achieved_speed);
+  status.add("simulated time lost, s", pace.lost_time);
   status.add("wall time of the last step, s", snapshot.report.seconds);
   status.add("deepest penetration, m", snapshot.report.deepest_penetration);
 }
 
-std::string statusLine(const Snapshot& snapshot) {
-  const std::string pace =
-      snapshot.paused ? std::string("paused") : words(snapshot.achieved_speed, " x real time");
-  return words(snapshot.scene, "  ", snapshot.time, " s  ", pace, "  ", bodyCount(snapshot.bodies->size()),
-               "  ", snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds,
-               " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
+std::string statusLine(const Snapshot& snapshot, const Pace& pace) {
+  const std::string held_up_by = bottleneck(pace, snapshot);
+  return words(snapshot.scene, "  ", snapshot.time, " s  ", inWords(pace), held_up_by.empty() ? "" : " (" + held_up_by + ")",
+               "  ", bodyCount(snapshot.bodies->size()), "  ", snapshot.report.contacts, " contacts  ",
+               1e3 * snapshot.report.seconds, " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
 }
 
 }  // namespace rbs

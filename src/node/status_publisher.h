@@ -29,6 +29,6 @@ class StatusPublisher {
 };
 
 /// One line about the simulation, for a terminal.
-std::string statusLine(const Snapshot& snapshot);
+std::string statusLine(const Snapshot& snapshot, const Pace& pace);
 
 }  // namespace rbs

@@ -8,10 +8,6 @@
 namespace rbs {
 namespace {
 
-bool same(const Pose& a, const Pose& b) {
-  return a.p_WB == b.p_WB && a.q_WB.coeffs() == b.q_WB.coeffs();
-}
-
 bool isFinite(const Pose& pose) { return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite(); }
 
 }  // namespace
@@ -21,14 +17,8 @@ TfPublisher::TfPublisher(ros::NodeHandle& node, TfMode mode, const std::string& 
 
 bool TfPublisher::hasNewcomer() { return mode_ == TfMode::All && topic_.hasNewcomer(); }
 
-void TfPublisher::publish(const Timeline::Moment& moment, bool everything) {
+void TfPublisher::publish(const Timeline::Moment& moment) {
   if (mode_ == TfMode::None || !moment.changed) return;
-  const ros::WallTime now = ros::WallTime::now();
-  everything = everything || now - everything_sent_ >= ros::WallDuration(1.0);
-  if (everything) {
-    everything_sent_ = now;
-    sent_.clear();
-  }
   const Snapshot& snapshot = *moment.snapshot;
   tf2_msgs::TFMessage message;
   std::size_t movable = 0;
@@ -36,7 +26,7 @@ void TfPublisher::publish(const Timeline::Moment& moment, bool everything) {
     const BodyDescription& body = (*snapshot.bodies)[i];
     if (body.kind == BodyKind::Static) continue;
     ++movable;
-    if (!isDue(snapshot.states[i], everything)) continue;
+    if (!isFinite(snapshot.states[i].pose)) continue;
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = moment.stamp;
     transform.header.frame_id = kWorldFrame;
@@ -45,15 +35,6 @@ void TfPublisher::publish(const Timeline::Moment& moment, bool everything) {
     message.transforms.push_back(transform);
   }
   if (!message.transforms.empty()) topic_.send(message);
-}
-
-bool TfPublisher::isDue(const BodyState& state, bool everything) {
-  if (!isFinite(state.pose)) return false;
-  const auto [sent, is_new] = sent_.emplace(state.id, state.pose);
-  if (is_new || everything) return true;
-  if (same(sent->second, state.pose)) return false;
-  sent->second = state.pose;
-  return true;
 }
 
 }  // namespace rbs

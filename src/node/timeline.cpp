@@ -4,22 +4,30 @@
 #include "convert.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rbs {
+namespace {
 
-Timeline::Timeline(const Snapshot& first, bool wall)
-    : wall_(wall), time_(first.time), edits_(first.edits), stamp_(wireStamp(0.0)) {}
+// On the wall clock, others ask tf for where bodies are now, also while they rest: how old the last answer may be.
+const ros::Duration kOldest(0.1);
+
+}  // namespace
+
+Timeline::Timeline(bool wall) : wall_(wall), stamp_(wireStamp(0.0)) {}
 
 Timeline::Moment Timeline::advance(const Simulator& simulator, bool again) {
   std::lock_guard<std::mutex> lock(mutex_);
   Moment moment;
   moment.snapshot = simulator.snapshot();
-  moment.changed = again || moment.snapshot->time != time_ || moment.snapshot->edits != edits_;
-  follow(*moment.snapshot);
-  const ros::Time now = wall_ ? ros::Time::now() : wireStamp(elapsed_);
-  stamp_ = std::max(now, moment.changed ? stamp_ + ros::Duration(0, 1) : stamp_);
+  const Snapshot& snapshot = *moment.snapshot;
+  const ros::Time now = wall_ ? ros::Time::now() : wireStamp(snapshot.elapsed);
+  moment.changed = again || snapshot.elapsed != elapsed_ || snapshot.edits != edits_ || (wall_ && now - stamp_ >= kOldest);
+  if (moment.changed) stamp_ = std::max(now, stamp_ + ros::Duration(0, 1));
+  elapsed_ = snapshot.elapsed;
+  edits_ = snapshot.edits;
   moment.stamp = stamp_;
-  moment.replacements.swap(replacements_);
+  moment.replacements = std::exchange(replacements_, {});
   return moment;
 }
 
@@ -28,19 +36,9 @@ ros::Time Timeline::stamp() const {
   return stamp_;
 }
 
-void Timeline::replaceWorld(const Simulator& simulator, const Replacement& replacement,
-                            const std::function<void()>& load) {
+void Timeline::note(Replacement replacement) {
   std::lock_guard<std::mutex> lock(mutex_);
-  follow(*simulator.snapshot());
-  load();
-  time_ = simulator.snapshot()->time;
-  replacements_.push_back(replacement);
-}
-
-void Timeline::follow(const Snapshot& snapshot) {
-  elapsed_ += std::max(0.0, snapshot.time - time_);
-  time_ = snapshot.time;
-  edits_ = snapshot.edits;
+  replacements_.push_back(std::move(replacement));
 }
 
 }  // namespace rbs

@@ -10,17 +10,17 @@
 
 #include <ros/time.h>
 
-#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
 
 namespace rbs {
 
+/// Thread-safe, and nobody holds it up: a lock of it lasts for a few lines.
 class Timeline {
  public:
   /// With `wall` the stamps are those of the wall clock instead.
-  Timeline(const Snapshot& first, bool wall);
+  explicit Timeline(bool wall);
 
   /// That the world was replaced by another.
   struct Replacement {
@@ -28,35 +28,31 @@ class Timeline {
     std::string text;
   };
 
-  /// What is published at one moment.
+  /// What is published at one moment. Two moments have the same stamp only where nothing has changed.
   struct Moment {
     std::shared_ptr<const Snapshot> snapshot;
     ros::Time stamp;
     bool changed = false;  ///< whether the stamp is newer than that of the moment before
-    std::vector<Replacement> replacements;  ///< since the moment before
+    std::vector<Replacement> replacements;  ///< noted since the moment before
   };
 
   /// The newest snapshot with its stamp. The stamp is a new one where time has gone on, where an edit was
-  /// made, or where it is asked for, to send again what has not changed.
+  /// made, or where it is asked for, to send again what has not changed; on the wall clock ten times a second at least.
   Moment advance(const Simulator& simulator, bool again);
 
   /// The stamp of the last moment.
   ros::Time stamp() const;
 
-  /// Runs `load`, which replaces the world of `simulator`. The new world goes on at the stamp of the old.
-  void replaceWorld(const Simulator& simulator, const Replacement& replacement,
-                    const std::function<void()>& load);
+  /// Notes for the next moment that the world was replaced.
+  void note(Replacement replacement);
 
  private:
-  void follow(const Snapshot& snapshot);
-
   const bool wall_;
   mutable std::mutex mutex_;
-  double elapsed_ = 0.0;  ///< physics time simulated since the node started, s
-  double time_;           ///< physics time of the last snapshot, s
-  std::uint64_t edits_;   ///< of the last snapshot
-  ros::Time stamp_;       ///< of the last moment
-  std::vector<Replacement> replacements_;  ///< since the last moment
+  double elapsed_ = 0.0;     ///< of the last moment's snapshot, s
+  std::uint64_t edits_ = 0;  ///< likewise
+  ros::Time stamp_;          ///< of the last moment
+  std::vector<Replacement> replacements_;
 };
 
 }  // namespace rbs

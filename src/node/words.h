@@ -4,17 +4,27 @@
 
 #include "rigid_body_sim/snapshot.h"
 
+#include <cmath>
 #include <sstream>
 #include <string>
 #include <vector>
 
 namespace rbs {
 
+template <class Value>
+void put(std::ostream& stream, const Value& value) {
+  stream << value;
+}
+/// Without the sign of nan, which is chance.
+inline void put(std::ostream& stream, double value) {
+  std::isnan(value) ? stream << "nan" : stream << value;
+}
+
 /// Any values one after the other, numbers with up to six significant digits: "mass 1.5 kg".
 template <class... Values>
 std::string words(const Values&... values) {
   std::ostringstream stream;
-  (stream << ... << values);
+  (put(stream, values), ...);
   return stream.str();
 }
 

@@ -22,6 +22,7 @@ constexpr double kPatience = 2.0;  // s without an answer, after which the user 
 
 SimulatorClient::SimulatorClient() {
   connect(&worker_, &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
+  connect(&stepper_, &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
   connect(&watchdog_, &QTimer::timeout, this, &SimulatorClient::watch);
   watchdog_.start(kWatchPeriod);
 }
@@ -104,7 +105,7 @@ void SimulatorClient::reset() {
 void SimulatorClient::step(int steps) {
   rigid_body_sim::Step::Request request;
   request.n = steps;
-  call<rigid_body_sim::Step>("step", request);
+  stepper_.call<rigid_body_sim::Step>(inNode("step"), request);
 }
 
 void SimulatorClient::setSpeed(double factor) {

@@ -65,6 +65,7 @@ class SimulatorClient : public QObject {
   std::string inNode(const char* name) const;
 
   ServiceWorker worker_;
+  ServiceWorker stepper_;  ///< its call lasts as long as the steps, and may be ended by another
   ros::NodeHandle ros_;
   ros::Subscriber status_, studies_;
   QString node_;

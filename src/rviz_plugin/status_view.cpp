@@ -7,9 +7,9 @@ namespace {
 QString speedInWords(const rigid_body_sim::Status& status) {
   const QString asked =
       status.requested_speed == 0.0 ? "max" : QString::number(status.requested_speed, 'g', 3) + " ×";
+  if (status.steps_left > 0) return QString("%1 steps to go").arg(status.steps_left);
   if (status.paused) return "paused, " + asked;
-  if (status.achieved_speed == 0.0) return asked;  // not yet measured
-  return QString::number(status.achieved_speed, 'f', 2) + " of " + asked;
+  return QString::number(status.achieved_speed, 'g', 2) + " of " + asked;
 }
 
 /// A length that is small beside the bodies.
@@ -17,6 +17,12 @@ QString smallLength(double metres) {
   if (metres == 0.0) return "0";
   return metres < 1e-3 ? QString::number(1e6 * metres, 'g', 3) + " µm"
                        : QString::number(1e3 * metres, 'g', 3) + " mm";
+}
+
+QString lossInWords(const rigid_body_sim::Status& status) {
+  return QString("%1\n%2 s of simulated time were lost since the speed was set: they are not made up for.")
+      .arg(status.bottleneck.empty() ? "It keeps up." : QString::fromStdString(status.bottleneck))
+      .arg(status.lost_time, 0, 'f', 1);
 }
 
 }  // namespace
@@ -36,6 +42,9 @@ StatusView::StatusView() : grid_(new QGridLayout(this)) {
   impacts_ = addNumber(2, 2, "Impacts", "Impacts of the last step");
   deepest_ = addNumber(3, 0, "Deepest", "Deepest penetration at the end of the last step");
   step_time_ = addNumber(3, 2, "Step", "Wall time of the last step");
+  slow_ = addNumber(4, 0, "Slowed by", "What holds the simulation up, where it runs slower than it is asked to");
+  grid_->addWidget(slow_, 4, 1, 1, 3);
+  slow_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // a long text makes no window wider
 }
 
 QLabel* StatusView::addNumber(int row, int column, const QString& name, const QString& tip) {
@@ -57,6 +66,8 @@ void StatusView::show(const rigid_body_sim::Status& status) {
   energy_->setText(QString::number(energy, 'g', 5) + " J");
   impacts_->setText(QString::number(status.impacts));
   deepest_->setText(smallLength(status.deepest_penetration));
+  slow_->setText(status.bottleneck.empty() ? "–" : QString::fromStdString(status.bottleneck));
+  slow_->setToolTip(lossInWords(status));
   step_time_->setText(QString::number(1e3 * status.step_seconds, 'f', 3) + " ms");
 }
 

@@ -21,7 +21,7 @@ class StatusView : public QWidget {
   QLabel* addNumber(int row, int column, const QString& name, const QString& tip);
 
   QGridLayout* grid_;
-  QLabel *time_, *speed_, *bodies_, *contacts_, *energy_, *step_time_, *deepest_, *impacts_;
+  QLabel *time_, *speed_, *bodies_, *contacts_, *energy_, *step_time_, *deepest_, *impacts_, *slow_;
 };
 
 }  // namespace rbs

@@ -68,13 +68,14 @@ void TransportBar::playOrPause() {
 }
 
 void TransportBar::show(const rigid_body_sim::Status& status) {
-  step_->setEnabled(status.paused);
+  const bool is_still = status.paused && status.steps_left == 0;  // else the button stops the steps, too
+  step_->setEnabled(is_still);
   if (!speed_->hasFocus()) {
     const QSignalBlocker quiet(speed_);
     speed_->setValue(status.requested_speed);
   }
-  if (status.paused == is_paused_) return;
-  is_paused_ = status.paused;
+  if (is_still == is_paused_) return;
+  is_paused_ = is_still;
   play_->setIcon(is_paused_ ? playIcon() : pauseIcon());
   play_->setToolTip(is_paused_ ? "Run" : "Pause");
 }

@@ -9,7 +9,11 @@
 
 #include <boost/program_options.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <ctime>
 #include <iostream>
@@ -22,8 +26,39 @@ struct Request {
   std::string scene, folder;
   std::vector<std::string> on, off;
   std::string fidelity;
-  std::uint64_t steps = 0;
+  std::int64_t steps = 0;
   bool json = false;
+};
+
+constexpr std::int64_t kMostSteps = 1000000;
+constexpr int kInterrupted = 130;  // exit code, as of a program that ended by SIGINT
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// How far the steps are, on a terminal.
+class Progress {
+ public:
+  /// Of so many steps in all.
+  explicit Progress(std::int64_t steps) : steps_(steps) {}
+  /// More were taken. Returns whether to go on.
+  bool operator()(std::int64_t more) {
+    taken_ += more;
+    const auto now = std::chrono::steady_clock::now();
+    if (terminal_ && now - told_ > std::chrono::milliseconds(200)) {
+      told_ = now;
+      std::fprintf(stderr, "\r\033[K%3d %%", static_cast<int>(100 * taken_ / steps_));
+    }
+    return interrupted == 0;
+  }
+  ~Progress() {
+    if (terminal_) std::fprintf(stderr, "\r\033[K");
+  }
+
+ private:
+  const bool terminal_ = isatty(STDERR_FILENO) == 1;
+  const std::int64_t steps_;
+  std::int64_t taken_ = 0;
+  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
 };
 
 /// What there is to say of a scene.
@@ -31,24 +66,32 @@ struct Explanation {
   Snapshot snapshot;
   std::vector<StageInfo> stages;  ///< with the mean seconds of a step, of those that were taken
   std::vector<std::string> neglected;
+  std::int64_t steps = 0;    ///< that were taken: all that were asked for, unless it was interrupted
   double cpu_seconds = 0.0;  ///< of a step, the mean of a run that looks at nothing else
 };
 
-/// Of a short run, which caches and clocks disturb, the fastest of three.
-double cpuSecondsOfAStep(const World& begin, std::uint64_t steps) {
+double cpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Of a short run, which caches and clocks disturb, the fastest of three. 0 where it was interrupted.
+double cpuSecondsOfAStep(const World& begin, std::int64_t steps, Progress& progress) {
   constexpr int kRuns = 3;
   constexpr double kShort = 0.1;
-  const auto now = [] {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-  };
+  constexpr std::int64_t kChunk = 100;  // between two looks at the progress, which are not timed
   double fastest = 0.0;
   for (int run = 0; run < kRuns && (run == 0 || fastest < kShort); ++run) {
     World world(begin);
-    const double start = now();
-    for (std::uint64_t k = 0; k < steps; ++k) world.step();
-    const double seconds = now() - start;
+    double seconds = 0.0;
+    for (std::int64_t left = steps; left > 0; left -= kChunk) {
+      const std::int64_t chunk = std::min(left, kChunk);
+      const double start = cpuSeconds();
+      for (std::int64_t k = 0; k < chunk; ++k) world.step();
+      seconds += cpuSeconds() - start;
+      if (!progress(chunk)) return 0.0;
+    }
     fastest = run == 0 ? seconds : std::min(fastest, seconds);
   }
   return fastest / static_cast<double>(steps);
@@ -61,19 +104,23 @@ Explanation explain(const Request& request) {
   for (const std::string& name : request.off) file.scene.effects[effectNamed(name)] = false;
 
   World world(file.scene, file.state);
-  const double cpu_seconds = request.steps > 0 ? cpuSecondsOfAStep(world, request.steps) : 0.0;
+  const World begin(world);
   std::vector<StageInfo> stages = world.pipeline();
   std::vector<double> seconds(stages.size(), 0.0);
-  for (std::uint64_t k = 0; k < request.steps; ++k) {
+  Progress progress(2 * request.steps);
+  std::int64_t steps = 0;
+  while (steps < request.steps && progress(1)) {
     world.step();
+    ++steps;
     stages = world.pipeline();
-    for (std::size_t row = 0; row < stages.size(); ++row) seconds[row] += stages[row].seconds / request.steps;
+    for (std::size_t row = 0; row < stages.size(); ++row) seconds[row] += stages[row].seconds;
   }
-  for (std::size_t row = 0; row < stages.size(); ++row) stages[row].seconds = seconds[row];
+  for (std::size_t row = 0; row < stages.size(); ++row) stages[row].seconds = steps > 0 ? seconds[row] / steps : 0.0;
+  const double cpu_seconds = steps > 0 && interrupted == 0 ? cpuSecondsOfAStep(begin, steps, progress) : 0.0;
 
-  Explanation result{world.snapshot(), std::move(stages), {}, cpu_seconds};
+  Explanation result{world.snapshot(), std::move(stages), {}, steps, cpu_seconds};
   for (const auto& [effect, on] : file.scene.effects) {
-    if (on) continue;
+    if (on || interrupted != 0) continue;
     const auto neglect = measureNeglect(file.scene, file.state.value_or(SavedState{}), {{effect, false}});
     result.neglected.push_back(std::string("without ") + effectName(effect) + ": " +
                                (neglect ? describe(*neglect) : "the scene is too large to tell"));
@@ -81,22 +128,22 @@ Explanation explain(const Request& request) {
   return result;
 }
 
-nlohmann::json asJson(const Request& request, const Explanation& e) {
+nlohmann::json asJson(const Explanation& e) {
   nlohmann::json stages = nlohmann::json::array();
   for (const StageInfo& stage : e.stages) {
     nlohmann::json row{{"name", stage.name}, {"active", stage.active}, {"reason", stage.reason}};
     if (stage.active) row["items"] = stage.items, row["unit"] = stage.unit;
-    if (stage.active && request.steps > 0) row["seconds_per_step"] = stage.seconds;
+    if (stage.active && e.steps > 0) row["seconds_per_step"] = stage.seconds;
     stages.push_back(std::move(row));
   }
   nlohmann::json result{{"scene", e.snapshot.scene},
                         {"fidelity", settingName(e.snapshot.fidelity)},
                         {"step", e.snapshot.step},
-                        {"steps_taken", request.steps},
+                        {"steps_taken", e.steps},
                         {"bodies", e.snapshot.bodies->size()},
                         {"stages", std::move(stages)},
                         {"neglected", e.neglected}};
-  if (request.steps > 0) result["cpu_seconds_per_step"] = e.cpu_seconds;
+  if (e.cpu_seconds > 0.0) result["cpu_seconds_per_step"] = e.cpu_seconds;
   return result;
 }
 
@@ -107,18 +154,29 @@ void print(const Request& request, const Explanation& e) {
     char cost[32] = "on";
     if (!stage.active) {
       std::snprintf(cost, sizeof cost, "off");
-    } else if (request.steps > 0 && stage.seconds > 0.0) {
+    } else if (e.steps > 0 && stage.seconds > 0.0) {
       std::snprintf(cost, sizeof cost, "%.3f ms", 1e3 * stage.seconds);
     }
     const std::string items =
-        stage.active && request.steps > 0 ? std::to_string(stage.items) + ' ' + stage.unit : "";
+        stage.active && e.steps > 0 ? std::to_string(stage.items) + ' ' + stage.unit : "";
     std::printf("  %-22s %10s  %-14s %s\n", stage.name.c_str(), cost, items.c_str(), stage.reason.c_str());
   }
   for (const std::string& line : e.neglected) std::printf("%s\n", line.c_str());
-  if (request.steps == 0)
-    std::printf("Nothing was run; --steps 100 measures what each part costs.\n");
-  else
-    std::printf("A step takes %.4g ms of CPU time where nobody looks on.\n", 1e3 * e.cpu_seconds);
+  if (request.steps == 0) std::printf("Nothing was run; --steps 100 measures what each part costs.\n");
+  if (e.cpu_seconds > 0.0) std::printf("A step takes %.4g ms of CPU time where nobody looks on.\n", 1e3 * e.cpu_seconds);
+  if (interrupted != 0) std::printf("Interrupted after %lld of %lld steps.\n", static_cast<long long>(e.steps), static_cast<long long>(request.steps));
+}
+
+/// Unsigned numbers would take -1 for a huge one.
+void check(const Request& request) {
+  if (request.steps >= 0 && request.steps <= kMostSteps) return;
+  throw InvalidInput({{"--steps", std::to_string(request.steps), "0 to 1,000,000"}});
+}
+
+// A second Ctrl-C ends the program at once.
+void interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
 }
 
 }  // namespace
@@ -135,7 +193,7 @@ int main(int argc, char** argv) {
   add("fidelity", po::value(&request.fidelity), "preview, interactive, accurate or reference");
   add("on", po::value(&request.on)->multitoken()->composing(), "effects to force on");
   add("off", po::value(&request.off)->multitoken()->composing(), "effects to force off, and what that neglects");
-  add("steps", po::value(&request.steps), "take this many steps and print the mean cost of one");
+  add("steps", po::value(&request.steps), "take this many steps, up to 1,000,000, and print the mean cost of one; Ctrl-C ends them early");
   add("json", po::bool_switch(&request.json), "print JSON");
   po::positional_options_description positions;
   positions.add("scene", 1);
@@ -147,13 +205,15 @@ int main(int argc, char** argv) {
       std::cout << options;
       return given.count("help") ? 0 : 2;
     }
+    check(request);
+    std::signal(SIGINT, interrupt);
     const Explanation explanation = explain(request);
     if (request.json) {
-      std::cout << asJson(request, explanation).dump(2) << '\n';
+      std::cout << asJson(explanation).dump(2) << '\n';
     } else {
       print(request, explanation);
     }
-    return 0;
+    return interrupted != 0 ? kInterrupted : 0;
   } catch (const std::exception& error) {
     std::cerr << "explain: " << error.what() << '\n';
     return 2;

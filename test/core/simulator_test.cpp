@@ -6,8 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
+#include <future>
+#include <memory>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 using namespace rbs;
@@ -103,6 +108,139 @@ TEST(Simulator, ManyThreadsMayEditAtOnce) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(simulator.snapshot()->bodies->size(), 201u);
+}
+
+// A request for steps on a thread of its own, as a client makes one.
+struct Request {
+  std::future<StepsTaken> answer;
+  Request(Simulator& simulator, std::uint64_t n, std::function<bool()> go_on = nullptr)
+      : answer(std::async(std::launch::async, [&simulator, n, go_on] { return simulator.step(n, go_on); })) {
+    while (simulator.pace().steps_left == 0) std::this_thread::yield();
+  }
+};
+
+constexpr std::uint64_t kMany = 1000000;
+
+TEST(Simulator, EditsRunBetweenTheStepsOfARequestAndDoNotEndIt) {
+  Simulator simulator(fallingBall(), paused());
+  constexpr std::uint64_t n = 100000;
+  Request request(simulator, n);
+  std::uint64_t left = n;
+  for (int k = 0; k < 10; ++k) {
+    simulator.edit([](World& world) { world.setGravity(Vec3(0.0, 0.0, -1.0)); });
+    const std::uint64_t now = simulator.pace().steps_left;
+    EXPECT_LE(now, left);
+    left = now;
+  }
+  EXPECT_GT(left, 0u) << "ten edits took as long as a hundred thousand steps";
+  const StepsTaken taken = request.answer.get();
+  EXPECT_EQ(taken.steps, n);
+  EXPECT_EQ(taken.ended_by, "");
+  EXPECT_EQ(simulator.snapshot()->steps, n);
+  EXPECT_EQ(simulator.pace().steps_left, 0u);
+}
+
+TEST(Simulator, PauseResumeResetAndLoadEndARequest) {
+  const std::vector<std::pair<std::string, void (*)(Simulator&)>> ends = {
+      {"pause", [](Simulator& s) { s.pause(); }},
+      {"pause", [](Simulator& s) { EXPECT_TRUE(s.togglePause()); }},
+      {"resume", [](Simulator& s) { s.resume(); }},
+      {"reset", [](Simulator& s) { s.reset(); }},
+      {"load", [](Simulator& s) { s.load(fallingBall()); }},
+  };
+  for (const auto& [name, end] : ends) {
+    Simulator simulator(fallingBall(), paused());
+    Request request(simulator, kMany);
+    end(simulator);
+    const StepsTaken taken = request.answer.get();
+    EXPECT_EQ(taken.ended_by, name);
+    EXPECT_LT(taken.steps, kMany);
+    EXPECT_EQ(simulator.pace().paused, name != "resume");
+    if (name == "pause") EXPECT_EQ(simulator.snapshot()->steps, taken.steps);
+  }
+}
+
+TEST(Simulator, ASecondRequestIsRefusedAtOnce) {
+  Simulator simulator(fallingBall(), paused());
+  Request request(simulator, kMany);
+  EXPECT_THROW(simulator.step(1), InvalidInput);
+  EXPECT_GT(simulator.pace().steps_left, 0u);
+  simulator.pause();
+  EXPECT_EQ(request.answer.get().ended_by, "pause");
+  EXPECT_EQ(simulator.step(1).steps, 1u);
+}
+
+TEST(Simulator, ARequestEndsWhenItsOwnerOrTheSimulatorGoes) {
+  Simulator simulator(fallingBall(), paused());
+  std::atomic<bool> wanted{true};
+  Request request(simulator, kMany, [&] { return wanted.load(); });
+  wanted = false;
+  EXPECT_EQ(request.answer.get().ended_by, "shutdown");
+
+  auto gone = std::make_unique<Simulator>(fallingBall(), paused());
+  Request left(*gone, kMany);
+  gone.reset();
+  EXPECT_EQ(left.answer.get().ended_by, "shutdown");
+}
+
+TEST(Simulator, SnapshotsComeHoweverFarItFallsBehind) {
+  Simulator::Options options;
+  options.speed = 1e6;  // no step ever catches up
+  Simulator simulator(fallingBall(), options);
+  std::uint64_t last = 0;
+  for (int k = 0; k < 5; ++k) {
+    while (simulator.snapshot()->steps == last) std::this_thread::yield();
+    last = simulator.snapshot()->steps;
+  }
+  while (simulator.pace().lost_time == 0.0) std::this_thread::yield();
+  const Pace pace = simulator.pace();
+  EXPECT_EQ(pace.requested_speed, 1e6);
+  EXPECT_LT(pace.achieved_speed, 1e6);
+  simulator.pause();
+  EXPECT_EQ(simulator.pace().achieved_speed, 0.0);
+  EXPECT_EQ(simulator.pace().lost_time, 0.0);
+}
+
+TEST(Simulator, WhatIsSentRunsInOrderAndIsSeenWithoutAStep) {
+  Simulator simulator(fallingBall(), paused());
+  for (int k = 0; k < 100; ++k)
+    simulator.send([k](World& world) { world.addBody(ball("b" + std::to_string(k), 0.1, Vec3(3.0, 3.0 * k, 0.0))); });
+  while (simulator.snapshot()->bodies->size() < 101) std::this_thread::yield();
+  EXPECT_EQ(simulator.snapshot()->bodies->back().name, "b99");
+}
+
+// The new world is made beside the old one, which goes on.
+TEST(Simulator, ALoadHoldsUpNothing) {
+  Simulator simulator(fallingBall(), paused());
+  SceneDef large;
+  for (int k = 0; k < 50000; ++k) large.bodies.push_back(ball("b" + std::to_string(k), 0.1, Vec3(k % 300, k / 300, 0.0)));
+  std::atomic<bool> loaded{false};
+  std::thread loader([&] {
+    simulator.load(std::move(large));
+    loaded = true;
+  });
+  int edits = 0;
+  for (; !loaded; ++edits) simulator.edit([](World&) {});
+  loader.join();
+  EXPECT_GT(edits, 20);
+  EXPECT_EQ(simulator.snapshot()->bodies->size(), 50000u);
+}
+
+TEST(Simulator, ElapsedTimeGoesOnThroughResetAndLoad) {
+  Simulator simulator(fallingBall(), paused());
+  const double step = fallingBall().step;
+  simulator.step(6);
+  simulator.reset();
+  EXPECT_NEAR(simulator.snapshot()->elapsed, 6.0 * step, 1e-12);
+  EXPECT_EQ(simulator.snapshot()->time, 0.0);
+  simulator.step(3);
+  SavedState later;
+  later.time = 100.0;
+  simulator.load(fallingBall(), later);
+  EXPECT_NEAR(simulator.snapshot()->elapsed, 9.0 * step, 1e-12);
+  simulator.step(1);
+  EXPECT_NEAR(simulator.snapshot()->elapsed, 10.0 * step, 1e-12);
+  EXPECT_EQ(simulator.snapshot()->world, 2u);
 }
 
 }  // namespace

@@ -223,6 +223,12 @@ class MarkersTest(unittest.TestCase):
         wait_for_quiet(first)
         self.assertEqual(sum(len(message.markers) for message in first.messages), heard)
 
+    def test_the_first_subscriber_gets_all_and_nothing_empty(self):
+        count = subprocess.check_output([sys.executable, __file__, SECOND_VIEWER], text=True, timeout=60)
+        self.assertEqual(int(count), 6)
+        first = self.open()
+        self.assertEqual(len(first.messages[0].markers), 6)
+
     def test_only_what_moved_is_sent(self):
         picture = self.open("/sim_without_tf")
         [ball] = picture.of_type(Marker.SPHERE)

@@ -3,17 +3,22 @@
 """Every service: what it does, and what it refuses."""
 import math
 import os
+import signal
+import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
-from rigid_body_sim.msg import BodySpec, Material
+from rigid_body_sim.msg import BodySpec, Material, Status
+from rigid_body_sim.srv import Step
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from simulator import SMALL, StatusListener, ask, body, call, wait  # noqa: E402
+from simulator import PATIENCE, SMALL, Listener, StatusListener, ask, body, call, wait  # noqa: E402
 
 NAN, INF = float('nan'), float('inf')
 
@@ -337,6 +342,49 @@ class ServicesTest(unittest.TestCase):
         call('step')
         self.assertEqual(self.status.fresh().steps, before.steps + 101)
 
+    def test_a_long_request_for_steps_holds_up_nothing_and_can_be_ended(self):
+        answers = []
+        client = threading.Thread(target=lambda: answers.append(ask('step', n=1000000)))
+        client.start()
+        begun = self.status.next('the steps are counted down', lambda s: s.steps_left > 0)
+        self.assertTrue(begun.paused)
+        call('spawn_body', name='guest', pose=at(8, 8, 8))
+        refusal = ask('step', n=1)
+        later = self.status.next('the steps are counted down', lambda s: 0 < s.steps_left < begun.steps_left)
+        self.assertGreater(later.time, begun.time)
+        self.assertFalse(refusal.success)
+        self.assertIn('one request at a time', refusal.message)
+        call('pause')
+        client.join()
+        self.assertFalse(answers[0].success)
+        self.assertIn('pause ended it', answers[0].message)
+        self.assertLess(answers[0].taken, 1000000)
+        status = self.status.fresh()
+        self.assertEqual((status.steps, status.steps_left), (answers[0].taken, 0))
+        self.assertEqual(call('step', n=3).taken, 3)
+
+    def test_an_interrupt_ends_the_node_in_the_middle_of_a_request_for_steps(self):
+        program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
+        node = subprocess.Popen([program, '__name:=mortal', '_paused:=true', '_publish_clock:=false', '_tf:=none',
+                                 '_scene:=' + SMALL])
+        self.addCleanup(node.kill)
+        status = Listener('/mortal/status', Status)
+        rospy.wait_for_service('/mortal/step', PATIENCE)
+        answers = []
+
+        def step():
+            try:
+                answers.append(rospy.ServiceProxy('/mortal/step', Step)(n=1000000).taken)
+            except rospy.ServiceException:  # the node was gone before the answer was out
+                answers.append(0)
+        client = threading.Thread(target=step)
+        client.start()
+        status.next('the steps are counted down', lambda s: s.steps_left > 0)
+        node.send_signal(signal.SIGINT)
+        self.assertEqual(node.wait(PATIENCE), 0)
+        client.join()
+        self.assertLess(answers[0], 1000000)
+
     def test_step_needs_a_pause(self):
         call('resume')
         answer = ask('step', n=1)
@@ -450,14 +498,20 @@ class ServicesTest(unittest.TestCase):
             (['crate'], 'spawn_body', dict(name='crate')),
             (['name'], 'spawn_body', dict(name='two words')),
             (['nobody'], 'spawn_body', dict(frame_id='nobody', pose=at(1, 0, 0))),
-            (['velocity'], 'spawn_body', dict(twist=Twist(v(INF, 0, 0), v()))),
+            (['velocity', '[inf, 0, 0]'], 'spawn_body', dict(twist=Twist(v(INF, 0, 0), v()))),
             (['cratee', 'crate'], 'delete_body', dict(name='cratee')),
             (['factor', '-2'], 'resize_body', dict(name='crate', factor=-2.0)),
             (['factor'], 'resize_body', dict(name='crate', factor=NAN)),
             (['factor'], 'resize_body', dict(name='crate')),
             (['size'], 'resize_body', dict(name='crate', size=v(1, -1, 1))),
             (['nobody'], 'resize_body', dict(name='nobody', factor=2.0)),
-            (['position'], 'move_body', dict(name='crate', pose=at(0, INF, 0))),
+            (['position', 'inf'], 'move_body', dict(name='crate', pose=at(0, INF, 0))),
+            (['position', '[0, -inf, 2]'], 'spawn_body', dict(pose=at(0, -INF, 2))),
+            (['velocity', '[inf, 0, 0]'], 'set_body', dict(name='crate', twist=[Twist(v(INF, 0, 0), v())])),
+            (['impulse', '[0, inf, 0]'], 'apply_impulse', dict(name='crate', impulse=v(0, INF, 0))),
+            (['point', '[0, inf, '], 'apply_impulse', dict(name='crate', impulse=v(1, 0, 0), point=[Point(0, INF, 0)])),
+            (['torque', '[0, 0, inf]'], 'apply_wrench', dict(name='crate', torque=v(0, 0, INF), seconds=1.0)),
+            (['mass', ': nan '], 'spawn_body', dict(mass=-NAN)),
             (['nobody'], 'move_body', dict(name='nobody')),
             (['mass'], 'set_body', dict(name='crate', mass=-3.0)),
             (['restitution'], 'set_body', dict(name='crate', material=Material(restitution=[NAN]))),
@@ -466,7 +520,7 @@ class ServicesTest(unittest.TestCase):
             (['floor'], 'apply_impulse', dict(name='floor', impulse=v(1, 0, 0))),
             (['seconds'], 'apply_wrench', dict(name='crate', force=v(1, 0, 0), seconds=0.0)),
             (['seconds'], 'apply_wrench', dict(name='crate', force=v(1, 0, 0), seconds=-1.0)),
-            (['force'], 'apply_wrench', dict(name='crate', force=v(INF, 0, 0), seconds=1.0)),
+            (['force', '[inf, 0, 0]'], 'apply_wrench', dict(name='crate', force=v(INF, 0, 0), seconds=1.0)),
             (['velocity'], 'set_wind', dict(velocity=v(NAN, 0, 0))),
             (['gust'], 'set_wind', dict(gust=-1.0)),
             (['gravity'], 'set_gravity', dict(gravity=v(0, 0, NAN))),

@@ -3,14 +3,17 @@
 """Every topic: what it says, and when."""
 import os
 import sys
+import time
 import unittest
 
 import rospy
 import rostest
+import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, TwistStamped, Vector3, WrenchStamped
-from rigid_body_sim.msg import BodyDescriptions, BodyStates, Contacts, Event, Wind
+from rigid_body_sim.msg import BodyDescriptions, BodyStates, Contacts, Event, Status, Wind
 from rosgraph_msgs.msg import Clock
+from rigid_body_sim.srv import LoadScene, Step
 from tf2_msgs.msg import TFMessage
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
@@ -45,6 +48,29 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(crate.header.frame_id, 'world')
         self.assertAlmostEqual(crate.transform.translation.z, 0.25, delta=1e-3)
         self.assertEqual(self.transforms('floor'), [])
+
+    def test_tf_knows_every_body_at_the_stamp_of_every_message(self):
+        buffer = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(buffer)
+        listeners = [Listener('/sim/' + name, kind) for name, kind in
+                     (('body_states', BodyStates), ('contacts', Contacts), ('status', Status))]
+        wait(lambda: all(heard.all() for heard in listeners) and buffer.can_transform('world', 'ball', rospy.Time()),
+             'all topics are heard')
+        call('step', n=300)  # until they rest
+        for heard in listeners:
+            heard.clear()
+        last = self.status.fresh().time
+        call('resume')
+        self.status.next('time goes on', lambda status: status.time > last + 2.0)
+        call('pause')
+        messages = [message for heard in listeners for message in heard.all()]
+        self.assertGreater(len(messages), 20)
+        newest = max(message.header.stamp for message in messages)
+        for name in ('crate', 'ball'):
+            wait(lambda: buffer.can_transform('world', name, newest), 'tf has caught up')
+            for message in messages:
+                buffer.lookup_transform('world', name, message.header.stamp)  # or it throws
+        listener.unregister()
 
     def test_an_edit_while_paused_has_a_later_stamp(self):
         call('step', n=1)
@@ -109,6 +135,37 @@ class TopicsTest(unittest.TestCase):
         weight = body('crate').description.mass * 9.81 / 60.0
         self.assertAlmostEqual(sum(c.normal_impulse for c in under), weight, delta=1e-6 * weight)
 
+    def test_contacts_are_as_rare_as_they_are_asked_to_be_and_the_last_ones_always_come(self):
+        every, rare = Listener('/sim/contacts', Contacts), Listener('/sim_rare/contacts', Contacts)
+        for node, heard in (('/sim', every), ('/sim_rare', rare)):
+            wait(lambda: heard.subscriber.get_num_connections() and heard.all(), 'a newcomer hears the contacts')
+            rospy.ServiceProxy(node + '/load_scene', LoadScene)(name=SMALL)
+            for _ in range(10):
+                answer = rospy.ServiceProxy(node + '/step', Step)(n=30)
+                self.assertTrue(answer.success, answer.message)
+        # The ten stops are 5 s apart, and a message of /sim_rare would come an hour after the first.
+        wait(lambda: every.all()[-1].header.stamp == self.status.all()[-1].header.stamp, 'the last contacts come')
+        self.assertEqual(len(rare.all()), 1)
+
+    def test_the_status_tells_the_truth_when_steps_cannot_keep_up(self):
+        states = Listener('/sim/body_states', BodyStates)
+        self.assertEqual(self.status.fresh().bottleneck, '')
+        call('set_speed', factor=1e6)
+        call('resume')
+        slow = self.status.next('it says that it is slow', lambda s: s.bottleneck and s.lost_time > 0.0)
+        states.clear()
+        wait(lambda: len({m.header.stamp.to_nsec() for m in states.all()}) > 10, 'the view moves')
+        later = self.status.fresh()
+        call('pause')
+        call('set_speed', factor=1.0)
+        self.assertEqual(slow.requested_speed, 1e6)
+        self.assertLess(slow.achieved_speed, 0.9e6)
+        self.assertRegex(slow.bottleneck, r'takes \d+ % of a step of .* ms')
+        self.assertGreater(later.lost_time, slow.lost_time)
+        # What it says of its speed is what its own time and that of the losses come to.
+        self.assertGreater(later.time, slow.time)
+        self.assertEqual(self.status.fresh().bottleneck, '')
+
     def test_the_status_says_what_runs_and_why(self):
         stages = {stage.name: stage for stage in self.status.fresh().pipeline}
         self.assertFalse(stages['forces.drag'].active)
@@ -149,14 +206,54 @@ class TopicsTest(unittest.TestCase):
         publisher.publish(command)
         wait(lambda: body('ball').twist.linear.x == 2.0, 'the ball has its twist')
 
-    def test_a_commanded_wrench_pushes_the_body(self):
-        publisher = rospy.Publisher('/sim/cmd_wrench', WrenchStamped, queue_size=1)
-        wait(publisher.get_num_connections, 'the simulator listens')
+    def command_wrench(self, publisher, name, force):
         command = WrenchStamped()
-        command.header.frame_id = 'ball'
-        command.wrench.force.x = 1000.0
+        command.header.frame_id = name
+        command.wrench.force.x = force
         publisher.publish(command)
-        wait(lambda: call('step', n=1) and body('ball').twist.linear.x > 0.1, 'the ball moves')
+
+    def pushers(self):
+        call('set_gravity', gravity=Vector3())
+        call('move_body', name='ball', pose=at(0, 0, 50))
+        call('move_body', name='crate', pose=at(0, 90, 50))
+        publisher = rospy.Publisher('/sim/cmd_wrench', WrenchStamped, queue_size=100)
+        wait(publisher.get_num_connections, 'the simulator listens')
+        return publisher
+
+    def wrenches(self):
+        return next(stage.items for stage in self.status.fresh().pipeline if stage.name == 'forces.wrench')
+
+    def test_commanded_wrenches_do_not_pile_up_while_paused(self):
+        publisher = self.pushers()
+        for _ in range(50):
+            self.command_wrench(publisher, 'ball', 1000.0)
+        self.command_wrench(publisher, 'crate', 1.0)  # comes last
+        wait(lambda: self.wrenches() > 1, 'all commands have come')
+        self.assertEqual(self.wrenches(), 2)
+        call('step', n=60)
+        ball = body('ball')
+        self.assertAlmostEqual(ball.description.mass * ball.twist.linear.x, 1000.0 * 0.2, delta=1e-6)
+
+    def test_commanded_wrenches_push_with_their_force_at_any_rate(self):
+        publisher = self.pushers()
+        mass, force = body('ball').description.mass, 10.0
+        states = Listener('/sim/body_states', BodyStates)
+        wait(states.all, 'states come')
+        ball = list(states.all()[-1].ids).index(body('ball').description.id)
+        for rate in (10, 50, 200):
+            call('pause')
+            call('move_body', name='ball', pose=at(0, 0, 50))
+            states.clear()
+            call('resume')
+            for _ in range(rate):
+                self.command_wrench(publisher, 'ball', force)
+                time.sleep(1.0 / rate)
+            call('pause')
+            heard = [(m.header.stamp.to_sec(), mass * m.twists[ball].linear.x) for m in states.all()]
+            pushes = [(p1 - p0) / (t1 - t0) for (t0, p0), (t1, p1) in zip(heard, heard[1:]) if t1 - t0 > 0.01]
+            # Never more than the force, however often it is sent; and the force itself, wherever none was late.
+            self.assertLessEqual(max(pushes), force * (1 + 1e-6), '%d Hz' % rate)
+            self.assertGreater(sum(abs(push - force) < 1e-6 * force for push in pushes), len(pushes) // 3, '%d Hz' % rate)
 
     def test_a_command_that_makes_no_sense_changes_nothing(self):
         before = self.status.fresh().hash

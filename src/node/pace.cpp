@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pace.h"
+
+#include "words.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace rbs {
+namespace {
+
+// A step that takes less than this share of the time it may is not what holds the simulation up.
+constexpr double kQuickStep = 0.8;
+
+std::string threeDigits(double value) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.3g", value);
+  return digits;
+}
+
+// islands.advance is timed with its parts, the contacts.* rows: here it stands for what they leave.
+double ownSeconds(const StageInfo& stage, const std::vector<StageInfo>& stages) {
+  if (stage.name != "islands.advance") return stage.seconds;
+  double seconds = stage.seconds;
+  for (const StageInfo& part : stages)
+    if (part.name.rfind("contacts.", 0) == 0) seconds -= part.seconds;
+  return seconds;
+}
+
+}  // namespace
+
+bool fallsBehind(const Pace& pace) {
+  return !pace.paused && pace.achieved_speed < 0.9 * pace.requested_speed;
+}
+
+std::string inWords(const Pace& pace) {
+  if (pace.steps_left > 0) return words("stepping, ", pace.steps_left, pace.steps_left == 1 ? " step" : " steps", " to go");
+  if (pace.paused) return "paused";
+  const std::string achieved = threeDigits(pace.achieved_speed);
+  if (pace.requested_speed == 0.0) return achieved + " x real time, as fast as possible";
+  return achieved + " of " + threeDigits(pace.requested_speed) + " x real time";
+}
+
+std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
+  if (!fallsBehind(pace)) return "";
+  const double step = snapshot.report.seconds, may_take = snapshot.step / pace.requested_speed;
+  const double beside = snapshot.estimate ? 1e-3 * snapshot.estimate->beside_ms : 0.0;
+  if (beside > step) return words("estimating errors adds ", threeDigits(1e3 * beside), " ms to a step of ", threeDigits(1e3 * step), " ms");
+  if (step + beside < kQuickStep * may_take)
+    return words("a step takes ", threeDigits(1e3 * step), " ms of the ", threeDigits(1e3 * may_take),
+                 " ms that it may: the processor is busy with other work");
+  double most = 0.0;
+  std::string slowest;
+  for (const StageInfo& stage : snapshot.pipeline) {
+    const double seconds = ownSeconds(stage, snapshot.pipeline);
+    if (seconds > most) most = seconds, slowest = stage.name;
+  }
+  return words(slowest, " takes ", std::lround(100.0 * most / step), " % of a step of ", threeDigits(1e3 * step), " ms");
+}
+
+}  // namespace rbs
