@@ -2,6 +2,7 @@
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
 #include "command_topics.h"
 #include "publishers.h"
+#include "resume.h"
 #include "services.h"
 #include "session.h"
 
@@ -10,6 +11,7 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -25,6 +27,23 @@ void initOnWallTime(int argc, char** argv) {
   int count = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
   ros::init(count, arguments.data(), "sim");
+}
+
+/// Ends the node in good order at SIGTERM, and when its terminal is closed, as roscpp does at SIGINT alone.
+void endInGoodOrder() {
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const auto before = std::signal(signal, [](int) { ros::requestShutdown(); });
+    if (before == SIG_IGN) std::signal(signal, SIG_IGN);  // as nohup asks for
+  }
+}
+
+/// Where the state is kept from one start to the next; empty: nowhere.
+std::string stateFile(const ros::NodeHandle& node) {
+  const std::string file = node.param<std::string>("state_file", "");
+  if (file == "none") return "";
+  if (!file.empty() && file[0] != '/')
+    throw rbs::InvalidInput({{"~state_file", "'" + file + "'", "an absolute path, or none"}});
+  return file.empty() ? rbs::Resume::usualFile(ros::this_node::getName()) : file;
 }
 
 rbs::Session::Options sessionOptions(const ros::NodeHandle& node) {
@@ -55,6 +74,7 @@ rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
 void run() {
   ros::NodeHandle node("~");
   rbs::Session session(sessionOptions(node));
+  rbs::Resume resume(session, stateFile(node), node.param("resume", false));
   rbs::Ghost ghost(node, session.simulator());
   rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, publisherOptions(node));
   rbs::Services services(session, ghost);
@@ -63,12 +83,14 @@ void run() {
   ros::AsyncSpinner spinner(kThreads);
   spinner.start();
   ros::waitForShutdown();
+  resume.keep();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   initOnWallTime(argc, argv);
+  endInGoodOrder();
   rbs::findPackagesBy(ros::package::getPath);
   try {
     run();
