@@ -9,10 +9,11 @@ export ROS_HOSTNAME=localhost
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
+cmake_arguments=()
 
 # Builds the given targets.
 build_targets() {
   "$root/scripts/setup"
-  cmake -S "$root" -B "$build"
+  cmake -S "$root" -B "$build" "${cmake_arguments[@]}"
   cmake --build "$build" --parallel "$(nproc)" --target "$@"
 }

@@ -89,8 +89,9 @@ class Rviz:
         with tempfile.NamedTemporaryFile('w', suffix='.rviz', delete=False) as file:
             yaml.safe_dump(self.layout, file)
         self.file = file.name
-        self.process = subprocess.Popen(['rviz', '-d', self.file], env=self.screen.env, stdout=self.log,
-                                        stderr=subprocess.STDOUT)
+        # A plugin with a sanitizer needs its library before the program that loads it.
+        env = dict(self.screen.env, LD_PRELOAD=os.environ.get('RBS_RVIZ_PRELOAD', ''))
+        self.process = subprocess.Popen(['rviz', '-d', self.file], env=env, stdout=self.log, stderr=subprocess.STDOUT)
         try:
             self.window = wait_until(self._find_window, 'the window of RViz is open')
             self.scene = wait_until(self._find_scene, 'RViz draws its scene')

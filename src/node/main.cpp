@@ -3,6 +3,7 @@
 #include "command_topics.h"
 #include "parameters.h"
 #include "publishers.h"
+#include "resume.h"
 #include "services.h"
 #include "session.h"
 
@@ -11,6 +12,7 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 
+#include <csignal>
 #include <cstdio>
 #include <limits>
 #include <optional>
@@ -29,9 +31,19 @@ void initOnWallTime(int argc, char** argv) {
   ros::init(count, arguments.data(), "sim");
 }
 
+/// Ends the node in good order at SIGTERM, and when its terminal is closed, as roscpp does at SIGINT alone.
+void endInGoodOrder() {
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const auto before = std::signal(signal, [](int) { ros::requestShutdown(); });
+    if (before == SIG_IGN) std::signal(signal, SIG_IGN);  // as nohup asks for
+  }
+}
+
 struct Options {
   rbs::Session::Options session;
   rbs::Publishers::Options publishers;
+  bool resume = false;
+  std::string state_file;  ///< of resume; empty: nowhere
 };
 
 /// Throws InvalidInput for parameters that are not allowed.
@@ -60,11 +72,22 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   options.publishers.tf_prefix =
       parameters.text("tf_prefix", "", "put before the name of every body's frame");
   options.publishers.contacts_rate = parameters.number(
-      "contacts_rate", options.publishers.contacts_rate, 0.0, 1e6, "messages of ~contacts a second; 0 sends every one");
+      "contacts_rate", options.publishers.contacts_rate, 0.0, 1e6, "most messages of ~contacts a second; 0: one with every ~body_states");
   options.publishers.repeat_period =
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
-                        "wall time between two sendings of what a bag needs to be replayed, s; 0 sends it once");
+                        "after which descriptions and markers are sent again, s; 0: never");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
+  options.resume = parameters.flag("resume", false, "go on from the state that was kept when the node last ended");
+  options.state_file = parameters.text("state_file", "",
+                                       "where it is kept, an absolute path; empty: by node name in $ROS_HOME; "
+                                       "none: nowhere");
+  if (options.state_file == "none") {
+    options.state_file.clear();
+  } else if (options.state_file.empty()) {
+    options.state_file = rbs::Resume::usualFile(ros::this_node::getName());
+  } else if (options.state_file[0] != '/') {
+    parameters.refuse("state_file", options.state_file, "an absolute path, or none");
+  }
   parameters.check();
   return options;
 }
@@ -112,6 +135,7 @@ void run() {
   ros::NodeHandle node("~");
   const Options options = givenOptions(node);
   rbs::Session session(options.session);
+  rbs::Resume resume(session, options.state_file, options.resume);
   rbs::Ghost ghost(node, session.simulator());
   rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, options.publishers);
   rbs::Services services(session, ghost);
@@ -120,6 +144,7 @@ void run() {
   ros::AsyncSpinner spinner(kThreads);
   spinner.start();
   ros::waitForShutdown();
+  resume.keep();
 }
 
 }  // namespace
@@ -127,6 +152,7 @@ void run() {
 int main(int argc, char** argv) {
   if (const std::optional<int> code = answerWithoutNode(argc, argv)) return *code;
   initOnWallTime(argc, argv);
+  endInGoodOrder();
   rbs::findPackagesBy(ros::package::getPath);
   try {
     run();

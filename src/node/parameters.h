@@ -28,6 +28,9 @@ class Parameters {
   std::string choice(const std::string& name, const std::string& usual,
                      const std::vector<std::string>& allowed, const std::string& help);
 
+  /// Adds a fault that the reading does not see: the value of `name` is not one that is `allowed`.
+  void refuse(const std::string& name, const XmlRpc::XmlRpcValue& value, const std::string& allowed);
+
   /// Throws InvalidInput with every fault: the parameter, its value and what is allowed.
   void check() const;
   /// A sentence for each parameter that is given and was not read, with the name that was probably meant.
@@ -41,7 +44,6 @@ class Parameters {
   };
 
   XmlRpc::XmlRpcValue* find(const std::string& name, const std::string& usual, const std::string& help);
-  void refuse(const std::string& name, const XmlRpc::XmlRpcValue& value, const std::string& allowed);
 
   std::map<std::string, XmlRpc::XmlRpcValue> given_;
   std::vector<Entry> entries_;

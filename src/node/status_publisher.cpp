@@ -9,17 +9,9 @@
 #include <rigid_body_sim/Wind.h>
 
 #include <algorithm>
-#include <cinttypes>
-#include <cstdio>
 
 namespace rbs {
 namespace {
-
-std::string hexadecimal(std::uint64_t number) {
-  char digits[17];
-  std::snprintf(digits, sizeof digits, "%016" PRIx64, number);
-  return digits;
-}
 
 rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
   rigid_body_sim::StageStatus msg;

@@ -1,9 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "words.h"
 
+#include <cinttypes>
+#include <cstdio>
+
 namespace rbs {
 
 std::string inWords(const Vec3& v) { return words('(', v.x(), ", ", v.y(), ", ", v.z(), ')'); }
+
+std::string hexadecimal(std::uint64_t number) {
+  char digits[17];
+  std::snprintf(digits, sizeof digits, "%016" PRIx64, number);
+  return digits;
+}
 
 std::string bodyCount(std::size_t n) { return words(n, n == 1 ? " body" : " bodies"); }
 

@@ -29,6 +29,7 @@ std::string words(const Values&... values) {
 }
 
 std::string inWords(const Vec3& v);           ///< "(1, 0, 2.5)"
+std::string hexadecimal(std::uint64_t number);  ///< 16 digits
 std::string bodyCount(std::size_t n);         ///< "1 body", "3 bodies"
 std::string describe(const BodyDescription& body);  ///< kind, shape, size, mass and material
 std::string describe(const AirState& air);          ///< density, wind and gust

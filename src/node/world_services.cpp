@@ -138,6 +138,7 @@ std::string getBody(const Snapshot& snapshot, const GetBody::Request& request, G
 
 std::string listBodies(const Snapshot& snapshot, const ListBodies::Request&, ListBodies::Response& response) {
   for (const BodyDescription& body : *snapshot.bodies) response.names.push_back(body.name);
+  response.hash = hexadecimal(snapshot.hash);
   return bodyCount(response.names.size());
 }
 
