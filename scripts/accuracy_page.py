@@ -121,7 +121,7 @@ def page(result):
     engines = [(e['engine'], e['setting']) for e in result['catalogue']['engines'] if not e['base']]
     machine, build = result['machine'], result['build']
     lines = [
-        '# What accuracy costs', '',
+        '<!-- SPDX-License-Identifier: BSD-3-Clause -->', '# What accuracy costs', '',
         f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""} --passes {result["passes"]}` on {result["begun"][:10]}; '
         'do not edit it by hand.', '',
         'Errors are dimensionless: 1e-3 of a way of 10 m is 1 cm. Every problem has an answer that is known, and all '
@@ -212,7 +212,7 @@ def page(result):
               '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not '
               'give alike.', '',
               'The same by hand, for one problem:', '',
-              '    rosrun rigid_body_sim rigid_body_sim_accuracy accuracy --problems sliding_stop', '']
+              '```bash', 'rosrun rigid_body_sim rigid_body_sim_accuracy accuracy --problems sliding_stop', '```', '']
     return '\n'.join(lines)
 
 
