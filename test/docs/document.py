@@ -7,7 +7,7 @@ code in any other language is a file of this package, named by the comment <!-- 
 import re
 
 # What a piece of `code` in the text begins with where it is a command; a name alone is only a name.
-PROGRAMS = ('rosrun', 'roslaunch', 'rosservice', 'rostopic', 'rossrv', 'rosmsg', 'rosparam', 'rosnode', 'rosbag', 'rostest',
+PROGRAMS = ('rosrun', 'roslaunch', 'rosservice', 'rostopic', 'rossrv', 'rosmsg', 'rosparam', 'rosnode', 'rospack', 'rosbag', 'rostest',
             'rbs', 'catkin_lint', 'catkin_make', 'cmake', 'ctest', 'doxygen')
 COMMAND = re.compile(r'(?:%s) \S|(?:\./)?scripts/[a-z_]+(?: |$)' % '|'.join(PROGRAMS))
 FENCE = re.compile(r'^```(\w*)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
