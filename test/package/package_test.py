@@ -7,6 +7,7 @@ import re
 import subprocess
 import unittest
 
+import yaml
 from catkin_pkg.changelog import get_changelog_from_path
 from catkin_pkg.package import parse_package
 from catkin_pkg.package_version import get_forthcoming_label
@@ -62,6 +63,13 @@ class PackageTest(unittest.TestCase):
         named = [file for file in sources() if file.name != 'LICENSE' and file.suffix != '.png']
         self.assertGreater(len(named), 300)
         self.assertEqual([str(file.relative_to(ROOT)) for file in named if LICENCE not in head(file)], [])
+
+    def test_the_workflow_calls_what_people_call(self):
+        jobs = yaml.safe_load((ROOT / '.github/workflows/ci.yml').read_text())['jobs'].values()
+        programs = {step['run'].split()[0] for job in jobs for step in job['steps'] if 'run' in step}
+        self.assertIn('./scripts/test', programs)
+        for program in programs - {'catkin_lint'}:
+            self.assertTrue(os.access(ROOT / program, os.X_OK), program)
 
     def test_the_api_is_documented_without_warnings(self):
         done = run('doxygen', '-', cwd=ROOT, input=(ROOT / 'Doxyfile').read_text() + 'OUTPUT_DIRECTORY = %s/doc\n' % BUILD)
