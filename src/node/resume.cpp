@@ -109,10 +109,10 @@ void Resume::keep() {
     fs::create_directories(fs::path(file_).parent_path());
     if (untaken_) fs::copy_file(file_, previous(), fs::copy_options::overwrite_existing);
     writeFile(file_, text + seal(text));
-    ROS_INFO_STREAM("kept '" << scene.name << "' at " << state.time << " s in " << file_
-                             << ": start with resume:=true to go on from it");
+    std::printf("kept '%s' at %g s in %s: start with resume:=true to go on from it\n", scene.name.c_str(),
+                state.time, file_.c_str());
   } catch (const std::exception& error) {
-    ROS_ERROR_STREAM("the state was not kept: " << error.what());
+    std::fprintf(stderr, "the state was not kept: %s\n", error.what());
   }
 }
 

@@ -21,7 +21,8 @@ class Resume {
   /// Writes the state, whole or not at all, where a person would miss it: the world was edited, or time has
   /// gone on. A state that was there and was not taken gives way only to one that was edited, and is then
   /// kept beside it, as
-  /// "*.previous.yaml". Waits for the step that is being taken. Logs what it did; never throws.
+  /// "*.previous.yaml". Waits for the step that is being taken. Prints what it did, since the log of ROS ends
+  /// before the node; never throws.
   void keep();
 
  private:

@@ -30,6 +30,7 @@ SHARES = {'measure_accuracy': 0.02, 'seek_accuracy': 0.05, 'apply_accuracy': 0.0
           'load_state': 0.3, 'save_scene': 0.3, 'save_state': 0.3, 'list_scenes': 0.1, 'clear': 0.2}
 MOST_BODIES = 30
 LONGEST_MESSAGE = 20000  # letters
+LARGEST_LOG = 20000000   # bytes
 PROGRESS_PERIOD = 10.0   # s
 
 
@@ -43,7 +44,7 @@ class Node:
     def __init__(self, folder):
         self.log = os.path.join(folder, 'node.log')
         program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
-        with open(self.log, 'w') as log:
+        with open(self.log, 'a') as log:
             self.process = subprocess.Popen(
                 [program, '__name:=sim', '_paused:=true', '_scene:=shapes', '_state_file:=%s/kept.yaml' % folder],
                 stdout=log, stderr=subprocess.STDOUT)
@@ -62,9 +63,14 @@ class Node:
         self.process.send_signal(signal.SIGINT)
         return self.process.wait(120)
 
+    def forget_log(self):
+        """The node tells every edit: gigabytes in a million."""
+        if os.path.getsize(self.log) > LARGEST_LOG:
+            os.truncate(self.log, 0)
+
     def said(self):
         with open(self.log, errors='replace') as log:
-            return log.read()
+            return log.read()[-LONGEST_MESSAGE:]
 
 
 def make_hostile_files(folder):
@@ -123,7 +129,8 @@ class ServiceFuzz:
         try:
             self.judge(*link.call(request))
         except (Failure, Died, Hung) as error:
-            raise Failure('call %d, %s: %s; request %s' % (sum(self.called.values()), name, error, request.hex()))
+            raise Failure('call %d, %s: %s; request %s' % (
+                sum(self.called.values()), name, error, request.hex()[:2000]))
 
     def judge(self, read, answer):
         if read and answer.success:
@@ -154,12 +161,13 @@ def run(count, seed, folder, progress=lambda fuzz: None):
             fuzz = ServiceFuzz(seed, folder)
             for _ in range(count):
                 fuzz.call()
+                node.forget_log()
                 progress(fuzz)
             status = node.end()
             if status != 0:
                 raise Failure('the node ended with %d' % status)
         except Failure as error:
-            raise Failure('seed %d, %s\nthe node:\n%s' % (seed, error, node.said()[-10000:]))
+            raise Failure('seed %d, %s\nthe node:\n%s' % (seed, error, node.said()))
     return fuzz
 
 

@@ -22,13 +22,13 @@ PROGRAM = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
 class Node:
     """A simulator with its state in a file, as a context manager that leaves none behind."""
 
-    def __init__(self, file, **parameters):
+    def __init__(self, file, resume=False):
         self.log = tempfile.TemporaryFile('w+')
         # A service or message of the node before must not answer for this one.
         wait(lambda: '/sim' not in self.nodes(), 'the node before is gone')
         self.process = subprocess.Popen(
-            [PROGRAM, '__name:=sim', '_state_file:=' + file] + ['_%s:=%s' % item for item in parameters.items()],
-            stdout=self.log, stderr=subprocess.STDOUT)
+            [PROGRAM, '__name:=sim', '_state_file:=' + file, '_resume:=%s' % resume], stdout=self.log,
+            stderr=subprocess.STDOUT)
 
     @staticmethod
     def nodes():

@@ -68,7 +68,7 @@ class Acts:
         """The name of one that moves; one is made where there is none."""
         names = self.call('list_bodies', srv.ListBodies).names
         for name in self.random.sample(list(names), min(len(names), 20)):
-            if not self.call('get_body', srv.GetBody, name=name).body.description.is_static:
+            if self.call('get_body', srv.GetBody, name=name).body.description.kind == 'dynamic':
                 return name
         return self.call('spawn_body', srv.SpawnBody).name
 

@@ -34,7 +34,7 @@ class Node:
         self.log = '%s/node_%d.log' % (self.folder, self.lives)
         with open(self.log, 'w') as log:
             self.process = subprocess.Popen(
-                [self.program, '__name:=sim', '_state_file:=' + self.state_file, '_resume:=%s' % resume,
+                ['stdbuf', '-oL', self.program, '__name:=sim', '_state_file:=' + self.state_file, '_resume:=%s' % resume,
                  '_paused:=%s' % paused],
                 stdout=log, stderr=subprocess.STDOUT)
         rviz_driver.wait_until(lambda: self.status or self.process.poll() is not None, 'the simulator is there', PATIENCE)
