@@ -140,6 +140,7 @@ struct Snapshot {
   AirState air;
   std::optional<Fluid> fluid;
   Vec3 gravity = Vec3::Zero();
+  EffectOverrides effects;                                     ///< forced on or off; the others are detected
   Setting fidelity;
   std::optional<Goal> goal;               ///< that turns the dial
   std::string dial_reason;                ///< why it stands where it does; empty: nothing has turned it
@@ -148,6 +149,7 @@ struct Snapshot {
   std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
 
   bool paused = false;
+  double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it
   double requested_speed = 1.0;  ///< times real time; 0 is as fast as possible
   double achieved_speed = 0.0;   ///< times real time, over about the last second
 

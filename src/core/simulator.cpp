@@ -90,7 +90,8 @@ struct Simulator::Impl {
     snapshot.description_version += versions_before;
     snapshot.paused = paused;
     snapshot.estimate = governor.estimate();
-    snapshot.dial_reason = governor.reason();
+    snapshot.dial_reason = governor.reason(world);
+    snapshot.step_cpu_seconds = governor.stepCpuSeconds();
     snapshot.requested_speed = speed;
     snapshot.achieved_speed = paused ? 0.0 : meter.speed();
     std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));

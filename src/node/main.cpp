@@ -10,6 +10,7 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -69,6 +70,7 @@ void run() {
 
 int main(int argc, char** argv) {
   initOnWallTime(argc, argv);
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
   rbs::findPackagesBy(ros::package::getPath);
   try {
     run();

@@ -112,6 +112,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment) {
   msg.gravity = toMsg(snapshot.gravity);
   msg.wind = snapshot.air.wind;
   msg.hash = hexadecimal(snapshot.hash);
+  msg.step_cpu_seconds = snapshot.step_cpu_seconds;
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
   fillDial(snapshot, msg);
