@@ -27,8 +27,11 @@ class Governor {
 
   /// Of the last window; empty until one is over.
   const std::optional<ErrorEstimate>& estimate() const;
-  /// Why the setting is what it is: "interactive: an error of 3.2 mm/s is above 1 mm/s"; empty: it was never turned.
-  const std::string& reason() const;
+  /// Why the goal of the world has turned the setting to what it is: "interactive: an error of 3.2 mm/s is above
+  /// 1 mm/s"; empty: this goal has not turned it, or there is none.
+  std::string reason(const World& world) const;
+  /// CPU time of the last step of the world, without what runs beside it, s.
+  double stepCpuSeconds() const;
 
  private:
   struct Impl;

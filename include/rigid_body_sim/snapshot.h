@@ -140,6 +140,7 @@ struct Snapshot {
   AirState air;
   std::optional<Fluid> fluid;
   Vec3 gravity = Vec3::Zero();
+  EffectOverrides effects;                                     ///< forced on or off; the others are detected
   Setting fidelity;
   std::optional<Goal> goal;               ///< that turns the dial
   std::string dial_reason;                ///< why it stands where it does; empty: nothing has turned it
@@ -151,6 +152,7 @@ struct Snapshot {
   bool paused = false;
   std::uint64_t world = 0;  ///< which world it is of: grows with every load and reset
   double elapsed = 0.0;     ///< physics time simulated in all its worlds, s; never goes back
+  double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it
 
   /// Position of this body in `bodies` and `states`, or -1.
   int find(const std::string& name) const;

@@ -1,42 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Each window: from one state of the path, every setting and the truth run for the same time, and their ends are
-// compared. How well the truth itself is known is what halving its step changes, u: an error below u is a bound, and a
-// window where u is not below the errors that are to be told apart says nothing.
+// The order in which an accuracy study measures, so that it has an answer soon and a better one whenever it
+// is ended.
 //
-// Up to sixteen windows are not taken in the order of time but so that those that are done lie evenly along the path,
-// whenever the study is ended.
+// The first window begins at the present state and grows: 1, 2, 4, ... steps, compared each time. So the
+// first answer takes one step of each setting and of the reference, and growing a window to its full length
+// costs no more than running it at once. In a chaotic scene a difference d grows as d exp(t/T), with T the
+// Lyapunov time; that of the reference from its own half step starts at rounding or at a collision that the
+// two order differently, and outgrows the error of the settings, which starts at the truncation error of a
+// step. What counts is therefore the longest of the lengths at which the reference still converges
+// (accuracy_window.cpp), and the factor of two between them loses at most half of it. A window may also not
+// cost more than a share of the time: then it ends at the length it has.
+//
+// Then each setting runs alone through all of the physics time, for its CPU time: a pile that collapses at
+// `preview` costs what the collapse costs. Last come the other windows, not in the order of time but so that
+// those that are done are spread evenly along the path, whenever the study is ended.
 #include "rigid_body_sim/accuracy.h"
 
+#include "accuracy_window.h"
 #include "checks.h"
+#include "cpu_time.h"
 #include "text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
 namespace rbs {
 
 namespace {
 
-constexpr std::uint32_t kTruthDivisions = 8;
 constexpr std::uint32_t kMostWindowSteps = 1000;
-/// How far apart the truth and its half may be: a share of the largest error of the window, or of the smallest body.
-constexpr double kTruthShare = 0.1, kTruthSize = 1e-6;
 /// Worlds that windows begin with which are kept at a time.
 constexpr std::uint32_t kKept = 16;
-/// Share of the time that the path of the first of them may take: a dearer one is cut short.
-constexpr double kPathShare = 0.25;
-/// Short runs are repeated, and the fastest counts.
+/// Largest shares of the CPU time: of all of it for one window and for the timed runs, of the rest for each
+/// part of the path.
+constexpr double kWindowShare = 0.125, kTimingShare = 0.25, kPathShare = 0.25;
+/// Short runs are repeated, and the fastest counts, s.
 constexpr double kShortRun = 5e-3;
 constexpr int kRepetitions = 3;
 
-/// 0 to n - 1, each as far as can be from those before it: n/2 after 0, then the quarters, and so on.
+/// 1 to n - 1, each as far as can be from 0 and from those before it: n/2, then the quarters, and so on.
 std::vector<std::size_t> spread(std::size_t n) {
   std::vector<std::size_t> order;
   std::size_t power = 1;
   while (power < n) power *= 2;
-  for (std::size_t k = 0; k < power; ++k) {
+  for (std::size_t k = 1; k < power; ++k) {
     std::size_t reversed = 0;
     for (std::size_t bit = 1; bit < power; bit *= 2) reversed = 2 * reversed + ((k & bit) != 0);
     if (reversed < n) order.push_back(reversed);
@@ -44,29 +52,30 @@ std::vector<std::size_t> spread(std::size_t n) {
   return order;
 }
 
-Setting referenceIn(std::uint32_t divisions) {
-  Setting setting(Fidelity::Reference);
-  setting.divisions = divisions;
-  return setting;
-}
+/// What the windows so far have found together.
+struct Sums {
+  WindowSum converged, dropped;
+  std::uint32_t windows = 0, windows_dropped = 0, shortened = 0, shortest = 0;  // the last in steps
+  std::uint64_t steps = 0;
+  std::vector<double> seconds;  // CPU time of each setting
 
-/// CPU time of this thread, s.
-double cpuNow() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
+  // A window that has taken so many steps; of a full one `most`.
+  void add(const AccuracyWindow& window, const WindowReading& reading, std::uint32_t taken, double step,
+           std::uint32_t most) {
+    (reading.converged ? converged : dropped).add(reading, step);
+    ++(reading.converged ? windows : windows_dropped);
+    if (reading.converged && reading.steps < most) ++shortened;
+    shortest = shortest == 0 ? reading.steps : std::min(shortest, reading.steps);
+    steps += taken;
+    for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] += window.secondsOf(k);
+  }
+};
 
-ErrorRate rateOf(const Difference& difference, double seconds) {
-  return {difference.distance / seconds, difference.angle / seconds, difference.energy / seconds};
-}
-
-template <class Pick>
-void combine(ErrorRate& rate, const ErrorRate& other, Pick pick) {
-  rate.distance = pick(rate.distance, other.distance);
-  rate.angle = pick(rate.angle, other.angle);
-  rate.energy = pick(rate.energy, other.energy);
-}
+/// CPU time of the runs of one setting alone.
+struct Timing {
+  double seconds = 0.0;
+  std::uint64_t steps = 0;  ///< 0: not timed
+};
 
 /// Thrown inside to end a study.
 struct Stopped {};
@@ -75,7 +84,7 @@ class Study {
  public:
   Study(const World& world, const AccuracyOptions& options,
         const std::function<bool(double, const AccuracyStudy&)>& goOn)
-      : options_(options), goOn_(goOn), path_(world), begin_(cpuNow()) {
+      : options_(options), goOn_(goOn), path_(world), begin_(threadCpuSeconds()) {
     path_.setGoal(std::nullopt);
     path_.setFidelity(Fidelity::Reference);
     step_ = world.scene().step;
@@ -90,6 +99,8 @@ class Study {
       result_.settings.emplace_back();
       result_.settings.back().setting = setting;
     }
+    sums_.seconds.resize(result_.settings.size());
+    timings_.resize(result_.settings.size());
     smallest_ = std::numeric_limits<double>::infinity();
     for (const BodyDescription& body : *world.snapshot().bodies)
       if (body.kind == BodyKind::Dynamic) smallest_ = std::min(smallest_, boundingRadius(body.shape));
@@ -101,28 +112,40 @@ class Study {
       return result_;
     }
     try {
-      std::uint32_t done = 0;
-      for (bool cut = false; done < options_.windows && !cut;) {
-        const std::vector<World> begins = followPath(done);
-        for (const std::size_t k : spread(begins.size())) measureWindow(begins[k]);
-        cut = begins.size() < std::min(kKept, options_.windows - done);
-        done += static_cast<std::uint32_t>(begins.size());
+      measureWindow(path_);
+      timeRuns();
+      while (done_ < options_.windows) {
+        const std::vector<World> begins = followPath();
+        for (const std::size_t k : spread(begins.size() + 1)) measureWindow(begins[k - 1]);
       }
-      result_.complete = done == options_.windows;
+      result_.complete = !cut_;
     } catch (const Stopped&) {
     }
-    explain();
+    if (result_.first_answer == 0.0)
+      result_.trouble = "not one step of every setting was done in " + text(spent()) + " s of CPU time";
     return result_;
   }
 
  private:
-  // The worlds that the windows from `first` on begin with: as many as are kept, or fewer where the path is too dear.
-  std::vector<World> followPath(std::uint32_t first) {
+  double spent() const { return threadCpuSeconds() - begin_; }
+
+  // Steps, and ends the study where its time is up or nobody wants it any more.
+  void advance(World& world) {
+    world.step();
+    const double share =
+        std::max(static_cast<double>(done_) / options_.windows, spent() / options_.max_cpu_seconds);
+    if (!goOn_(std::min(1.0, share), result_) || share > 1.0) throw Stopped{};
+  }
+
+  // The worlds that the next windows begin with: as many as are kept, or fewer where the path is expensive.
+  std::vector<World> followPath() {
+    const double until = spent() + kPathShare * (options_.max_cpu_seconds - spent());
     std::vector<World> begins;
-    for (std::uint32_t k = first; k < options_.windows && begins.size() < kKept; ++k) {
-      const auto begin = static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
+    for (std::uint32_t k = done_; k < options_.windows && begins.size() < kKept; ++k) {
+      const auto begin =
+          static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
       for (; on_path_ < begin; ++on_path_) {
-        if (first == 0 && cpuNow() - begin_ > kPathShare * options_.max_cpu_seconds) return begins;
+        if (!begins.empty() && spent() > until) return begins;
         advance(path_);
       }
       begins.push_back(path_);
@@ -130,92 +153,78 @@ class Study {
     return begins;
   }
 
-  // Steps, and what is left of the study's time with it.
-  void advance(World& world) {
-    world.step();
-    const double spent = cpuNow() - begin_;
-    if (spent > options_.max_cpu_seconds || !goOn_(share(spent), result_)) throw Stopped{};
-  }
-
-  double share(double spent) const {
-    const double windows = result_.windows + result_.dropped;
-    return std::min(1.0, std::max(windows / options_.windows, spent / options_.max_cpu_seconds));
-  }
-
-  struct Run {
-    Snapshot end;
-    double seconds;  // CPU time of its steps
-  };
-
-  Run runWindow(const World& from, const Setting& setting) {
-    World world(from);
-    world.setFidelity(setting);
-    const double start = cpuNow();
-    for (std::uint32_t k = 0; k < window_steps_; ++k) advance(world);
-    Run run{{}, cpuNow() - start};
-    run.end = world.snapshot();
-    return run;
-  }
-
-  void measureWindow(const World& from) {
-    std::vector<Run> runs;
-    for (const SettingCost& cost : result_.settings) {
-      runs.push_back(runWindow(from, cost.setting));
-      for (int k = 1; k < kRepetitions && runs.back().seconds < kShortRun; ++k)
-        runs.back().seconds = std::min(runs.back().seconds, runWindow(from, cost.setting).seconds);
-    }
-    const Snapshot half = runWindow(from, referenceIn(kTruthDivisions / 2)).end;
-    const Snapshot truth = runWindow(from, referenceIn(kTruthDivisions)).end;
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      SettingCost& cost = result_.settings[k];
-      cost.step_ms = (cost.step_ms * static_cast<double>(cost.steps) + 1e3 * runs[k].seconds) /
-                     static_cast<double>(cost.steps + window_steps_);
-      cost.steps += window_steps_;
-    }
-
-    const Difference doubt = differenceOf(half, truth);
-    std::vector<Difference> errors;
-    double largest = 0.0;
-    for (const Run& run : runs) {
-      errors.push_back(differenceOf(run.end, truth));
-      largest = std::max(largest, errors.back().distance);
-    }
-    if (doubt.distance > std::max(kTruthShare * largest, kTruthSize * smallest_)) {
-      ++result_.dropped;
-      dropped_doubt_ = std::max(dropped_doubt_, doubt.distance);
+  void measureWindow(const World& begin) {
+    AccuracyWindow window(begin, result_.settings, smallest_);
+    const auto step = [this](World& world) { advance(world); };
+    WindowReading best;
+    for (std::uint32_t steps = 1;; steps = std::min(2 * steps, window_steps_)) {
+      const WindowReading reading = window.growTo(steps, step);
+      if (steps == 1 || reading.converged) best = reading;
+      const bool last = steps == window_steps_,
+                 expensive = 2.0 * window.seconds() > kWindowShare * options_.max_cpu_seconds;
+      Sums sums = sums_;
+      sums.add(window, best, steps, step_, window_steps_);
+      write(sums);
+      if (!last && !expensive) continue;
+      cut_ = cut_ || !last;
+      sums_ = std::move(sums);
+      ++done_;
       return;
     }
-    const double n = ++result_.windows;
-    const auto mean = [n](double sum, double x) { return sum + (x - sum) / n; };
-    const auto larger = [](double a, double b) { return std::max(a, b); };
-    combine(result_.uncertainty, rateOf(doubt, result_.window), mean);
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      SettingCost& cost = result_.settings[k];
-      const ErrorRate rate = rateOf(errors[k], result_.window);
-      combine(cost.error, rate, mean);
-      combine(cost.worst, rate, larger);
-      cost.at_most = cost.error.distance <= result_.uncertainty.distance;
+  }
+
+  void write(const Sums& sums) {
+    if (result_.first_answer == 0.0) result_.first_answer = spent();
+    const bool converged = sums.windows > 0;
+    (converged ? sums.converged : sums.dropped).write(result_, converged);
+    result_.windows = sums.windows;
+    result_.dropped = sums.windows_dropped;
+    result_.shortened = sums.shortened;
+    result_.shortest = sums.shortest * step_;
+    for (std::size_t k = 0; k < timings_.size(); ++k) {
+      const Timing timing = timings_[k].steps > 0 ? timings_[k] : Timing{sums.seconds[k], sums.steps};
+      result_.settings[k].steps = timing.steps;
+      result_.settings[k].step_ms = 1e3 * timing.seconds / static_cast<double>(timing.steps);
     }
   }
 
-  void explain() {
-    if (result_.windows > result_.dropped) return;
-    if (result_.dropped > 0)
-      result_.trouble = "the reference did not converge in " + std::to_string(result_.dropped) + " of " +
-                        std::to_string(result_.dropped + result_.windows) + " windows of " + text(result_.window) +
-                        " s: halving its step moves a body by up to " + text(dropped_doubt_) + " m; a shorter window may do";
-    else
-      result_.trouble = "not one window of " + text(result_.window) + " s was done in " + text(options_.max_cpu_seconds) +
-                        " s of CPU time: allow more, or take a shorter window";
+  // Each setting alone, from the present state through all of the time; the windows time those that do not
+  // get there.
+  void timeRuns() {
+    const double end = spent() + kTimingShare * options_.max_cpu_seconds;
+    const auto steps = static_cast<std::uint64_t>(std::max(1.0, std::round(options_.seconds / step_)));
+    for (std::size_t k = 0; k < timings_.size(); ++k) {
+      const double until = spent() + (end - spent()) / static_cast<double>(timings_.size() - k);
+      double least = std::numeric_limits<double>::infinity();
+      for (int run = 0; run < kRepetitions && (run == 0 || least < kShortRun); ++run)
+        least = std::min(least, timeRun(result_.settings[k].setting, steps, until));
+      if (std::isfinite(least)) timings_[k] = {least, steps};
+    }
+    write(sums_);
+  }
+
+  // CPU time of a run, s; infinite where it is not through at `until`.
+  double timeRun(const Setting& setting, std::uint64_t steps, double until) {
+    World world(path_);
+    world.setFidelity(setting);
+    const double start = spent();
+    for (std::uint64_t k = 0; k < steps; ++k) {
+      if (spent() > until) return std::numeric_limits<double>::infinity();
+      advance(world);
+    }
+    return spent() - start;
   }
 
   const AccuracyOptions& options_;
   const std::function<bool(double, const AccuracyStudy&)>& goOn_;
   World path_;
   const double begin_;
-  double step_ = 0.0, smallest_ = 0.0, dropped_doubt_ = 0.0;
-  std::uint32_t window_steps_ = 1;
-  std::uint64_t on_path_ = 0;  // steps
+  double step_ = 0.0, smallest_ = 0.0;
+  std::uint32_t window_steps_ = 1, done_ = 0;  // windows
+  std::uint64_t on_path_ = 0;                  // steps
+  bool cut_ = false;                           // a window was too expensive for its full length
+  Sums sums_;
+  std::vector<Timing> timings_;
   AccuracyStudy result_;
 };
 
@@ -243,7 +252,8 @@ std::vector<Setting> usualSettings() {
 std::vector<Problem> validate(const AccuracyOptions& options) {
   std::vector<Problem> problems;
   const auto check = [&](const char* name, double value, double low, double high, const char* unit) {
-    if (!(value >= low && value <= high)) problems.push_back({name, text(value), text(low) + " to " + text(high) + unit});
+    if (!(value >= low && value <= high))
+      problems.push_back({name, text(value), text(low) + " to " + text(high) + unit});
   };
   check("seconds", options.seconds, 1e-6, 1000.0, " s");
   check("window", options.window, 1e-6, 1000.0, " s");
@@ -269,9 +279,10 @@ const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error) 
 }
 
 const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms) {
-  // What is below the doubt about the truth is equally good, and the cheaper the better.
+  // Errors too small to be measured are equally good, and the cheaper the better.
+  const double least = study.uncertainty.distance / kLargestUncertainty;
   const auto rank = [&](const SettingCost& cost) {
-    return std::pair(std::max(cost.error.distance, study.uncertainty.distance), cost.step_ms);
+    return std::pair(std::max(cost.error.distance, least), cost.step_ms);
   };
   const SettingCost* best = nullptr;
   if (!study.trouble.empty()) return best;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The dial as a ladder, and the two goals as ways to climb it.
 //
-// max_error: beside the world runs a copy of it one rung up; where the two end a window apart is the error of this
-// rung, the next being much more exact. Too large: a rung up. Well below: the next window tries the rung below beside
-// it, and goes there if its error is well below the goal, too. A rung that was tried in vain is left in peace for
-// twice as long each time. Everything is decided by states, so runs repeat.
+// max_error: beside the world runs a copy of it one rung up; where the two end a window apart is the error of
+// this rung, the next being much more exact. Too large: a rung up. Well below: the next window tries the rung
+// below beside it, and goes there if its error is well below the goal, too. A rung that was tried in vain is
+// left in peace for twice as long each time. Everything is decided by states, so runs repeat.
 //
-// max_step_ms: the mean wall time of the steps of a window. Too long: a rung down. Far below: a rung up, and back
-// if that was too much, to be tried again after twice as long.
+// max_step_ms: the mean wall time of the steps of a window. Too long: a rung down. Far below: a rung up, and
+// back if that was too much, to be tried again after twice as long.
 #include "rigid_body_sim/governor.h"
 
+#include "cpu_time.h"
 #include "rigid_body_sim/difference.h"
 #include "text.h"
 
@@ -21,22 +22,23 @@ namespace rbs {
 
 namespace {
 
-constexpr double kWindow = 0.25;               // s
-constexpr double kComfort = 0.5;               // share of the goal below which the rung below may do
-constexpr double kIdle = 0.3;                  // share of the time below which the rung above may do
+constexpr double kWindow = 0.25;  // s
+constexpr double kComfort = 0.5;  // share of the goal below which the rung below may do
+constexpr double kIdle = 0.3;     // share of the time below which the rung above may do
 constexpr std::uint32_t kFirstPatience = 2, kLongestPatience = 64;  // windows
 
-Setting rung(Fidelity preset, std::uint32_t divisions, std::optional<std::uint32_t> sub_steps = std::nullopt) {
+Setting rung(Fidelity preset, std::uint32_t divisions,
+             std::optional<std::uint32_t> sub_steps = std::nullopt) {
   Setting setting(preset);
   setting.divisions = divisions;
   setting.sub_steps = sub_steps;
   return setting;
 }
 
-const std::array kLadder{rung(Fidelity::Preview, 1),     rung(Fidelity::Interactive, 1),
+const std::array kLadder{rung(Fidelity::Preview, 1),         rung(Fidelity::Interactive, 1),
                          rung(Fidelity::Interactive, 1, 32), rung(Fidelity::Accurate, 1),
-                         rung(Fidelity::Accurate, 2),    rung(Fidelity::Accurate, 4),
-                         rung(Fidelity::Reference, 4),   rung(Fidelity::Reference, 8)};
+                         rung(Fidelity::Accurate, 2),        rung(Fidelity::Accurate, 4),
+                         rung(Fidelity::Reference, 4),       rung(Fidelity::Reference, 8)};
 
 Setting halved(Setting setting) {
   setting.divisions = std::min<std::uint32_t>(2 * setting.divisions, Limits::max_divisions);
@@ -58,17 +60,25 @@ std::size_t rungOf(const Setting& setting) {
 struct Governor::Impl {
   bool estimating = false;
   std::optional<World> beside;
-  std::uint64_t edits = 0;      // of the world when the window began
-  Setting setting;              // likewise
-  std::optional<Goal> goal;     // that patience was learned with
-  std::uint32_t steps = 0;      // of the window so far
-  double seconds = 0.0;         // wall time of these, of the world
-  double beside_seconds = 0.0;  // and of the one beside it
-  bool tries_below = false;     // beside it runs the rung below
-  std::uint32_t calm = 0;       // windows since the last trial or turn
+  std::uint64_t edits = 0;                  // of the world when the window began
+  Setting setting;                          // likewise
+  std::optional<Goal> goal;                 // that patience was learned with
+  std::uint32_t steps = 0;                  // of the window so far
+  double seconds = 0.0;                     // wall time of these, of the world
+  double beside_seconds = 0.0;              // and of the one beside it
+  bool tries_below = false;                 // beside it runs the rung below
+  std::uint32_t calm = 0;                   // windows since the last trial or turn
   std::uint32_t patience = kFirstPatience;  // windows to be calm before the next trial
   std::optional<ErrorEstimate> estimate;
-  std::string reason;
+  std::string reason;  // of this goal
+  double step_cpu_seconds = 0.0;
+
+  const StepReport& stepWorld(World& world) {
+    const double start = threadCpuSeconds();
+    const StepReport& report = world.step();
+    step_cpu_seconds = threadCpuSeconds() - start;
+    return report;
+  }
 
   void begin(const World& world) {
     edits = world.edits();
@@ -76,7 +86,8 @@ struct Governor::Impl {
     steps = 0;
     seconds = beside_seconds = 0.0;
     beside.reset();
-    if (!(goal == world.scene().goal)) goal = world.scene().goal, patience = kFirstPatience, calm = 0, tries_below = false;
+    if (!(goal == world.scene().goal))
+      goal = world.scene().goal, patience = kFirstPatience, calm = 0, tries_below = false, reason.clear();
     const bool wants_error = goal && goal->max_error;
     if (!wants_error && !estimating) return;
     Setting other = halved(setting);
@@ -101,8 +112,12 @@ struct Governor::Impl {
   void compare(const World& world) {
     const double window = steps * world.scene().step;
     const Difference difference = differenceOf(world.snapshot(), beside->snapshot());
-    estimate = ErrorEstimate{{difference.distance / window, difference.angle / window, difference.energy / window},
-                             window, world.scene().fidelity, beside->scene().fidelity, 1e3 * beside_seconds / steps};
+    estimate =
+        ErrorEstimate{{difference.distance / window, difference.angle / window, difference.energy / window},
+                      window,
+                      world.scene().fidelity,
+                      beside->scene().fidelity,
+                      1e3 * beside_seconds / steps};
   }
 
   void seekError(World& world, double most) {
@@ -122,8 +137,8 @@ struct Governor::Impl {
       if (k + 1 < kLadder.size())
         turn(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the last rung, with an error of " + text(1e3 * error) +
-                 " mm/s above " + goal;
+        reason = settingName(world.scene().fidelity) + ": the last rung, with an error of " +
+                 text(1e3 * error) + " mm/s above " + goal;
     } else if (++calm >= patience && k > 0) {
       tries_below = true;
     }
@@ -139,7 +154,8 @@ struct Governor::Impl {
       if (k > 0)
         turn(world, k - 1, text(ms) + " ms a step are above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the first rung, although " + text(ms) + " ms a step are above " + goal;
+        reason = settingName(world.scene().fidelity) + ": the first rung, although " + text(ms) +
+                 " ms a step are above " + goal;
     } else if (++calm >= patience && ms < kIdle * most && k + 1 < kLadder.size()) {
       turn(world, k + 1, text(ms) + " ms a step are far below " + goal);
     }
@@ -158,13 +174,13 @@ const StepReport& Governor::step(World& world) {
     g.beside.reset();
     g.estimate.reset();
     g.goal.reset();
-    return world.step();
+    return g.stepWorld(world);
   }
   const bool wants_beside = g.estimating || goal->max_error;
   const bool changed = world.edits() != g.edits || world.scene().fidelity != g.setting;
   if (changed || g.steps == 0 || wants_beside != g.beside.has_value() || !(goal == g.goal)) g.begin(world);
 
-  const StepReport& report = world.step();
+  const StepReport& report = g.stepWorld(world);
   g.seconds += report.seconds;
   if (g.beside) g.beside_seconds += g.beside->step().seconds;
   ++g.steps;
@@ -183,8 +199,12 @@ void Governor::setEstimating(bool on) {
 const std::optional<ErrorEstimate>& Governor::estimate() const {
   return impl_->estimate;
 }
-const std::string& Governor::reason() const {
-  return impl_->reason;
+std::string Governor::reason(const World& world) const {
+  const std::optional<Goal>& goal = world.scene().goal;
+  return goal && goal == impl_->goal ? impl_->reason : "";
+}
+double Governor::stepCpuSeconds() const {
+  return impl_->step_cpu_seconds;
 }
 
 }  // namespace rbs

@@ -86,7 +86,8 @@ struct Simulator::Impl {
     snapshot.elapsed = elapsed_before + (world.time() - began_at);
     snapshot.paused = pace.paused;
     snapshot.estimate = governor.estimate();
-    snapshot.dial_reason = governor.reason();
+    snapshot.dial_reason = governor.reason(world);
+    snapshot.step_cpu_seconds = governor.stepCpuSeconds();
     std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
     stale = false;
     const std::lock_guard<std::mutex> lock(mutex);

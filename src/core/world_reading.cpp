@@ -105,6 +105,7 @@ Snapshot World::snapshot() const {
   s.air.velocity = airVelocity(settings, w.scene.time);
   s.fluid = settings.fluid;
   s.gravity = settings.gravity;
+  s.effects = settings.effects;
   s.fidelity = settings.fidelity;
   s.goal = settings.goal;
   s.view = settings.view;

@@ -3,6 +3,7 @@
 
 #include "../tools/study_json.h"
 #include "convert.h"
+#include "same_scene.h"
 #include "words.h"
 
 #include "rigid_body_sim/scenes.h"
@@ -10,42 +11,36 @@
 #include <rigid_body_sim/AccuracyStudy.h>
 
 #include <boost/filesystem.hpp>
-#include <boost/process.hpp>
-#include <boost/process/extend.hpp>
 
-#include <fcntl.h>
-
-#include <csignal>
-#include <fstream>
+#include <chrono>
 #include <utility>
 
 namespace rbs {
 namespace {
 
-namespace bp = boost::process;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
 
-// Its program stands beside that of the node.
-boost::filesystem::path program() {
-  return boost::filesystem::read_symlink("/proc/self/exe").parent_path() / "scene_accuracy";
+constexpr auto kPoll = 100ms;
+/// How long the program may take to end when it is asked to, and be silent without working.
+constexpr auto kGrace = 2s, kSilence = 20s;
+constexpr double kComparePeriod = 0.2;  // s
+
+// The program that measures is installed beside that of the node.
+std::string program() {
+  return (boost::filesystem::read_symlink("/proc/self/exe").parent_path() / "scene_accuracy").string();
 }
 
-// In the process to be, before its program begins: the threads of ROS block all signals, and its sockets are not for
-// others.
-constexpr auto startAfresh = [](auto&) {
-  sigset_t none;
-  sigemptyset(&none);
-  sigprocmask(SIG_SETMASK, &none, nullptr);
-  constexpr int kFirst = 3, kMost = 4096;
-  for (int handle = kFirst; handle < kMost; ++handle) fcntl(handle, F_SETFD, FD_CLOEXEC);
-};
-
-std::string writeTemporary(const std::string& text) {
-  const auto path = boost::filesystem::temp_directory_path() / boost::filesystem::unique_path("rigid_body_sim_%%%%%%%%.yaml");
-  std::ofstream stream(path.string());
-  stream << text;
-  stream.close();
-  if (!stream) throw std::runtime_error("cannot write " + path.string());
-  return path.string();
+std::vector<std::string> commandFor(const AccuracyOptions& options) {
+  const auto option = [](const char* name, auto value) { return words("--", name, "=", value); };
+  return {program(),
+          "-",
+          "--progress",
+          "--background",
+          option("seconds", options.seconds),
+          option("window", options.window),
+          option("windows", options.windows),
+          option("max-seconds", options.max_cpu_seconds)};
 }
 
 rigid_body_sim::SettingCost toMsg(const SettingCost& cost) {
@@ -69,9 +64,12 @@ rigid_body_sim::SettingCost toMsg(const SettingCost& cost) {
 AccuracyJob::AccuracyJob(ros::NodeHandle& node, Simulator& simulator, Timeline& timeline)
     : simulator_(simulator),
       timeline_(timeline),
-      publisher_(node.advertise<rigid_body_sim::AccuracyStudy>("accuracy", 10, true)) {}
+      publisher_(node.advertise<rigid_body_sim::AccuracyStudy>("accuracy", 10, true)),
+      compare_(node.createWallTimer(ros::WallDuration(kComparePeriod),
+                                    [this](const ros::WallTimerEvent&) { compare(); })) {}
 
 AccuracyJob::~AccuracyJob() {
+  compare_.stop();
   stop();
 }
 
@@ -80,81 +78,140 @@ std::uint32_t AccuracyJob::start(const AccuracyOptions& options) {
   if (!problems.empty()) throw InvalidInput(problems);
   std::lock_guard<std::mutex> lock(running_);
   end();
-  const World world = simulator_.copy().first;
-  file_ = writeTemporary(writeScene(world.capture(), world.captureState()));
-  bp::ipstream lines;
-  const auto option = [](const char* name, auto value) { return words("--", name, "=", value); };
-  try {
-    process_.emplace(program(), file_, "--progress", "--background", option("seconds", options.seconds),
-                     option("window", options.window), option("windows", options.windows),
-                     option("max-seconds", options.max_cpu_seconds), bp::std_in < bp::null, bp::std_out > lines,
-                     bp::extend::on_exec_setup = startAfresh);
-  } catch (const std::exception& error) {
-    end();
-    throw std::runtime_error(words(program().string(), " cannot be run: ", error.what()));
+  auto [world, then] = simulator_.copy();
+  std::uint32_t job = 0;
+  {
+    std::lock_guard<std::mutex> lock_known(mutex_);
+    job = known_.job + 1;
+    known_ = {job, {}, 0.0, false, then, ""};
   }
-  const std::uint32_t job = ++jobs_;
-  reader_ = std::thread([this, job, lines = std::move(lines)]() mutable { follow(lines, job); });
+  stop_ = false;
+  std::promise<void> started;
+  std::future<void> running = started.get_future();
+  reader_ = std::thread(&AccuracyJob::follow, this, commandFor(options),
+                        writeScene(world.capture(), world.captureState()), std::move(started));
+  running.get();
   return job;
 }
 
 bool AccuracyJob::stop() {
   std::lock_guard<std::mutex> lock(running_);
-  const bool was_running = process_ && process_->running();
+  bool was_running = false;
+  {
+    std::lock_guard<std::mutex> lock_known(mutex_);
+    was_running = reader_.joinable() && !known_.done;
+  }
   end();
   return was_running;
 }
 
-// The program ends at SIGTERM with what it knows.
 void AccuracyJob::end() {
-  if (process_ && process_->running()) kill(process_->id(), SIGTERM);
+  stop_ = true;
   if (reader_.joinable()) reader_.join();
-  if (process_) process_->wait();
-  process_.reset();
-  if (!file_.empty()) boost::filesystem::remove(std::exchange(file_, ""));
 }
 
-void AccuracyJob::follow(bp::ipstream& lines, std::uint32_t job) {
+// The thread of a study. It alone starts, reads and reaps the program.
+void AccuracyJob::follow(std::vector<std::string> command, std::string scene, std::promise<void> started) {
+  std::optional<ChildProcess> program;
+  try {
+    program.emplace(command, scene);
+  } catch (const std::exception& error) {
+    AccuracyStudy nothing;
+    nothing.trouble = words("the program that measures cannot be run: ", error.what());
+    started.set_exception(std::make_exception_ptr(std::runtime_error(nothing.trouble)));
+    update(0.0, true, nothing);
+    return;
+  }
+  started.set_value();
+  update(1.0, true, read(*program));
+}
+
+// What the program has found when it ends, is stopped, or goes wrong.
+AccuracyStudy AccuracyJob::read(ChildProcess& program) {
   AccuracyStudy study;
-  bool done = false;
-  for (std::string line; std::getline(lines, line);) {
-    const nlohmann::json told = nlohmann::json::parse(line);
-    study = told.at("study");
-    done = told.contains("done");
-    publish(job, told.at("share"), done, study);
+  std::string trouble = "it ended early";
+  std::optional<Clock::time_point> asked;  // to end
+  Clock::time_point alive = Clock::now();
+  double cpu = 0.0;
+  try {
+    while (!program.ended()) {
+      const Clock::time_point now = Clock::now();
+      if (stop_ && !asked) program.terminate(), asked = now, trouble = "it was stopped";
+      if (asked && now - *asked > kGrace) break;
+      const std::optional<std::string> line = program.readLine(kPoll);
+      if (line) {
+        const nlohmann::json told = nlohmann::json::parse(*line);
+        study = told.at("study").get<AccuracyStudy>();
+        if (told.contains("done")) return study;
+        update(told.at("share"), false, study);
+      }
+      if (line || program.cpuSeconds() > cpu) alive = now, cpu = program.cpuSeconds();
+      if (now - alive > kSilence) {
+        trouble = "it did nothing for " + std::to_string(kSilence.count()) + " s";
+        break;
+      }
+    }
+  } catch (const std::exception& error) {
+    trouble = words("it wrote what is no study: ", error.what());
   }
-  if (done) return;
-  study.trouble = "the process that measures has ended before its time";
-  publish(job, 1.0, true, study);
+  if (!stop_) ROS_WARN_STREAM("scene_accuracy was ended: " << trouble);
+  if (!stop_ || study.windows + study.dropped == 0)
+    study.trouble = "the program that measures gave no result: " + trouble;
+  return study;
 }
 
-void AccuracyJob::publish(std::uint32_t job, double progress, bool done, const AccuracyStudy& study) {
-  if (done) {
-    std::lock_guard<std::mutex> lock(mutex_);
-    found_ = study;
-  }
+void AccuracyJob::update(double progress, bool done, const AccuracyStudy& study) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  known_.study = study;
+  known_.progress = progress;
+  known_.done = done;
+  publish();
+}
+
+// Whether what was measured still holds.
+void AccuracyJob::compare() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (known_.job == 0) return;
+  const std::string stale = sceneChange(*known_.scene, *simulator_.snapshot());
+  if (stale != std::exchange(known_.stale, stale)) publish();
+}
+
+void AccuracyJob::publish() {
+  const AccuracyStudy& study = known_.study;
   rigid_body_sim::AccuracyStudy msg;
   msg.header.stamp = timeline_.stamp();
-  msg.job = job;
-  msg.scene = study.scene;
-  msg.time = study.time;
-  msg.step = study.step;
-  msg.progress = progress;
-  msg.done = done;
+  msg.job = known_.job;
+  msg.scene = known_.scene->scene;
+  msg.time = known_.scene->time;
+  msg.step = known_.scene->step;
+  msg.stale = known_.stale;
+  msg.progress = known_.progress;
+  msg.done = known_.done;
   msg.complete = study.complete;
   msg.trouble = study.trouble;
   msg.window = study.window;
+  msg.shortest = study.shortest;
   msg.seconds = study.seconds;
   msg.windows = study.windows;
+  msg.shortened = study.shortened;
   msg.dropped = study.dropped;
-  msg.uncertainty = study.uncertainty.distance;
+  msg.uncertainty = finite(study.uncertainty.distance);
   for (const SettingCost& cost : study.settings) msg.settings.push_back(toMsg(cost));
   publisher_.publish(msg);
 }
 
-std::optional<AccuracyStudy> AccuracyJob::found() const {
+AccuracyStudy AccuracyJob::foundFor(const Snapshot& now) const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return found_;
+  if (!known_.done)
+    throw std::runtime_error(
+        "nothing has been measured: call measure_accuracy, and wait until ~accuracy is done");
+  const AccuracyStudy& study = known_.study;
+  if (!study.trouble.empty()) throw std::runtime_error("no errors are known: " + study.trouble);
+  const std::string stale = sceneChange(*known_.scene, now);
+  if (!stale.empty())
+    throw std::runtime_error(
+        words("'", study.scene, "' was measured, but ", stale, " since: call measure_accuracy again"));
+  return study;
 }
 
 }  // namespace rbs

@@ -36,7 +36,8 @@ std::string setFidelity(World& world, const SetFidelity::Request& request, SetFi
   return message;
 }
 
-std::string tuneFidelity(World& world, const TuneFidelity::Request& request, TuneFidelity::Response& response) {
+std::string tuneFidelity(World& world, const TuneFidelity::Request& request,
+                         TuneFidelity::Response& response) {
   Setting setting = request.preset.empty() ? world.scene().fidelity.preset : fidelityNamed(request.preset);
   if (request.divisions != 0) setting.divisions = request.divisions;
   if (request.sub_steps != 0) setting.sub_steps = request.sub_steps;
@@ -70,19 +71,16 @@ std::string seek(World& world, const AccuracyGoal::Request& request, AccuracyGoa
 }
 
 /// Puts the dial to the setting that a study recommends.
-std::string apply(Simulator& simulator, const std::optional<AccuracyStudy>& study, const AccuracyGoal::Request& request,
+std::string apply(World& world, const AccuracyStudy& study, const Goal& goal,
                   AccuracyGoal::Response& response) {
-  const Goal goal = goalOf(request);
-  if (!study) throw std::runtime_error("nothing has been measured: call measure_accuracy, and wait until ~accuracy is done");
-  if (!study->trouble.empty()) throw std::runtime_error("no errors are known: " + study->trouble);
   const SettingCost* cost =
-      goal.max_error ? cheapestWithin(*study, *goal.max_error) : mostAccurateWithin(*study, *goal.max_step_ms);
+      goal.max_error ? cheapestWithin(study, *goal.max_error) : mostAccurateWithin(study, *goal.max_step_ms);
   if (!cost) throw std::runtime_error("no setting that was measured has " + inWords(goal));
-  std::string message;
-  simulator.edit([&](World& world) { message = turn(world, cost->setting); });
+  const std::string message = turn(world, cost->setting);
   response.fidelity = settingName(cost->setting);
-  return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance, " m for each second simulated, ",
-               cost->step_ms, " ms a step, as measured on '", study->scene, "'");
+  return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance,
+               " m for each second simulated, ", cost->step_ms, " ms a step, as measured on '", study.scene,
+               "'");
 }
 
 }  // namespace
@@ -91,31 +89,39 @@ void Services::offerDial() {
   offerEdit<SetFidelity>("set_fidelity", setFidelity);
   offerEdit<TuneFidelity>("tune_fidelity", tuneFidelity);
   offerEdit<AccuracyGoal>("seek_accuracy", seek);
-  offer<AccuracyGoal>("apply_accuracy", [this](const AccuracyGoal::Request& request, AccuracyGoal::Response& response) {
-    return apply(simulator_, accuracy_.found(), request, response);
+  offer<AccuracyGoal>("apply_accuracy",
+                      [this](const AccuracyGoal::Request& request, AccuracyGoal::Response& response) {
+                        const Goal goal = goalOf(request);
+                        std::string message;
+                        simulator_.edit([&](World& world) {
+                          message = apply(world, accuracy_.foundFor(world.snapshot()), goal, response);
+                        });
+                        return message;
+                      });
+  offer<MeasureAccuracy>("measure_accuracy", [this](const MeasureAccuracy::Request& request,
+                                                    MeasureAccuracy::Response& response) {
+    AccuracyOptions options;
+    if (request.seconds != 0.0) options.seconds = request.seconds;
+    if (request.window != 0.0) options.window = request.window;
+    if (request.windows != 0) options.windows = request.windows;
+    if (request.max_cpu_seconds != 0.0) options.max_cpu_seconds = request.max_cpu_seconds;
+    response.job = accuracy_.start(options);
+    return words("job ", response.job, ": measuring for up to ", options.max_cpu_seconds,
+                 " s of CPU time; ~accuracy tells how far it is");
   });
-  offer<MeasureAccuracy>(
-      "measure_accuracy", [this](const MeasureAccuracy::Request& request, MeasureAccuracy::Response& response) {
-        AccuracyOptions options;
-        if (request.seconds != 0.0) options.seconds = request.seconds;
-        if (request.window != 0.0) options.window = request.window;
-        if (request.windows != 0) options.windows = request.windows;
-        if (request.max_cpu_seconds != 0.0) options.max_cpu_seconds = request.max_cpu_seconds;
-        response.job = accuracy_.start(options);
-        return words("job ", response.job, ": measuring for up to ", options.max_cpu_seconds,
-                     " s of CPU time; ~accuracy tells how far it is");
-      });
   offer<Trigger>("stop_accuracy", [this](const Trigger::Request&, Trigger::Response&) {
     return accuracy_.stop() ? "stopped; what is known stays in ~accuracy" : "nothing was being measured";
   });
   offer<SetBool>("estimate_error", [this](const SetBool::Request& request, SetBool::Response&) {
     simulator_.estimateErrors(request.data);
-    return request.data ? "a copy in half the steps runs beside the scene; ~status tells how far the two go apart"
-                        : "errors are not estimated";
+    return request.data ? "error estimation on: a second simulation with half the step size runs alongside; "
+                          "~status reports the difference"
+                        : "error estimation off";
   });
   offer<SetBool>("show_ghost", [this](const SetBool::Request& request, SetBool::Response&) {
     ghost_.show(request.data);
-    return request.data ? "the reference run of this scene begins here; ~ghost shows it" : "the ghost is gone";
+    return request.data ? "the reference run of this scene begins here; ~ghost shows it"
+                        : "the ghost is gone";
   });
 }
 

@@ -6,14 +6,24 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <future>
+#include <thread>
 
 namespace rbs {
 namespace {
 
 constexpr float kAlpha = 0.35f;
-constexpr std::uint32_t kDivisions = 2;  // of its steps
-constexpr double kRepeatPeriod = 5.0;    // s, as of the bodies
+constexpr double kRepeatPeriod = 5.0;  // s, as of the bodies
+/// How long a step of it may hold up the end of the node.
+constexpr auto kGrace = std::chrono::seconds(2);
+
+Setting referenceRun() {
+  Setting setting(Fidelity::Reference);
+  setting.divisions = 2;
+  return setting;
+}
 
 // Behind the live simulation, which must not wait for it.
 void lowerPriorityOfThisThread() {
@@ -23,61 +33,96 @@ void lowerPriorityOfThisThread() {
 
 }  // namespace
 
+/// What the thread of a reference run owns together with the ghost.
+struct Ghost::Run {
+  std::mutex mutex;  ///< held by the thread whenever it touches the ghost
+  std::atomic<bool> shown{
+      true};  ///< set under the mutex; once it is false, the thread touches the ghost no more
+  std::atomic<double> time{0.0};  ///< physics time that it has come to, s
+  std::promise<void> ended;
+};
+
 Ghost::Ghost(ros::NodeHandle& node, Simulator& simulator)
     : simulator_(simulator), markers_(node, "ghost", TfMode::None, "", kRepeatPeriod) {}
 
 Ghost::~Ghost() {
+  const std::shared_ptr<Run> run = run_;
   show(false);
+  if (run) run->ended.get_future().wait_for(kGrace);
 }
 
 void Ghost::show(bool on) {
   std::lock_guard<std::mutex> lock(mutex_);
-  stop_ = true;
-  if (thread_.joinable()) thread_.join();
-  time_ = simulator_.snapshot()->time;
-  shown_ = on;
-  if (!on) {
-    Snapshot nothing;
-    nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
-    markers_.publishNow(nothing);
-    return;
+  if (run_) {
+    std::lock_guard<std::mutex> lock_run(run_->mutex);
+    run_->shown = false;
   }
-  stop_ = false;
-  thread_ = std::thread([this] { run(); });
+  hide();
+  std::shared_ptr<Run> run;
+  if (on) {
+    run = std::make_shared<Run>();
+    run->time = simulator_.snapshot()->time;
+    std::thread([this, run] { follow(*run); }).detach();  // so that nobody waits for its step
+  }
+  std::atomic_store(&run_, run);
 }
 
 std::optional<double> Ghost::lag() const {
-  if (!shown_) return std::nullopt;
-  return std::max(0.0, simulator_.snapshot()->time - time_);
+  const std::shared_ptr<Run> run = std::atomic_load(&run_);
+  if (!run || !run->shown) return std::nullopt;
+  return std::max(0.0, simulator_.snapshot()->time - run->time);
 }
 
-void Ghost::run() {
+void Ghost::follow(Run& run) {
   lowerPriorityOfThisThread();
-  constexpr auto kPeriod = std::chrono::milliseconds(33);
+  try {
+    keepUp(run);
+  } catch (const std::exception& error) {
+    std::lock_guard<std::mutex> lock(run.mutex);
+    if (run.shown) {
+      ROS_ERROR_STREAM("the ghost has ended: " << error.what());
+      hide();
+      run.shown = false;
+    }
+  }
+  run.ended.set_value();
+}
+
+// Takes its steps without the mutex.
+void Ghost::keepUp(Run& run) {
+  constexpr auto kPeriod = std::chrono::milliseconds(33), kRest = std::chrono::milliseconds(5);
   std::optional<World> world;
   std::uint64_t edits = 0;
   auto published = std::chrono::steady_clock::now() - kPeriod;
-  while (!stop_) {
-    const std::shared_ptr<const Snapshot> live = simulator_.snapshot();
-    if (!world || live->edits != edits) {
-      auto [copy, then] = simulator_.copy();
-      edits = then->edits;
-      world.emplace(std::move(copy));
-      Setting reference(Fidelity::Reference);
-      reference.divisions = kDivisions;
-      world->setGoal(std::nullopt);
-      world->setFidelity(reference);
-      time_ = world->time();
+  while (true) {
+    bool behind = false;
+    {
+      std::lock_guard<std::mutex> lock(run.mutex);
+      if (!run.shown) return;
+      const std::shared_ptr<const Snapshot> live = simulator_.snapshot();
+      if (!world || live->edits != edits) {
+        auto [copy, then] = simulator_.copy();
+        edits = then->edits;
+        world.emplace(std::move(copy));
+        world->setGoal(std::nullopt);
+        world->setFidelity(referenceRun());
+        run.time = world->time();
+      }
+      const auto now = std::chrono::steady_clock::now();
+      if (now - published >= kPeriod) publish(world->snapshot()), published = now;
+      behind = world->time() < live->time - 0.5 * live->step;
     }
-    if (world->time() < live->time - 0.5 * live->step)
-      world->step(), time_ = world->time();
+    if (behind)
+      world->step(), run.time = world->time();
     else
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    const auto now = std::chrono::steady_clock::now();
-    if (now - published < kPeriod) continue;
-    publish(world->snapshot());
-    published = now;
+      std::this_thread::sleep_for(kRest);
   }
+}
+
+void Ghost::hide() {
+  Snapshot nothing;
+  nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
+  markers_.publishNow(nothing);
 }
 
 // Of what moves, in its colours.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ghost: the reference run of the scene, drawn translucent beside the live bodies, so that error can be seen.
+// The ghost: the reference run of the scene, drawn translucent beside the live bodies, so that error can be
+// seen.
 #pragma once
 
 #include "markers.h"
@@ -8,15 +9,15 @@
 
 #include <ros/ros.h>
 
-#include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 namespace rbs {
 
-/// Publishes ~ghost. It begins with the live state when it is shown, and again with every edit; it keeps up with the
-/// live time as well as it can. Thread-safe.
+/// Publishes ~ghost. It begins with the live state when it is shown, and again with every edit; it keeps up
+/// with the live time as well as it can. Thread-safe. Nobody waits for a step of it, which may take seconds;
+/// only the destructor does, for two at most.
 class Ghost {
  public:
   Ghost(ros::NodeHandle& node, Simulator& simulator);
@@ -28,16 +29,19 @@ class Ghost {
   std::optional<double> lag() const;
 
  private:
-  void run();
+  struct Run;
+
+  void follow(Run& run);
+  void keepUp(Run& run);
+  void hide();
   void publish(const Snapshot& snapshot);
 
   Simulator& simulator_;
   MarkerPublisher markers_;
-  std::shared_ptr<const std::vector<BodyDescription>> described_, drawn_;  ///< bodies as simulated, and as drawn
-  std::mutex mutex_;  ///< of the thread's begin and end
-  std::atomic<bool> stop_{false}, shown_{false};
-  std::atomic<double> time_;  ///< physics time that it has come to, s
-  std::thread thread_;
+  std::shared_ptr<const std::vector<BodyDescription>> described_,
+      drawn_;                 ///< bodies as simulated, and as drawn
+  std::mutex mutex_;          ///< one caller at a time shows or hides
+  std::shared_ptr<Run> run_;  ///< the last one, by atomic_load and atomic_store; empty: none
 };
 
 }  // namespace rbs

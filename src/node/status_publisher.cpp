@@ -112,6 +112,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   msg.wind = snapshot.air.wind;
   msg.hash = hexadecimal(snapshot.hash);
   fillPace(pace, snapshot, msg);
+  msg.step_cpu_seconds = snapshot.step_cpu_seconds;
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
   fillDial(snapshot, msg);

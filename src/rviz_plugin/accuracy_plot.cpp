@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_plot.h"
 
+#include <qwt_picker_machine.h>
 #include <qwt_plot_grid.h>
 #include <qwt_plot_picker.h>
-#include <qwt_picker_machine.h>
 #include <qwt_scale_engine.h>
 #include <qwt_symbol.h>
 #include <qwt_text.h>
@@ -14,9 +14,17 @@
 namespace rbs {
 namespace {
 
-constexpr double kLeast = 1e-15;  // m/s: what is drawn for less
+constexpr double kLeast = 1e-15;    // m/s: what is drawn for less
 constexpr std::size_t kTimes = 15;  // whose median is shown
-constexpr double kNear = 12.0;    // pixels from a point that a click may be
+constexpr double kNear = 12.0;      // pixels from a point that the mouse may be
+constexpr int kPointSize = 8, kLiveSize = 11;
+
+struct Preset {
+  const char *name, *colour;
+};
+constexpr Preset kPresetLooks[] = {
+    {"preview", "#7fb3d5"}, {"interactive", "#1b5e9e"}, {"accurate", "#2e8b57"}, {"reference", "#7d3c98"}};
+constexpr const char *kLiveColour = "#d98a00", *kStaleColour = "#b8b8b8";
 
 QPointF pointOf(const rigid_body_sim::SettingCost& cost) {
   return {cost.step_ms, std::max(cost.error, kLeast)};
@@ -24,7 +32,8 @@ QPointF pointOf(const rigid_body_sim::SettingCost& cost) {
 
 /// The settings that none beats in both, from cheap to exact.
 QVector<QPointF> frontOf(std::vector<rigid_body_sim::SettingCost> settings) {
-  std::sort(settings.begin(), settings.end(), [](const auto& a, const auto& b) { return a.step_ms < b.step_ms; });
+  std::sort(settings.begin(), settings.end(),
+            [](const auto& a, const auto& b) { return a.step_ms < b.step_ms; });
   QVector<QPointF> front;
   for (const rigid_body_sim::SettingCost& cost : settings)
     if (front.isEmpty() || pointOf(cost).y() < front.last().y()) front.append(pointOf(cost));
@@ -39,40 +48,86 @@ QwtText small(const QString& text) {
   return title;
 }
 
+QwtSymbol* symbol(QwtSymbol::Style style, const QColor& colour, int size) {
+  return new QwtSymbol(style, colour, QPen(Qt::NoPen), QSize(size, size));
+}
+
+QString lengthText(double metres) {
+  if (metres >= 1.0) return QString("%1 m").arg(metres, 0, 'g', 3);
+  if (metres >= 1e-3) return QString("%1 mm").arg(1e3 * metres, 0, 'g', 3);
+  if (metres >= 1e-6) return QString("%1 um").arg(1e6 * metres, 0, 'g', 3);
+  return QString("%1 nm").arg(1e9 * metres, 0, 'g', 3);
+}
+
+/// Names the setting under the mouse.
+class Hover : public QwtPlotPicker {
+ public:
+  Hover(AccuracyPlot& plot)
+      : QwtPlotPicker(QwtPlot::xBottom, QwtPlot::yLeft, NoRubberBand, AlwaysOn, plot.canvas()), plot_(plot) {
+    setStateMachine(new QwtPickerClickPointMachine);
+  }
+  QwtText trackerText(const QPoint& pixels) const override {
+    QwtText text = small(plot_.nameAt(pixels));
+    if (!text.isEmpty()) text.setBackgroundBrush(QColor(255, 255, 225));
+    return text;
+  }
+
+ private:
+  const AccuracyPlot& plot_;
+};
+
 }  // namespace
 
 AccuracyPlot::AccuracyPlot() {
   for (const Axis axis : {xBottom, yLeft}) setAxisScaleEngine(axis, new QwtLogScaleEngine);
   setAxisMaxMinor(yLeft, 0);
   setAxisMaxMajor(yLeft, 5);
-  setAxisTitle(xBottom, small("ms a step"));
+  setAxisTitle(xBottom, small("CPU ms a step"));
   setAxisTitle(yLeft, small("error, m/s"));
   setCanvasBackground(Qt::white);
-  setFixedHeight(180);
-  setToolTip("What each setting costs and gives, as measured on this scene; a click on a point takes that setting.\n"
-             "Orange: the live simulation");
+  setFixedHeight(200);
   auto* grid = new QwtPlotGrid;
   grid->setPen(QColor(225, 225, 225));
   grid->attach(this);
   front_.setPen(QColor(0, 0, 0, 40), 4.0);
+  front_.setItemAttribute(QwtPlotItem::Legend, false);
   front_.attach(this);
-  points_.setStyle(QwtPlotCurve::NoCurve);
-  points_.setSymbol(new QwtSymbol(QwtSymbol::Ellipse, QColor("#1b5e9e"), QPen(Qt::NoPen), QSize(8, 8)));
-  points_.setRenderHint(QwtPlotItem::RenderAntialiased);
-  points_.attach(this);
-  live_.setLinePen(QColor("#d98a00"), 1.5);
+  for (std::size_t k = 0; k < kPresets; ++k) {
+    points_[k] = std::make_unique<QwtPlotCurve>(small(kPresetLooks[k].name));
+    points_[k]->setStyle(QwtPlotCurve::NoCurve);
+    points_[k]->setRenderHint(QwtPlotItem::RenderAntialiased);
+    points_[k]->setLegendAttribute(QwtPlotCurve::LegendShowSymbol);
+    points_[k]->attach(this);
+  }
+  live_.setTitle(small("live"));
+  live_.setPen(QColor(kLiveColour), 1.5);
+  live_.setSymbol(symbol(QwtSymbol::Diamond, QColor(kLiveColour), kLiveSize));
+  live_.setLegendAttribute(QwtPlotCurve::LegendShowSymbol);
   live_.attach(this);
-  auto* picker = new QwtPlotPicker(xBottom, yLeft, QwtPicker::NoRubberBand, QwtPicker::AlwaysOff, canvas());
-  picker->setStateMachine(new QwtPickerClickPointMachine);
-  connect(picker, qOverload<const QPointF&>(&QwtPlotPicker::selected), this, &AccuracyPlot::choose);
+  auto* legend = new QwtLegend;
+  legend->setMaxColumns(kPresets + 1);
+  insertLegend(legend, QwtPlot::TopLegend);
+  connect(new Hover(*this), qOverload<const QPointF&>(&QwtPlotPicker::selected), this, &AccuracyPlot::choose);
+}
+
+// The curves detach before the plot, which would delete them.
+AccuracyPlot::~AccuracyPlot() {
+  detachItems(QwtPlotItem::Rtti_PlotCurve, false);
 }
 
 void AccuracyPlot::show(const rigid_body_sim::AccuracyStudy& study) {
-  settings_ = study.windows > 0 ? study.settings : std::vector<rigid_body_sim::SettingCost>();
-  QVector<QPointF> points;
-  for (const rigid_body_sim::SettingCost& cost : settings_) points.append(pointOf(cost));
-  points_.setSamples(points);
+  settings_ = study.windows + study.dropped > 0 ? study.settings : std::vector<rigid_body_sim::SettingCost>();
+  stale_ = !study.stale.empty();
+  for (std::size_t k = 0; k < kPresets; ++k) {
+    QVector<QPointF> points;
+    for (const rigid_body_sim::SettingCost& cost : settings_)
+      if (cost.preset == kPresetLooks[k].name) points.append(pointOf(cost));
+    points_[k]->setSamples(points);
+    points_[k]->setSymbol(
+        symbol(QwtSymbol::Ellipse, stale_ ? kStaleColour : kPresetLooks[k].colour, kPointSize));
+  }
   front_.setSamples(frontOf(settings_));
+  live_.setVisible(!stale_);
   setVisible(!settings_.empty());
   replot();
 }
@@ -84,23 +139,45 @@ void AccuracyPlot::showLive(double step_ms, double error) {
   std::vector<double> sorted(times_.begin(), times_.end());
   std::sort(sorted.begin(), sorted.end());
   const double median = sorted[sorted.size() / 2];
-  const bool known = error > 0.0;
-  live_.setLineStyle(known ? QwtPlotMarker::NoLine : QwtPlotMarker::VLine);
-  live_.setSymbol(known ? new QwtSymbol(QwtSymbol::Diamond, QColor("#d98a00"), QPen(Qt::NoPen), QSize(11, 11)) : nullptr);
-  live_.setValue(median, known ? std::max(error, kLeast) : pointOf(settings_.front()).y());
+  QVector<QPointF> points;
+  if (error > 0.0) {
+    points.append({median, std::max(error, kLeast)});
+  } else {
+    const auto [best, worst] = std::minmax_element(
+        settings_.begin(), settings_.end(), [](const auto& a, const auto& b) { return a.error < b.error; });
+    points.append({median, pointOf(*best).y()});
+    points.append({median, pointOf(*worst).y()});
+  }
+  live_.setStyle(error > 0.0 ? QwtPlotCurve::NoCurve : QwtPlotCurve::Lines);
+  live_.setSamples(points);
   replot();
 }
 
-void AccuracyPlot::choose(const QPointF& where) {
-  const auto pixels = [this](const QPointF& p) { return QPointF(transform(xBottom, p.x()), transform(yLeft, p.y())); };
-  const rigid_body_sim::SettingCost* nearest = nullptr;
+const rigid_body_sim::SettingCost* AccuracyPlot::nearest(const QPointF& pixels) const {
+  const rigid_body_sim::SettingCost* found = nullptr;
   double least = kNear;
   for (const rigid_body_sim::SettingCost& cost : settings_) {
-    const QPointF apart = pixels(pointOf(cost)) - pixels(where);
-    const double distance = std::hypot(apart.x(), apart.y());
-    if (distance < least) least = distance, nearest = &cost;
+    const QPointF point = pointOf(cost);
+    const double distance =
+        std::hypot(transform(xBottom, point.x()) - pixels.x(), transform(yLeft, point.y()) - pixels.y());
+    if (distance < least) least = distance, found = &cost;
   }
-  if (nearest) Q_EMIT chosen(*nearest);
+  return found;
+}
+
+QString AccuracyPlot::nameAt(const QPoint& pixels) const {
+  const rigid_body_sim::SettingCost* cost = nearest(pixels);
+  if (!cost) return QString();
+  return QString("%1: %2 ms, %3%4/s%5")
+      .arg(QString::fromStdString(cost->name))
+      .arg(cost->step_ms, 0, 'g', 3)
+      .arg(cost->at_most ? "at most " : "", lengthText(cost->error), stale_ ? "" : "; click to take it");
+}
+
+void AccuracyPlot::choose(const QPointF& where) {
+  const rigid_body_sim::SettingCost* cost =
+      nearest({transform(xBottom, where.x()), transform(yLeft, where.y())});
+  if (cost && !stale_) Q_EMIT chosen(*cost);
 }
 
 }  // namespace rbs

@@ -18,14 +18,19 @@ DialView::DialView(SimulatorClient& simulator)
       error_(new QCheckBox("Error")),
       ghost_(new QCheckBox("Ghost")),
       text_(new QLabel),
+      stale_(new QLabel),
       plot_(new AccuracyPlot) {
   preset_->addItems({"preview", "interactive", "accurate", "reference"});
   preset_->setToolTip("How finely contacts are solved: from fast to exact");
   measure_->setToolTip("Measures what each setting costs for the scene as it is now");
-  error_->setToolTip("Estimates the error of the present setting while the simulation runs, by a copy in half the steps");
+  error_->setToolTip(
+      "Estimates the error of the present setting while the simulation runs, by a second simulation with "
+      "half the step size");
   ghost_->setToolTip("Shows the reference run from here on, translucent, beside the bodies");
   text_->setWordWrap(true);
   text_->hide();
+  stale_->setWordWrap(true);
+  stale_->hide();
   plot_->hide();
 
   auto* row = new QHBoxLayout;
@@ -40,6 +45,7 @@ DialView::DialView(SimulatorClient& simulator)
   rows->addLayout(row);
   rows->addWidget(text_);
   rows->addWidget(plot_);
+  rows->addWidget(stale_);
 
   connect(preset_, qOverload<int>(&QComboBox::activated), this,
           [this](int index) { simulator_.setFidelity(preset_->itemText(index)); });
@@ -56,8 +62,7 @@ void DialView::show(const rigid_body_sim::Status& status) {
   error_->setChecked(status.estimates_error);
   ghost_->setChecked(!status.ghost_lag.empty());
   QString text = setting.contains(", ") ? setting : QString();
-  if (!status.dial_reason.empty() && (status.max_error > 0.0 || status.max_step_ms > 0.0))
-    text = QString::fromStdString(status.dial_reason);
+  if (!status.dial_reason.empty()) text = QString::fromStdString(status.dial_reason);
   for (const rigid_body_sim::ErrorEstimate& estimate : status.estimate)
     text += (text.isEmpty() ? "" : "; ") + QString("error %1 mm/s").arg(1e3 * estimate.distance, 0, 'g', 3);
   for (const double lag : status.ghost_lag)
@@ -66,12 +71,15 @@ void DialView::show(const rigid_body_sim::Status& status) {
   text_->setText(text);
   text_->setVisible(!text.isEmpty());
   const double error = status.estimate.empty() ? 0.0 : status.estimate[0].distance;
-  plot_->showLive(1e3 * status.step_seconds, error);
+  plot_->showLive(1e3 * status.step_cpu_seconds, error);
 }
 
 void DialView::showStudy(const rigid_body_sim::AccuracyStudy& study) {
   measure_->setText(study.done ? "Measure" : QString("%1 %").arg(int(100.0 * study.progress)));
   plot_->show(study);
+  stale_->setText(QString("Measured on '%1', but %2 since: measure again")
+                      .arg(QString::fromStdString(study.scene), QString::fromStdString(study.stale)));
+  stale_->setVisible(!study.stale.empty());
 }
 
 }  // namespace rbs

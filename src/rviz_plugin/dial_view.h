@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The dial from fast to exact: where it stands, what its settings cost for this scene, and what error it has now.
+// The dial from fast to exact: where it stands, what its settings cost for this scene, and what error it has
+// now.
 #pragma once
 
 #include "accuracy_plot.h"
@@ -28,6 +29,7 @@ class DialView : public QWidget {
   QPushButton* measure_;
   QCheckBox *error_, *ghost_;
   QLabel* text_;
+  QLabel* stale_;  ///< why the chart does not hold any more
   AccuracyPlot* plot_;
 };
 

@@ -14,8 +14,11 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
+#include <iterator>
+#include <stdexcept>
 
 namespace {
 
@@ -23,9 +26,18 @@ using namespace rbs;
 
 volatile std::sig_atomic_t interrupted = 0;
 
+// The second signal ends the program at once, in the middle of a step.
+void endAtSignal(int number) {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(number, &action, nullptr);
+}
+
 struct Request {
   std::string scene, folder, fidelity;
   AccuracyOptions options;
+  std::int64_t windows = AccuracyOptions{}.windows;  // with a sign, so that a negative number does not wrap
   double from = 0.0, max_error = 0.0, max_step_ms = 0.0;
   bool json = false, progress = false, background = false;
 };
@@ -54,12 +66,27 @@ void printChoice(const AccuracyStudy& study, const Request& request) {
                 lengthText(cost->error.distance).c_str(), cost->step_ms);
   };
   if (request.max_error > 0.0)
-    say("Cheapest within " + lengthText(request.max_error) + " a second", cheapestWithin(study, request.max_error));
+    say("Cheapest within " + lengthText(request.max_error) + " a second",
+        cheapestWithin(study, request.max_error));
   if (request.max_step_ms > 0.0) {
     char budget[32];
     std::snprintf(budget, sizeof budget, "%.3g", request.max_step_ms);
-    say("Most accurate within " + std::string(budget) + " ms a step", mostAccurateWithin(study, request.max_step_ms));
+    say("Most accurate within " + std::string(budget) + " ms a step",
+        mostAccurateWithin(study, request.max_step_ms));
   }
+}
+
+void printWindows(const AccuracyStudy& study) {
+  std::printf("A window is %.3g s long.", study.window);
+  if (study.shortened > 0)
+    std::printf(
+        " %u of them end earlier, the shortest after %.3g s: the reference does not converge for longer, or "
+        "the time would not do.",
+        study.shortened, study.shortest);
+  if (study.dropped > 0)
+    std::printf(" In %u more the reference does not converge even for one step%s.", study.dropped,
+                study.windows > 0 ? "; they are left out" : ": all errors are upper bounds from these");
+  std::printf("\n\n");
 }
 
 void print(const AccuracyStudy& study, const Request& request) {
@@ -68,26 +95,27 @@ void print(const AccuracyStudy& study, const Request& request) {
     std::printf("No errors can be given: %s\n", study.trouble.c_str());
     return;
   }
-  std::printf("How far the worst body is astray for each second simulated, and the CPU time of a step.\n"
-              "Means of %u windows of %.3g s along %.3g s%s; known to %s a second.\n\n",
-              study.windows, study.window, study.seconds, study.complete ? "" : " (there was no time for all)",
-              lengthText(study.uncertainty.distance).c_str());
-  std::printf("  %-38s %12s %14s %14s %12s %12s\n", "setting", "ms a step", "place", "at worst", "attitude", "energy");
+  std::printf(
+      "Distance of the worst body from the reference for each second simulated, and the CPU time of a step.\n"
+      "Means of %u windows along %.3g s%s. Halving the step of the reference changes %s a second.\n",
+      std::max(study.windows, 1u), study.seconds, study.complete ? "" : " (there was no time for all)",
+      lengthText(study.uncertainty.distance).c_str());
+  printWindows(study);
+  std::printf("  %-38s %12s %14s %14s %12s %12s\n", "setting", "ms a step", "position", "at worst",
+              "orientation", "energy");
   for (const SettingCost& cost : study.settings)
-    std::printf("  %-38s %12.3g %s%12s %14s %8.2g deg %10.2g %%\n", settingName(cost.setting).c_str(), cost.step_ms,
-                cost.at_most ? "<=" : "  ", lengthText(cost.error.distance).c_str(),
+    std::printf("  %-38s %12.3g %s%12s %14s %8.2g deg %10.2g %%\n", settingName(cost.setting).c_str(),
+                cost.step_ms, cost.at_most ? "<=" : "  ", lengthText(cost.error.distance).c_str(),
                 lengthText(cost.worst.distance).c_str(), cost.error.angle * 180.0 / 3.14159265358979323846,
                 100.0 * cost.error.energy);
-  if (study.dropped > 0)
-    std::printf("%u more windows say nothing: halving the step of the reference changes what happens in them.\n",
-                study.dropped);
   printChoice(study, request);
 }
 
 /// Tells how far the study is: on a terminal, or as lines of JSON for a program.
 class Progress {
  public:
-  explicit Progress(const Request& request) : json_(request.progress), terminal_(!json_ && isatty(STDERR_FILENO) == 1) {}
+  explicit Progress(const Request& request)
+      : json_(request.progress), terminal_(!json_ && isatty(STDERR_FILENO) == 1) {}
   bool operator()(double share, const AccuracyStudy& study) {
     const auto now = std::chrono::steady_clock::now();
     const double elapsed = std::chrono::duration<double>(now - begin_).count();
@@ -97,9 +125,9 @@ class Progress {
         std::cout << nlohmann::json{{"share", share}, {"study", study}}.dump() << std::endl;
       } else {
         const int filled = static_cast<int>(20 * share);
-        std::fprintf(stderr, "\r\033[K[%s%s] %.0f s, at most %.0f s left: %u windows", std::string(filled, '#').c_str(),
-                     std::string(20 - filled, '.').c_str(), elapsed, elapsed * (1.0 - share) / std::max(share, 1e-3),
-                     study.windows);
+        std::fprintf(stderr, "\r\033[K[%s%s] %.0f s, at most %.0f s left: %u windows",
+                     std::string(filled, '#').c_str(), std::string(20 - filled, '.').c_str(), elapsed,
+                     elapsed * (1.0 - share) / std::max(share, 1e-3), study.windows);
       }
     }
     return interrupted == 0;
@@ -114,12 +142,35 @@ class Progress {
   double told_ = 0.0;
 };
 
+// A scene by its name or file, or "-": from standard input.
+SceneFile readRequested(const Request& request) {
+  if (request.scene != "-") return readScene(findScene(request.folder, request.scene));
+  return parseScene(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
+}
+
+// Every fault of the numbers of a request.
+std::vector<Problem> faults(const Request& request) {
+  std::vector<Problem> problems = validate(request.options);
+  if (request.windows != request.options.windows)
+    problems.push_back({"windows", std::to_string(request.windows), "1 to 1000"});
+  for (const auto& [name, value] :
+       {std::pair("from", request.from), std::pair("max-error", request.max_error),
+        std::pair("max-step-ms", request.max_step_ms)})
+    if (!(value >= 0.0 && value <= 1e6)) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%g", value);
+      problems.push_back({name, number, "0 to 1e6"});
+    }
+  return problems;
+}
+
 int run(const Request& request) {
-  SceneFile file = readScene(findScene(request.folder, request.scene));
+  SceneFile file = readRequested(request);
   if (!request.fidelity.empty()) file.scene.fidelity = fidelityNamed(request.fidelity);
   World world(file.scene, file.state);
   const double until = world.time() + request.from - 0.5 * file.scene.step;
   while (world.time() < until && interrupted == 0) world.step();
+  if (interrupted != 0) throw std::runtime_error("interrupted before it began to measure");
   if (request.background) setpriority(PRIO_PROCESS, 0, 19);
 
   AccuracyStudy study;
@@ -146,18 +197,22 @@ int main(int argc, char** argv) {
   AccuracyOptions& o = request.options;
   po::options_description options(
       "What accuracy costs for a scene: error and time of each setting.\n"
-      "Usage: scene_accuracy SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file\n"
-      "Exit codes: 0 done, 1 bad scene or request, 2 bad arguments, 3 no errors can be given, 130 interrupted");
+      "Usage: scene_accuracy SCENE [OPTIONS]      SCENE: a name of the catalogue, a .yaml file, or - for "
+      "standard input\n"
+      "Exit codes: 0 done, 1 bad scene or request, 2 bad arguments, 3 no errors can be given, 130 "
+      "interrupted");
   auto add = options.add_options();
   add("help", "print this");
   add("scene", po::value(&request.scene));
-  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)), "the catalogue of scenes");
+  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)),
+      "the catalogue of scenes");
   add("from", po::value(&request.from), "s to simulate first, as the scene is set");
   add("fidelity", po::value(&request.fidelity), "to simulate them with, instead of the scene's");
   add("seconds", po::value(&o.seconds)->default_value(o.seconds), "of physics time to look ahead");
   add("window", po::value(&o.window)->default_value(o.window), "s that settings run from a common state");
-  add("windows", po::value(&o.windows)->default_value(o.windows), "begun along those seconds");
-  add("max-seconds", po::value(&o.max_cpu_seconds)->default_value(o.max_cpu_seconds), "CPU time in which it must be done");
+  add("windows", po::value(&request.windows)->default_value(request.windows), "begun along those seconds");
+  add("max-seconds", po::value(&o.max_cpu_seconds)->default_value(o.max_cpu_seconds),
+      "CPU time in which it must be done");
   add("max-error", po::value(&request.max_error), "m a second: say which setting is the cheapest within");
   add("max-step-ms", po::value(&request.max_step_ms), "ms: say which setting is the most accurate within");
   add("json", po::bool_switch(&request.json), "print JSON");
@@ -173,19 +228,19 @@ int main(int argc, char** argv) {
       std::cout << options;
       return given.count("help") ? 0 : 2;
     }
-    for (const auto& [name, value] : {std::pair("from", request.from), std::pair("max-error", request.max_error),
-                                      std::pair("max-step-ms", request.max_step_ms)})
-      if (!(value >= 0.0 && value <= 1e6)) throw po::error("--" + std::string(name) + " must be 0 to 1e6");
-  } catch (const po::error& error) {
+    o.windows = static_cast<std::uint32_t>(std::clamp<std::int64_t>(request.windows, 1, 1000));
+    if (const std::vector<Problem> problems = faults(request); !problems.empty())
+      throw InvalidInput(problems);
+  } catch (const std::exception& error) {
     std::cerr << "scene_accuracy: " << error.what() << '\n';
     return 2;
   }
-  std::signal(SIGINT, [](int) { interrupted = 1; });
-  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  endAtSignal(SIGINT);
+  endAtSignal(SIGTERM);
   try {
     return run(request);
   } catch (const std::exception& error) {
     std::cerr << "scene_accuracy: " << error.what() << '\n';
-    return 1;
+    return interrupted != 0 ? 130 : 1;
   }
 }

@@ -6,12 +6,26 @@
 
 #include <nlohmann/json.hpp>
 
+#include <limits>
+
 namespace rbs {
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorRate, distance, angle, energy)
+// JSON knows no infinity: it is written as null.
+inline void to_json(nlohmann::json& json, const ErrorRate& rate) {
+  json = {{"distance", rate.distance}, {"angle", rate.angle}, {"energy", rate.energy}};
+}
+inline void from_json(const nlohmann::json& json, ErrorRate& rate) {
+  const auto read = [&](const char* name) {
+    const nlohmann::json& number = json.at(name);
+    return number.is_null() ? std::numeric_limits<double>::infinity() : number.get<double>();
+  };
+  rate = {read("distance"), read("angle"), read("energy")};
+}
 
 inline void to_json(nlohmann::json& json, const Setting& setting) {
-  json = {{"name", settingName(setting)}, {"preset", fidelityName(setting.preset)}, {"divisions", setting.divisions}};
+  json = {{"name", settingName(setting)},
+          {"preset", fidelityName(setting.preset)},
+          {"divisions", setting.divisions}};
   if (setting.sub_steps) json["sub_steps"] = *setting.sub_steps;
   if (setting.tolerance) json["tolerance"] = *setting.tolerance;
   if (setting.max_solve_ms) json["max_solve_ms"] = *setting.max_solve_ms;
@@ -25,7 +39,7 @@ inline void from_json(const nlohmann::json& json, Setting& setting) {
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SettingCost, setting, step_ms, error, worst, at_most, steps)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyStudy, scene, time, step, window, seconds, windows, dropped, uncertainty,
-                                   trouble, complete, settings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyStudy, scene, time, step, window, shortest, seconds, windows,
+                                   shortened, dropped, uncertainty, trouble, complete, first_answer, settings)
 
 }  // namespace rbs

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measuring settings on a scene: the errors are those that a closed form gives, and what cannot be known is not told.
+// Measuring settings on a scene: the errors are those that a closed form gives, and what cannot be known is
+// not told.
 #include "make_scene.h"
 
 #include "rigid_body_sim/accuracy.h"
+#include "rigid_body_sim/scenes.h"
 
 #include <gmock/gmock.h>
 
@@ -61,7 +63,8 @@ TEST(AccuracyStudy, SaysTheSameErrorsAgain) {
   options.windows = 3;
   options.seconds = 1.0;
   const World world(slidingBox());
-  const AccuracyStudy a = measureAccuracy(world, options, kAlways), b = measureAccuracy(world, options, kAlways);
+  const AccuracyStudy a = measureAccuracy(world, options, kAlways),
+                      b = measureAccuracy(world, options, kAlways);
   ASSERT_EQ(a.settings.size(), usualSettings().size());
   for (std::size_t k = 0; k < a.settings.size(); ++k) {
     EXPECT_EQ(a.settings[k].error.distance, b.settings[k].error.distance);
@@ -86,7 +89,7 @@ TEST(AccuracyStudy, EndsWhenToldToAndWhenItsTimeIsOver) {
       measureAccuracy(world, options, [&](double, const AccuracyStudy&) { return ++calls < 10; });
   EXPECT_EQ(calls, 10);
   EXPECT_FALSE(stopped.complete);
-  EXPECT_THAT(stopped.trouble, testing::HasSubstr("not one window"));
+  EXPECT_THAT(stopped.trouble, testing::HasSubstr("not one step of every setting"));
   EXPECT_EQ(cheapestWithin(stopped, 1.0), nullptr);
   EXPECT_EQ(mostAccurateWithin(stopped, 1e9), nullptr);
 
@@ -139,26 +142,92 @@ TEST(AccuracyStudy, SaysWhyThereIsNoError) {
   EXPECT_EQ(measureAccuracy(still, {}, kAlways).trouble, "nothing moves in this scene");
 }
 
-// A pencil on its point falls over to a side that rounding decides: with the shortest window it does not have the
-// time to, in a long one halving the step of the truth changes everything.
-TEST(AccuracyStudy, DropsWindowsInWhichTheTruthIsNotKnown) {
+// Tumbling cubes that collide: in ten seconds halving the step of the reference changes everything.
+SceneDef tumblingCubes() {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.bodies[0].material.restitution = 0.9;
   for (int k = 0; k < 6; ++k) {
-    scene.bodies.push_back(box("cube_" + std::to_string(k), Vec3(0.3, 0.3, 0.3), Vec3(0.05 * k, 0.03 * k, 0.5 + 0.5 * k)));
+    scene.bodies.push_back(
+        box("cube_" + std::to_string(k), Vec3(0.3, 0.3, 0.3), Vec3(0.05 * k, 0.03 * k, 0.5 + 0.5 * k)));
     scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.3 + k, Vec3(1.0, k, 0.5).normalized()));
     scene.bodies.back().material.restitution = 0.9;
     scene.bodies.back().twist.w_WB = Vec3(3.0, 10.0 - k, 5.0);
   }
+  return scene;
+}
+
+TEST(AccuracyStudy, ShortensAWindowUntilTheReferenceConverges) {
   AccuracyOptions options;
-  options.settings = {Fidelity::Reference};
-  options.settings[0].divisions = 4;
   options.windows = 1;
   options.window = 10.0;
-  const AccuracyStudy study = measureAccuracy(World(scene), options, kAlways);
-  EXPECT_EQ(study.windows, 0u);
-  EXPECT_EQ(study.dropped, 1u);
-  EXPECT_THAT(study.trouble, testing::HasSubstr("the reference did not converge"));
+  const AccuracyStudy study = measureAccuracy(World(tumblingCubes()), options, kAlways);
+  EXPECT_EQ(study.trouble, "");
+  EXPECT_EQ(study.windows, 1u);
+  EXPECT_EQ(study.shortened, 1u);
+  EXPECT_EQ(study.dropped, 0u);
+  EXPECT_GT(study.shortest, 0.0);
+  EXPECT_LE(study.shortest, 5.0);
+  double largest = 0.0;
+  for (const SettingCost& cost : study.settings) largest = std::max(largest, cost.error.distance);
+  EXPECT_LE(study.uncertainty.distance, 0.1 * largest);
+}
+
+// The largest error is that of the reference in half its divisions: which is the uncertainty, and tells
+// nothing.
+TEST(AccuracyStudy, WhereTheReferenceDoesNotConvergeForAStepErrorsAreBounds) {
+  SceneDef scene = slidingBox();
+  scene.bodies.back().twist.w_WB.y() = 1.0;
+  World world(scene);
+  AccuracyOptions options;
+  options.settings = {Fidelity::Reference, Fidelity::Reference};
+  options.settings[1].divisions = 4;
+  options.windows = 2;
+  options.seconds = 0.05;
+  const AccuracyStudy study = measureAccuracy(world, options, kAlways);
+  EXPECT_EQ(study.trouble, "");
+  for (const SettingCost& cost : study.settings) {
+    EXPECT_TRUE(cost.at_most);
+    EXPECT_GE(cost.error.distance, study.uncertainty.distance);
+    EXPECT_GE(cost.worst.distance, cost.error.distance);
+  }
+}
+
+// By counted steps: the first answer takes one step of each setting and of the two runs of the reference.
+TEST(AccuracyStudy, EveryStepOfTheScheduleRefinesAnAnswerThatIsThereFromTheFirst) {
+  for (const char* name : {"playground", "gas", "mixed_rain"}) {
+    const World world(readScene(std::string(RBS_SCENES) + "/" + name + ".yaml").scene);
+    const std::size_t runs = usualSettings().size() + 2;
+    std::size_t steps = 0;
+    const AccuracyStudy study = measureAccuracy(world, {}, [&](double, const AccuracyStudy& so_far) {
+      ++steps;
+      EXPECT_EQ(so_far.windows + so_far.dropped, steps > runs ? 1u : 0u) << name << " " << steps;
+      return steps <= 2 * runs;
+    });
+    EXPECT_EQ(study.trouble, "") << name;
+    EXPECT_GT(study.first_answer, 0.0) << name;
+    for (const SettingCost& cost : study.settings) {
+      EXPECT_TRUE(std::isfinite(cost.error.distance)) << name;
+      EXPECT_GT(cost.step_ms, 0.0) << name;
+      EXPECT_GE(cost.steps, 1u) << name;
+    }
+    EXPECT_NE(cheapestWithin(study, 1e3), nullptr) << name;
+  }
+}
+
+// Which could not be measured: collisions part the reference from its own half step within a quarter of a
+// second.
+TEST(AccuracyStudy, MeasuresTheDemosOwnScene) {
+  const World world(readScene(std::string(RBS_SCENES) + "/playground.yaml").scene);
+  AccuracyOptions options;
+  options.windows = 4;
+  options.settings = {kFidelities.begin(), kFidelities.end()};
+  const AccuracyStudy study = measureAccuracy(world, options, kAlways);
+  EXPECT_EQ(study.trouble, "");
+  EXPECT_TRUE(study.complete);
+  EXPECT_EQ(study.windows + study.dropped, 4u);
+  EXPECT_GE(study.shortened, 1u);
+  EXPECT_FALSE(costOf(study, Fidelity::Preview).at_most);
+  EXPECT_GT(costOf(study, Fidelity::Preview).error.distance, 1e-3);
 }
 
 TEST(AccuracyStudy, RefusesWhatMakesNoSense) {
@@ -193,7 +262,8 @@ TEST(Choice, TakesTheCheapestThatIsGoodEnoughAndTheBestThatIsCheapEnough) {
   EXPECT_EQ(cheapestWithin(study, 1.0)->setting, Setting(Fidelity::Preview));
   EXPECT_EQ(cheapestWithin(study, 1e-13), nullptr);
   EXPECT_EQ(mostAccurateWithin(study, 1.0)->setting, Setting(Fidelity::Interactive));
-  EXPECT_EQ(mostAccurateWithin(study, 10.0)->setting, Setting(Fidelity::Accurate)) << "both are below the doubt";
+  EXPECT_EQ(mostAccurateWithin(study, 10.0)->setting, Setting(Fidelity::Accurate))
+      << "both are too small to be measured";
   EXPECT_EQ(mostAccurateWithin(study, 0.01), nullptr);
 }
 

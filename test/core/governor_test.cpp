@@ -35,7 +35,7 @@ TEST(Governor, WithoutAGoalTheWorldGoesItsWay) {
   advance(world, 1.0);
   EXPECT_EQ(world.stateHash(), governed.stateHash());
   EXPECT_FALSE(governor.estimate());
-  EXPECT_EQ(governor.reason(), "");
+  EXPECT_EQ(governor.reason(world), "");
 }
 
 TEST(Governor, EstimatingChangesNothingInTheWorld) {
@@ -81,9 +81,29 @@ TEST(Governor, AGoalOfErrorClimbsUntilItIsMetAndSaysWhy) {
   Governor governor;
   run(governor, world, 2.0);
   EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Accurate));
-  EXPECT_THAT(governor.reason(), HasSubstr("accurate: an error of"));
-  EXPECT_THAT(governor.reason(), HasSubstr("mm/s is above 0.001 mm/s"));
+  EXPECT_THAT(governor.reason(world), HasSubstr("accurate: an error of"));
+  EXPECT_THAT(governor.reason(world), HasSubstr("mm/s is above 0.001 mm/s"));
   EXPECT_LE(governor.estimate()->error.distance, 1e-6);
+}
+
+TEST(Governor, TheReasonGoesWithTheGoal) {
+  SceneDef scene = sliding();
+  scene.fidelity = Fidelity::Preview;
+  scene.goal = Goal{1e-6, std::nullopt};
+  World world(scene);
+  Governor governor;
+  run(governor, world, 2.0);
+  ASSERT_NE(governor.reason(world), "");
+  world.setGoal(Goal{1e-3, std::nullopt});
+  EXPECT_EQ(governor.reason(world), "");
+  governor.step(world);
+  EXPECT_EQ(governor.reason(world), "");
+  world.setGoal(Goal{1e-6, std::nullopt});
+  world.setFidelity(Fidelity::Preview);
+  run(governor, world, 2.0);
+  ASSERT_NE(governor.reason(world), "");
+  world.setGoal(std::nullopt);
+  EXPECT_EQ(governor.reason(world), "");
 }
 
 TEST(Governor, AGoalOfErrorComesDownWhereLessWillDo) {
@@ -95,7 +115,7 @@ TEST(Governor, AGoalOfErrorComesDownWhereLessWillDo) {
   Governor governor;
   run(governor, world, 10.0);
   EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
-  EXPECT_THAT(governor.reason(), HasSubstr("is well below 10000 mm/s"));
+  EXPECT_THAT(governor.reason(world), HasSubstr("is well below 10000 mm/s"));
 }
 
 TEST(Governor, AGoalOfErrorRepeatsItself) {
@@ -168,7 +188,7 @@ TEST(Governor, AGoalOfTimeGoesDownAndUpTheLadder) {
   Governor governor;
   run(governor, world, 2.0);
   EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
-  EXPECT_THAT(governor.reason(), HasSubstr("the first rung, although"));
+  EXPECT_THAT(governor.reason(world), HasSubstr("the first rung, although"));
   world.setGoal(Goal{std::nullopt, 1e5});
   run(governor, world, 40.0);
   EXPECT_EQ(world.scene().fidelity.preset, Fidelity::Reference);

@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """What accuracy costs: measured beside the running simulation, estimated live, applied, sought, and shown."""
+import json
 import os
+import signal
 import subprocess
 import sys
 import unittest
@@ -52,6 +54,7 @@ class AccuracyTest(unittest.TestCase):
         self.assertEqual(study.trouble, '')
         self.assertTrue(study.complete)
         self.assertEqual(study.windows + study.dropped, 2)
+        self.assertLessEqual(study.shortest, study.window)
         self.assertAlmostEqual(study.window, 0.25)
         costs = {cost.name: cost for cost in study.settings}
         for name in ('preview', 'interactive', 'accurate', 'reference'):
@@ -69,6 +72,48 @@ class AccuracyTest(unittest.TestCase):
         self.assertEqual(call('apply_accuracy', max_error=1e-3).fidelity, cheapest.name)
         self.assertEqual(self.status.fresh().fidelity, cheapest.name)
         self.assertIn('no setting that was measured', ask('apply_accuracy', max_step_ms=1e-9).message)
+
+    def test_what_was_measured_does_not_outlive_its_scene(self):
+        study = self.measured(seconds=0.5, windows=1)
+        self.assertEqual((study.scene, study.stale), ('small', ''))
+
+        def stale_when(word):
+            return wait(lambda: word in self.studies.all()[-1].stale, '~accuracy tells of ' + word)
+
+        def holds():
+            wait(lambda: self.studies.all()[-1].stale == '', 'it holds')
+            self.assertTrue(ask('apply_accuracy', max_error=1e3).success)
+
+        def refused(word):
+            before = self.status.fresh().fidelity
+            self.assertIn(word, ask('apply_accuracy', max_error=1e3).message)
+            self.assertEqual(self.status.fresh().fidelity, before)
+            stale_when(word)
+
+        call('step', n=5)
+        call('move_body', name='crate', pose=at(0, 3, 0.25))
+        call('set_fidelity', fidelity='preview')
+        holds()  # states and the dial do not count
+        call('load_scene', name='tower')
+        refused("'tower' was loaded")
+        late = Listener('/sim/accuracy', AccuracyStudy)
+        wait(lambda: late.all() and 'tower' in late.all()[-1].stale, 'who comes late is told, too')
+        call('load_scene', name=SMALL)
+        holds()
+        call('delete_body', name='crate')
+        refused("'crate' was deleted")
+        call('reset')
+        holds()
+        call('set_gravity', gravity=Vector3(0, 0, -1.6))
+        refused('gravity was changed')
+        call('reset')
+        call('resize_body', name='crate', factor=2.0)
+        refused("'crate' was changed")
+        call('reset')
+        call('set_effects', force_off=['friction'])
+        refused('the effects were changed')
+        call('reset')
+        holds()
 
     def test_a_measurement_can_be_stopped_and_replaced(self):
         call('measure_accuracy', seconds=1000.0, window=10.0, windows=1000, max_cpu_seconds=1000.0)
@@ -129,8 +174,14 @@ class AccuracyTest(unittest.TestCase):
         self.assertEqual(status.max_error, 1e-6)
         call('set_fidelity', fidelity='preview')
         self.assertEqual(self.status.fresh().max_error, 0.0)
+        self.assertEqual(self.status.fresh().dial_reason, '')  # it was that of the goal
         call('step', n=60)
         self.assertEqual(self.status.fresh().fidelity, 'preview')
+        call('seek_accuracy', max_error=1e-6)
+        call('step', n=60)
+        self.assertNotEqual(self.status.fresh().dial_reason, '')
+        call('load_scene', name=SMALL)
+        self.assertEqual(self.status.fresh().dial_reason, '')
 
     def test_the_ghost_is_the_reference_run(self):
         call('set_fidelity', fidelity='preview')
@@ -191,9 +242,30 @@ class AccuracyTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn('Cheapest within 1 mm a second:', done.stdout)
         self.assertEqual(run('nowhere').returncode, 1)
-        self.assertEqual(run(SMALL, '--windows', '0').returncode, 1)
-        self.assertEqual(run(SMALL, '--max-error', '-1').returncode, 2)
+        for option, value in (('windows', '0'), ('windows', '-4294967295'), ('windows', '1e30'), ('windows', '2.5'),
+                              ('seconds', '-1'), ('seconds', 'nan'), ('window', 'inf'), ('window', '1e300'),
+                              ('max-seconds', '0'), ('max-seconds', '-inf'), ('from', '-1'), ('from', 'nan'),
+                              ('max-error', '-1'), ('max-step-ms', 'x')):
+            done = run(SMALL, '--%s=%s' % (option, value))
+            self.assertEqual((done.returncode, done.stdout), (2, ''), (option, value))
+            self.assertIn(value, done.stderr)
         self.assertEqual(run().returncode, 2)
+        with open(SMALL, encoding='utf-8') as file:
+            done = subprocess.run([program, '-', '--windows', '1'], stdin=file, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def test_ctrl_c_prints_what_is_known(self):
+        program = roslib.packages.find_node('rigid_body_sim', 'scene_accuracy')[0]
+        endless = ['--seconds', '1000', '--windows', '1000', '--max-seconds', '1000']
+        running = subprocess.Popen([program, SMALL, '--progress'] + endless, stdout=subprocess.PIPE, text=True)
+        while json.loads(running.stdout.readline())['study']['windows'] == 0:
+            pass
+        running.send_signal(signal.SIGINT)
+        last = json.loads(running.communicate(timeout=60)[0].splitlines()[-1])
+        self.assertEqual(running.returncode, 130)
+        self.assertTrue(last['done'])
+        self.assertEqual(last['study']['trouble'], '')
+        self.assertTrue(all(cost['step_ms'] > 0 for cost in last['study']['settings']))
 
 
 if __name__ == '__main__':

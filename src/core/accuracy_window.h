@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One window of an accuracy study: every setting and the reference run from one state, and are compared on
+// the way.
+#pragma once
+
+#include "rigid_body_sim/accuracy.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace rbs {
+
+/// Largest ratio of the uncertainty of the reference to an error that counts as measured.
+constexpr double kLargestUncertainty = 0.1;
+
+/// How far the runs of a window were apart after a number of steps.
+struct WindowReading {
+  std::uint32_t steps = 0;
+  Difference uncertainty;          ///< of the reference: what halving its step changed
+  std::vector<Difference> errors;  ///< of each setting
+  bool converged = false;  ///< the uncertainty is small beside the largest error, or beside the smallest body
+};
+
+class AccuracyWindow {
+ public:
+  /// `smallest`: bounding radius of the smallest dynamic body, m.
+  AccuracyWindow(const World& begin, const std::vector<SettingCost>& settings, double smallest);
+
+  /// Takes every run on to this many steps after the beginning, each step by `step`, and compares them.
+  WindowReading growTo(std::uint32_t steps, const std::function<void(World&)>& step);
+  /// CPU time of the runs so far, s: of one setting, and of all with the reference.
+  double secondsOf(std::size_t setting) const { return runs_[setting].seconds; }
+  double seconds() const;
+
+ private:
+  struct Run {
+    World world;
+    double seconds;  ///< CPU time so far
+  };
+
+  double smallest_;
+  std::uint32_t steps_ = 0;
+  std::vector<Run> runs_;  ///< of each setting, of the reference in half its divisions, and of the reference
+};
+
+/// The sums of several windows.
+class WindowSum {
+ public:
+  void add(const WindowReading& reading, double step);
+  bool empty() const { return seconds_ == 0.0; }
+  /// Writes the means. Without `converged` every error is a bound.
+  void write(AccuracyStudy& study, bool converged) const;
+
+ private:
+  struct Sum {
+    ErrorRate error, worst, worst_bound;  ///< of `error` the sum, of the others the largest rate
+  };
+
+  double seconds_ = 0.0;  ///< physics time of the windows together, s
+  ErrorRate uncertainty_;
+  std::vector<Sum> settings_;
+};
+}  // namespace rbs
