@@ -147,6 +147,7 @@ struct Snapshot {
   View view;
   std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
 
+  std::uint64_t world = 0;  ///< which world it is of: grows with every load and reset
   bool paused = false;
   double requested_speed = 1.0;  ///< times real time; 0 is as fast as possible
   double achieved_speed = 0.0;   ///< times real time, over about the last second

@@ -62,6 +62,7 @@ struct Simulator::Impl {
   World world;
   Governor governor;
   std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
+  std::uint64_t worlds = 0;                             // how many came before it
   SceneDef loaded;
   std::optional<SavedState> loaded_state;
   bool paused;
@@ -88,6 +89,7 @@ struct Simulator::Impl {
     Snapshot snapshot = world.snapshot();
     snapshot.edits += edits_before;
     snapshot.description_version += versions_before;
+    snapshot.world = worlds;
     snapshot.paused = paused;
     snapshot.estimate = governor.estimate();
     snapshot.dial_reason = governor.reason();
@@ -105,6 +107,7 @@ struct Simulator::Impl {
     edits_before = published->edits + 1;
     versions_before = published->description_version + 1;
     world = std::move(fresh);
+    ++worlds;
     governor = Governor();
     governor.setEstimating(estimating);
     restartClock();

@@ -23,7 +23,7 @@ void lowerPriorityOfThisThread() {
 }  // namespace
 
 Ghost::Ghost(ros::NodeHandle& node, Simulator& simulator)
-    : simulator_(simulator), markers_(node, "ghost", TfMode::None, "") {}
+    : simulator_(simulator), markers_(node, "ghost", "ghost", TfMode::None, "") {}
 
 Ghost::~Ghost() {
   show(false);

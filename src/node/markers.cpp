@@ -30,9 +30,12 @@ void append(const std::vector<Marker>& markers, MarkerArray& news) {
 
 }  // namespace
 
-MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf,
-                                 const std::string& tf_prefix)
-    : tf_(tf), tf_prefix_(tf_prefix) {
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group,
+                                 TfMode tf, const std::string& tf_prefix)
+    : bodies_ns_(private_node.resolveName(group)),
+      fluid_ns_(private_node.resolveName("fluid")),
+      tf_(tf),
+      tf_prefix_(tf_prefix) {
   constexpr int kQueue = 100;
   std::lock_guard<std::mutex> lock(mutex_);
   publisher_ = private_node.advertise<MarkerArray>(
@@ -93,7 +96,7 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
       is_mesh = has_frame && movable < kMostMeshes;
       ++movable;
     }
-    looks.push_back(lookOf(body, frame, is_mesh, snapshot.view));
+    looks.push_back(lookOf(body, bodies_ns_, frame, is_mesh, snapshot.view));
   }
   return looks;
 }
@@ -101,7 +104,7 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
 // The surface of the fluid: a square about the scene, under what looks at it.
 void MarkerPublisher::flood(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
   std::optional<Marker> water;
-  if (snapshot.fluid) water = waterMarker(*snapshot.fluid, snapshot.view);
+  if (snapshot.fluid) water = waterMarker(*snapshot.fluid, fluid_ns_, snapshot.view);
   if (water_ && (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
     if (!water) removals.markers.push_back(removalOf(*water_));
     water_.reset();

@@ -26,8 +26,10 @@ namespace rbs {
 /// changed since. Thread-safe.
 class MarkerPublisher {
  public:
+  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes are told apart.
   /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name.
-  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf, const std::string& tf_prefix);
+  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group, TfMode tf,
+                  const std::string& tf_prefix);
 
   /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
   void publish(const Snapshot& snapshot);
@@ -52,6 +54,7 @@ class MarkerPublisher {
              visualization_msgs::MarkerArray& news);
   void move(const Snapshot& snapshot, visualization_msgs::MarkerArray& news);
 
+  const std::string bodies_ns_, fluid_ns_;
   const TfMode tf_;
   const std::string tf_prefix_;
   std::mutex mutex_;
