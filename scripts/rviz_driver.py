@@ -94,7 +94,7 @@ class Rviz:
         self.process = subprocess.Popen(['rviz', '-d', self.file], env=env, stdout=self.log, stderr=subprocess.STDOUT)
         try:
             self.window = wait_until(self._find_window, 'the window of RViz is open')
-            self.scene = wait_until(self._find_scene, 'RViz draws its scene')
+            self.scene = wait_until(self.find_scene, 'RViz draws its scene')
         except Exception:
             self.__exit__()
             raise
@@ -125,7 +125,7 @@ class Rviz:
         match = re.search(r'(0x[0-9a-f]+) "[^"]*- RViz"', self._tree())
         return match and int(match[1], 16)
 
-    def _find_scene(self):
+    def find_scene(self):
         """The window that Ogre draws in: the largest without a name that has no window inside."""
         row = re.compile(r'^( +)(0x[0-9a-f]+) (".*"|\(has no name\)):.*  (\d+)x(\d+)\+-?\d+\+-?\d+  \+(-?\d+)\+(-?\d+)$',
                          re.MULTILINE)

@@ -26,7 +26,8 @@ struct BodyEdit {
   std::optional<Color> color;
 };
 
-/// A spring from a point of a body to a point of the world: how a hand pulls.
+/// A user force, as of a mouse: a spring from a point of a body to a point of the world. It damps turning, too: as
+/// much as lets the body swing to where it hangs, without swinging beyond.
 struct Grab {
   Vec3 p_B = Vec3::Zero();          ///< where it holds the body, in B, m
   Vec3 p_W = Vec3::Zero();          ///< where it pulls that point, m

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "body_markers.h"
 
+#include <interactive_markers/tools.h>
+
+#include <algorithm>
+
 #include "body_menu.h"
 #include "convert.h"
 #include "meshes.h"
@@ -101,14 +105,17 @@ InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, con
   return marker;
 }
 
+// RViz's own rings are a third as wide as their radius and would take clicks meant for bodies behind them.
 InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view) {
-  constexpr double kAround = 1.5;  // rings and arrows outside the body
+  constexpr double kAround = 1.5;      // rings and arrows outside the body
+  constexpr float kRingWidth = 0.08f;  // of the radius
   InteractiveMarker marker = markerAt(kGizmoName, pose, kAround * scaleOf(body.shape, view));
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name(1, "xyz"[axis]);
     const Vec3 direction = Vec3::Unit(axis);
     marker.controls.push_back(axisControl("move_" + name, InteractiveMarkerControl::MOVE_AXIS, direction));
     marker.controls.push_back(axisControl("turn_" + name, InteractiveMarkerControl::ROTATE_AXIS, direction));
+    interactive_markers::makeDisc(marker, marker.controls.back(), kRingWidth);
   }
   return marker;
 }

@@ -7,14 +7,6 @@
 namespace rbs {
 namespace {
 
-visualization_msgs::MenuEntry entry(MenuAction action, const char* title) {
-  visualization_msgs::MenuEntry result;
-  result.id = static_cast<std::uint32_t>(action);
-  result.title = title;
-  result.command_type = visualization_msgs::MenuEntry::FEEDBACK;
-  return result;
-}
-
 // A copy above the original: the balls that hold the two just miss each other.
 void duplicate(World& world, const BodyDescription& body) {
   const std::vector<BodyDef> bodies = world.capture().bodies;
@@ -50,32 +42,34 @@ void setKind(World& world, BodyId id, BodyKind kind) {
 }  // namespace
 
 std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body) {
-  std::vector<visualization_msgs::MenuEntry> entries = {entry(MenuAction::Delete, "Delete")};
-  if (std::holds_alternative<Plane>(body.shape)) return entries;
-  entries.push_back(entry(MenuAction::Duplicate, "Duplicate"));
-  entries.push_back(entry(MenuAction::Resize, "Resize"));
-  if (body.kind == BodyKind::Dynamic) entries.push_back(entry(MenuAction::Push, "Push"));
-  if (body.kind != BodyKind::Static) entries.push_back(entry(MenuAction::MakeStatic, "Make static"));
-  if (body.kind != BodyKind::Dynamic) entries.push_back(entry(MenuAction::MakeDynamic, "Make dynamic"));
+  std::vector<visualization_msgs::MenuEntry> entries;
+  for (const auto& [action, title] : menuTitles(shapeName(body.shape), kindName(body.kind))) {
+    visualization_msgs::MenuEntry entry;
+    entry.id = static_cast<std::uint32_t>(action);
+    entry.title = title;
+    entry.command_type = visualization_msgs::MenuEntry::FEEDBACK;
+    entries.push_back(entry);
+  }
   return entries;
 }
 
-void runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
-                   const std::optional<Vec3>& hit_W) {
+const char* runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
+                          const std::optional<Vec3>& hit_W) {
   switch (action) {
     case MenuAction::Delete:
-      return world.removeBody(body.id);
+      return world.removeBody(body.id), "deleted";
     case MenuAction::Duplicate:
-      return duplicate(world, body);
+      return duplicate(world, body), "duplicated";
     case MenuAction::MakeStatic:
-      return setKind(world, body.id, BodyKind::Static);
+      return setKind(world, body.id, BodyKind::Static), "static now";
     case MenuAction::MakeDynamic:
-      return setKind(world, body.id, BodyKind::Dynamic);
+      return setKind(world, body.id, BodyKind::Dynamic), "dynamic now";
     case MenuAction::Push:
-      return world.applyImpulse(body.id, body.mass * pushVelocity(body, pose, hit_W), pose.p_WB);
+      return world.applyImpulse(body.id, body.mass * pushVelocity(body, pose, hit_W), pose.p_WB), "pushed";
     case MenuAction::Resize:
-      return;
+      break;
   }
+  return "";
 }
 
 }  // namespace rbs

@@ -48,7 +48,7 @@ void Drag::hear(const std::optional<Pose>& handle) {
 }
 
 bool Drag::silent() const {
-  return Clock::now() - heard_ > std::chrono::milliseconds(750);
+  return Clock::now() - heard_ > std::chrono::seconds(5);
 }
 
 bool Drag::due(const Snapshot& now) const {

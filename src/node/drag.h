@@ -39,8 +39,12 @@ class Drag {
 
   /// The client says that it still drags, and where to when it says so.
   void hear(const std::optional<Pose>& handle);
-  /// Whether the client has said nothing for so long (0.75 s) that it must be gone.
+  /// Whether the client has said nothing for so long (5 s) that it must be gone. An RViz that draws thousands of
+  /// bodies in software may be silent for a second or two.
   bool silent() const;
+
+  /// Has apply() lead the body anew, which somebody else has let go.
+  void resume() { moved_ = true; }
 
   /// Whether apply() has something to do.
   bool due(const Snapshot& now) const;

@@ -43,7 +43,7 @@ struct Ghost::Run {
 };
 
 Ghost::Ghost(ros::NodeHandle& node, Simulator& simulator)
-    : simulator_(simulator), markers_(node, "ghost", TfMode::None, "", kRepeatPeriod) {}
+    : simulator_(simulator), markers_(node, "ghost", "ghost", TfMode::None, "", kRepeatPeriod) {}
 
 Ghost::~Ghost() {
   const std::shared_ptr<Run> run = run_;

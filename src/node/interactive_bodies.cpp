@@ -4,6 +4,7 @@
 #include "body_markers.h"
 #include "body_menu.h"
 #include "convert.h"
+#include "words.h"
 
 namespace rbs {
 namespace {
@@ -39,16 +40,25 @@ InteractiveBodies::InteractiveBodies(Simulator& simulator)
       board_(ros::NodeHandle("~").resolveName("interactive_bodies"),
              [this](const FeedbackPtr& feedback) {
                std::lock_guard<std::mutex> lock(inbox_mutex_);
-               inbox_.feedback.push_back(feedback);
+               inbox_.mouse.push_back({feedback, true});
              }),
       targets_(board_) {
-  constexpr int kQueue = 10;
+  constexpr int kQueue = 100;
+  ros::NodeHandle node("~");
   const boost::function<void(const std_msgs::StringConstPtr&)> ask =
       [this](const std_msgs::StringConstPtr& name) {
         std::lock_guard<std::mutex> lock(inbox_mutex_);
         inbox_.selection = name->data;
       };
-  select_ = ros::NodeHandle("~").subscribe<std_msgs::String>("select", kQueue, ask);
+  const boost::function<void(const FeedbackPtr&)> hear = [this](const FeedbackPtr& feedback) {
+    std::lock_guard<std::mutex> lock(inbox_mutex_);
+    inbox_.mouse.push_back({feedback, false});
+  };
+  select_ = node.subscribe<std_msgs::String>("select", kQueue, ask);
+  mouse_ = node.subscribe<Feedback>("interactive_bodies/mouse", kQueue, hear);
+  answers_ = node.advertise<std_msgs::String>("interactive_bodies/answer", kQueue);
+  selection_ = node.advertise<std_msgs::String>("selection", 1, true);
+  selection_.publish(std_msgs::String());
 }
 
 void InteractiveBodies::update(const Snapshot& snapshot) {
@@ -57,16 +67,17 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
     std::lock_guard<std::mutex> lock(inbox_mutex_);
     std::swap(news, inbox_);
   }
-  if (snapshot.scene != scene_) forgetScene(snapshot);
-  for (const FeedbackPtr& feedback : news.feedback) handle(*feedback, snapshot);
+  if (snapshot.world != world_) forgetWorld(snapshot);
+  for (const MouseEvent& event : news.mouse) handle(event, snapshot);
   if (news.selection) selectNamed(*news.selection, snapshot);
   leadDrags(snapshot);
+  tellSelection(snapshot);
   showMarkers(snapshot);
 }
 
-// Every scene numbers its bodies anew: an id of the last one would be of some other body.
-void InteractiveBodies::forgetScene(const Snapshot& snapshot) {
-  scene_ = snapshot.scene;
+// Every world numbers its bodies anew: an id of the last one would be of some other body.
+void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
+  world_ = snapshot.world;
   for (const auto& [client, drag] : drags_) board_.letGo(drag.marker());
   drags_.clear();
   selected_ = BodyId{};
@@ -74,37 +85,45 @@ void InteractiveBodies::forgetScene(const Snapshot& snapshot) {
   focus_W_.reset();
 }
 
-void InteractiveBodies::handle(const Feedback& feedback, const Snapshot& snapshot) {
+void InteractiveBodies::handle(const MouseEvent& event, const Snapshot& snapshot) {
+  const Feedback& feedback = *event.feedback;
   const int body = bodyOf(feedback.marker_name, snapshot);
-  if (body < 0 || !board_.shows(feedback.marker_name)) return board_.erase(feedback.marker_name);
+  if (body < 0 && !event.at_marker && feedback.event_type == Feedback::MOUSE_DOWN)
+    refuse(words("'", feedback.marker_name.substr(0, 64), "' is gone"));
+  if (body < 0 || (event.at_marker && !board_.shows(feedback.marker_name)))
+    return board_.erase(feedback.marker_name);
   if (!isFinite(fromMsg(feedback.pose))) return board_.putBack(feedback.marker_name);
   switch (feedback.event_type) {
     case Feedback::MOUSE_DOWN:
-      return press(feedback, snapshot, body);
+      return press(event, snapshot, body);
     case Feedback::POSE_UPDATE:
     case Feedback::KEEP_ALIVE:
     case Feedback::MOUSE_UP:
-      return followMouse(feedback);
+      return followMouse(event);
     case Feedback::MENU_SELECT:
       return runMenu(feedback, snapshot, body);
   }
 }
 
-void InteractiveBodies::press(const Feedback& feedback, const Snapshot& snapshot, int body) {
+void InteractiveBodies::press(const MouseEvent& event, const Snapshot& snapshot, int body) {
+  const Feedback& feedback = *event.feedback;
   if (const auto old = drags_.find(feedback.client_id); old != drags_.end()) endDrag(old);
   const Pose handle = fromMsg(feedback.pose);
   const std::optional<Vec3> hit_W = hitPoint(feedback);
   const BodyDescription& description = (*snapshot.bodies)[body];
-  drags_.emplace(feedback.client_id, Drag(description.id, feedback.marker_name,
+  drags_.emplace(feedback.client_id, Drag(description.id, event.at_marker ? feedback.marker_name : "",
                                           gripOf(feedback.marker_name, handle, hit_W, description), handle));
-  board_.grip(feedback.marker_name);
-  if (feedback.marker_name == description.name) select(description.id, hit_W.value_or(handle.p_WB));
+  if (event.at_marker) board_.grip(feedback.marker_name);
+  if (feedback.marker_name != description.name) return;
+  select(description.id, hit_W.value_or(handle.p_WB));
+  answer(words(description.name, ": ", describe(description)));
 }
 
 // RViz sends one more pose after the button is up; it belongs to no drag.
-void InteractiveBodies::followMouse(const Feedback& feedback) {
+void InteractiveBodies::followMouse(const MouseEvent& event) {
+  const Feedback& feedback = *event.feedback;
   const auto drag = drags_.find(feedback.client_id);
-  if (drag == drags_.end() || drag->second.marker() != feedback.marker_name) {
+  if (drag == drags_.end() || drag->second.marker() != (event.at_marker ? feedback.marker_name : "")) {
     if (feedback.event_type == Feedback::POSE_UPDATE) board_.putBack(feedback.marker_name);
     return;
   }
@@ -122,9 +141,11 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
   select(description.id, hit_W.value_or(pose.p_WB));
   if (action == MenuAction::Resize) {
     resizes_ = !resized_before;
-  } else {
-    attempt("follow the menu", [&](World& world) { runMenuAction(world, action, description, pose, hit_W); });
+    return;
   }
+  attempt("follow the menu", [&](World& world) {
+    answer(words(description.name, ": ", runMenuAction(world, action, description, pose, hit_W)));
+  });
 }
 
 void InteractiveBodies::leadDrags(const Snapshot& snapshot) {
@@ -151,7 +172,11 @@ void InteractiveBodies::endDrag(std::map<std::string, Drag>::iterator drag) {
   }
   board_.letGo(drag->second.marker());
   targets_.refresh();
+  const BodyId body = drag->second.body();
   drags_.erase(drag);
+  for (auto& [client, other] : drags_) {  // the body has one user force: it goes on to whoever drags it still
+    if (other.body() == body) other.resume();
+  }
 }
 
 void InteractiveBodies::select(BodyId id, const Vec3& focus_W) {
@@ -166,8 +191,17 @@ void InteractiveBodies::selectNamed(const std::string& name, const Snapshot& sna
     select(snapshot.states[body].id, snapshot.states[body].pose.p_WB);
   } else {
     selected_ = BodyId{};
-    if (!name.empty()) ROS_WARN_NAMED("interactive_bodies", "cannot select '%s': no such body", name.c_str());
+    if (!name.empty()) refuse(words("cannot select '", name.substr(0, 64), "': no such body"));
   }
+}
+
+void InteractiveBodies::tellSelection(const Snapshot& snapshot) {
+  const int i = snapshot.find(selected_);
+  std_msgs::String name;
+  if (i >= 0) name.data = (*snapshot.bodies)[i].name;
+  if (name.data == told_selection_) return;
+  told_selection_ = name.data;
+  selection_.publish(name);
 }
 
 void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
@@ -205,12 +239,26 @@ int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapsho
   return is_of_selection ? snapshot.find(selected_) : snapshot.find(marker);
 }
 
+// Does nothing where another world has taken the place of the one that the mouse was at.
 void InteractiveBodies::attempt(const char* what, const std::function<void(World&)>& command) {
   try {
-    simulator_.edit(command);
+    simulator_.edit([&](World& world) {
+      if (simulator_.snapshot()->world == world_) command(world);
+    });
   } catch (const InvalidInput& error) {
-    ROS_WARN_THROTTLE_NAMED(1.0, "interactive_bodies", "cannot %s: %s", what, error.what());
+    refuse(words("cannot ", what, ": ", error.what()));
   }
+}
+
+void InteractiveBodies::refuse(const std::string& text) {
+  ROS_WARN_THROTTLE_NAMED(1.0, "interactive_bodies", "%s", text.c_str());
+  answer(text);
+}
+
+void InteractiveBodies::answer(const std::string& text) {
+  std_msgs::String message;
+  message.data = text;
+  answers_.publish(message);
 }
 
 }  // namespace rbs

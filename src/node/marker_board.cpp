@@ -46,7 +46,7 @@ void MarkerBoard::erase(const std::string& name) {
 }
 
 void MarkerBoard::letGo(const std::string& name) {
-  gripped_.erase(name);
+  if (const auto it = gripped_.find(name); it != gripped_.end()) gripped_.erase(it);
   putBack(name);
 }
 

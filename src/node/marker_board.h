@@ -28,7 +28,7 @@ class MarkerBoard {
   void erase(const std::string& name);
   bool shows(const std::string& name) const { return shown_.count(name) != 0; }
 
-  /// A client drags this marker from now on.
+  /// A client drags this marker from now on. Several may.
   void grip(const std::string& name) { gripped_.insert(name); }
   /// The drag is over.
   void letGo(const std::string& name);
@@ -42,7 +42,7 @@ class MarkerBoard {
   interactive_markers::InteractiveMarkerServer server_;
   Callback callback_;
   std::map<std::string, visualization_msgs::InteractiveMarker> shown_;
-  std::set<std::string> gripped_;
+  std::multiset<std::string> gripped_;  ///< once for each client
 };
 
 }  // namespace rbs

@@ -34,7 +34,7 @@ Marker blankMarker(BodyId id, const MarkerLook& look, const Pose& pose, Tone ton
   Marker marker;
   marker.header.frame_id = look.frame;
   marker.frame_locked = isLocked(look);
-  marker.ns = tone == Tone::Light ? "bodies" : "bodies_dark";
+  marker.ns = tone == Tone::Light ? look.ns : look.ns + "_dark";
   marker.id = static_cast<std::int32_t>(id.serial & 0x7fffffff);
   marker.pose = toMsg(isLocked(look) ? Pose{} : pose);
   marker.scale = toMsg(Vec3(1.0, 1.0, 1.0));
@@ -64,13 +64,14 @@ TriangleMesh meshOf(const MarkerLook& look, Tone tone) {
 }  // namespace
 
 bool operator==(const MarkerLook& a, const MarkerLook& b) {
-  return a.frame == b.frame && a.is_mesh == b.is_mesh &&
+  return a.ns == b.ns && a.frame == b.frame && a.is_mesh == b.is_mesh &&
          sameShape(a.shape, b.shape) && a.plane_side == b.plane_side && a.color == b.color;
 }
 
-MarkerLook lookOf(const BodyDescription& body, const std::string& frame, bool is_mesh, const View& view) {
+MarkerLook lookOf(const BodyDescription& body, const std::string& ns, const std::string& frame, bool is_mesh,
+                  const View& view) {
   const bool is_plane = std::holds_alternative<Plane>(body.shape);
-  return {frame, is_mesh, body.shape, is_plane ? squareSide(view) : 0.0, body.color};
+  return {ns, frame, is_mesh, body.shape, is_plane ? squareSide(view) : 0.0, body.color};
 }
 
 double drawnSize(const MarkerLook& look) {
@@ -94,11 +95,11 @@ std::vector<Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pos
   return markers;
 }
 
-Marker waterMarker(const Fluid& fluid, const View& view) {
+Marker waterMarker(const Fluid& fluid, const std::string& ns, const View& view) {
   const double side = squareSide(view);
   Marker marker;
   marker.header.frame_id = kWorldFrame;
-  marker.ns = "fluid";
+  marker.ns = ns;
   marker.type = Marker::CUBE;
   marker.pose = toMsg(Pose{Vec3(view.target.x(), view.target.y(), fluid.level), Quat::Identity()});
   marker.scale = toMsg(Vec3(side, side, 1e-4 * side));

@@ -30,9 +30,13 @@ void append(const std::vector<Marker>& markers, MarkerArray& news) {
 
 }  // namespace
 
-MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf,
-                                 const std::string& tf_prefix, double repeat_period)
-    : tf_(tf), tf_prefix_(tf_prefix), repeat_period_(repeat_period) {
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group,
+                                 TfMode tf, const std::string& tf_prefix, double repeat_period)
+    : bodies_ns_(private_node.resolveName(group)),
+      fluid_ns_(private_node.resolveName("fluid")),
+      tf_(tf),
+      tf_prefix_(tf_prefix),
+      repeat_period_(repeat_period) {
   constexpr int kQueue = 100;
   std::lock_guard<std::mutex> lock(mutex_);
   publisher_ = private_node.advertise<MarkerArray>(
@@ -99,7 +103,7 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
       is_mesh = has_frame && movable < kMostMeshes;
       ++movable;
     }
-    looks.push_back(lookOf(body, frame, is_mesh, snapshot.view));
+    looks.push_back(lookOf(body, bodies_ns_, frame, is_mesh, snapshot.view));
   }
   return looks;
 }
@@ -107,7 +111,7 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
 // The surface of the fluid: a square about the scene, under what looks at it.
 void MarkerPublisher::flood(const Snapshot& snapshot, MarkerArray& removals, MarkerArray& news) {
   std::optional<Marker> water;
-  if (snapshot.fluid) water = waterMarker(*snapshot.fluid, snapshot.view);
+  if (snapshot.fluid) water = waterMarker(*snapshot.fluid, fluid_ns_, snapshot.view);
   if (water && water_due_) water_.reset();
   if (water_ && (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
     if (!water) removals.markers.push_back(removalOf(*water_));

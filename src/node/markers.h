@@ -26,10 +26,11 @@ namespace rbs {
 /// changed since, and a few of the others in turn: a bag that is played from the middle soon shows all. Thread-safe.
 class MarkerPublisher {
  public:
+  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes are told apart.
   /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name. Every body is sent again once
   /// in `repeat_period` s of wall time; 0: never.
-  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, TfMode tf, const std::string& tf_prefix,
-                  double repeat_period);
+  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group, TfMode tf,
+                  const std::string& tf_prefix, double repeat_period);
 
   /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
   void publish(const Snapshot& snapshot);
@@ -56,6 +57,7 @@ class MarkerPublisher {
   void repeat();
   void collect(visualization_msgs::MarkerArray& news);
 
+  const std::string bodies_ns_, fluid_ns_;
   const TfMode tf_;
   const std::string tf_prefix_;
   const double repeat_period_;

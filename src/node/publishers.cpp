@@ -26,7 +26,7 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& gh
       states_(node_, options.contacts_rate, options.repeat_period),
       events_(node_),
       status_(node_, simulator, ghost),
-      markers_(node_, "visualization_marker_array", options.tf, options.tf_prefix, options.repeat_period),
+      markers_(node_, "visualization_marker_array", "bodies", options.tf, options.tf_prefix, options.repeat_period),
       interactive_(simulator),
       moment_(timeline.advance(simulator, true)),
       spinner_(1, &queue_),

@@ -3,43 +3,60 @@
 
 #include "view.h"
 
+#include <QApplication>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QVBoxLayout>
+
+#include <pluginlib/class_list_macros.hpp>
 #include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
 #include <rviz/window_manager_interface.h>
-#include <pluginlib/class_list_macros.hpp>
 
-#include <QHBoxLayout>
-#include <QVBoxLayout>
+#include <algorithm>
 
 namespace rbs {
+namespace {
+
+const QColor kTrouble(0xb0, 0x00, 0x20);
+
+void color(QWidget& text, bool is_trouble) {
+  QPalette palette = QApplication::palette();
+  if (is_trouble) palette.setColor(QPalette::WindowText, kTrouble);
+  text.setPalette(palette);
+}
+
+}  // namespace
 
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),
       transport_(new TransportBar(simulator_)),
       scenes_(new QComboBox),
-      wind_(new QCheckBox("Wind (key 1)")),
-      node_(new QLineEdit("sim")),
-      message_(new QLabel),
+      wind_(new QCheckBox("Wind")),
+      node_(new NodeBox),
+      answer_(new ElidedText(3)),
+      warnings_(new ElidedText(2)),
       status_(new StatusView),
       dial_(new DialView(simulator_)),
       pipeline_(new PipelineTable) {
+  node_->setNode("sim");
   layOut();
   connectWidgets();
   showHeard(false);
 }
 
 SimulationPanel::~SimulationPanel() {
+  const bool had_keys = hasKeys();
   delete wind_key_;
+  const QList<SimulationPanel*> all = panels();
+  const auto heir = std::find_if(all.begin(), all.end(), [this](const auto* other) { return other != this; });
+  if (had_keys && heir != all.end()) (*heir)->takeKeys();
 }
 
 void SimulationPanel::layOut() {
   scenes_->setToolTip("Loads a scene of the catalogue");
-  node_->setToolTip("Name of the simulator's node");
-  node_->setMaximumWidth(90);
-  message_->setWordWrap(true);
-  message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  message_->setAlignment(Qt::AlignLeft | Qt::AlignTop);
-  message_->setMinimumHeight(2 * fontMetrics().lineSpacing());  // so that short answers do not move the rest
+  color(*warnings_, true);
+  warnings_->hide();
 
   auto* choices = new QHBoxLayout;
   choices->addWidget(scenes_, 1);
@@ -61,7 +78,8 @@ void SimulationPanel::layOut() {
   panel->setContentsMargins(6, 4, 6, 4);
   panel->setSpacing(4);
   panel->addWidget(controls_, 1);
-  panel->addWidget(message_);
+  panel->addWidget(warnings_);
+  panel->addWidget(answer_);
   panel->addLayout(last_row);
 }
 
@@ -70,22 +88,35 @@ void SimulationPanel::connectWidgets() {
   connect(&simulator_, &SimulatorClient::heardChanged, this, &SimulationPanel::showHeard);
   connect(&simulator_, &SimulatorClient::scenesListed, this, &SimulationPanel::showScenes);
   connect(&simulator_, &SimulatorClient::told, this, &SimulationPanel::tell);
+  connect(&simulator_, &SimulatorClient::selectionChanged, this, &SimulationPanel::followSelection);
   connect(scenes_, qOverload<int>(&QComboBox::activated), this,
           [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
   connect(wind_, &QCheckBox::clicked, &simulator_, &SimulatorClient::enableWind);
-  connect(node_, &QLineEdit::editingFinished, this, [this] {
-    if (node_->text() == simulator_.node()) return;
-    follow(node_->text());
+  connect(node_, &NodeBox::chosen, this, [this](const QString& node) {
+    if (node == simulator_.node()) return;
+    follow(node);
     Q_EMIT configChanged();
   });
+  connect(qApp, &QApplication::focusChanged, this, [this](QWidget*, QWidget* now) {
+    if (now && isAncestorOf(now)) takeKeys();
+  });
+  warned_.setSingleShot(true);
+  connect(&warned_, &QTimer::timeout, warnings_, &QWidget::hide);
 }
 
 void SimulationPanel::onInitialize() {
-  wind_key_ = new QShortcut(Qt::Key_1, vis_manager_->getWindowManager()->getParentWindow());
+  window_ = vis_manager_->getWindowManager()->getParentWindow();
+  wind_key_ = new QShortcut(Qt::Key_1, window_);
   wind_key_->setContext(Qt::ApplicationShortcut);
   wind_key_->setAutoRepeat(false);
   connect(wind_key_, &QShortcut::activated, &simulator_, &SimulatorClient::toggleWind);
-  follow(node_->text());
+  connect(vis_manager_, &rviz::VisualizationManager::escapePressed, this, [this] { simulator_.select({}); });
+  const QList<SimulationPanel*> all = panels();
+  const bool is_taken = std::any_of(all.begin(), all.end(), [this](const SimulationPanel* other) {
+    return other != this && other->hasKeys();
+  });
+  setKeys(!is_taken);
+  follow(node_->node());
 }
 
 void SimulationPanel::load(const rviz::Config& config) {
@@ -97,12 +128,12 @@ void SimulationPanel::load(const rviz::Config& config) {
 
 void SimulationPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
-  config.mapSetValue("Node", node_->text());
+  config.mapSetValue("Node", node_->node());
   config.mapSetValue("Scene", scene_);
 }
 
 void SimulationPanel::follow(const QString& node) {
-  node_->setText(node);
+  node_->setNode(node);
   tell(QString("No simulator is heard at '%1'.").arg(node), true);
   simulator_.follow(node);
 }
@@ -115,7 +146,18 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   pipeline_->show(status.pipeline);
   scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
   wind_->setChecked(status.wind);
-  for (const std::string& warning : status.warnings) tell(QString::fromStdString(warning), true);
+  warn(status.warnings);
+}
+
+// A status has the warnings of its last step; they stay long enough to be read.
+void SimulationPanel::warn(const std::vector<std::string>& warnings) {
+  constexpr int kStay = 5000;  // ms
+  if (warnings.empty()) return;
+  QStringList texts;
+  for (const std::string& warning : warnings) texts.append(QString::fromStdString(warning));
+  warnings_->setText(texts.join("; "));
+  warnings_->show();
+  warned_.start(kStay);
 }
 
 void SimulationPanel::look(const rigid_body_sim::Status& status) {
@@ -145,8 +187,47 @@ void SimulationPanel::showScenes(const QStringList& names, const QStringList& pr
 }
 
 void SimulationPanel::tell(const QString& text, bool is_trouble) {
-  message_->setText(text);
-  message_->setStyleSheet(is_trouble ? "color: #b00020" : "");
+  answer_->setText(text);
+  color(*answer_, is_trouble);
+}
+
+QList<SimulationPanel*> SimulationPanel::panels() const {
+  return window_ ? window_->findChildren<SimulationPanel*>() : QList<SimulationPanel*>();
+}
+
+// The keys are those of the window: were two panels to listen to one, Qt would hand it to neither.
+void SimulationPanel::takeKeys() {
+  for (SimulationPanel* const panel : panels()) panel->setKeys(panel == this);
+}
+
+void SimulationPanel::setKeys(bool has_keys) {
+  if (wind_key_) wind_key_->setEnabled(has_keys);
+  wind_->setText(has_keys ? "Wind (key 1)" : "Wind");
+}
+
+void SimulationPanel::followSelection(const QString& body) {
+  if (body.isEmpty()) return;
+  takeKeys();
+  for (SimulationPanel* const other : panels()) {
+    const bool is_elsewhere = other->simulator_.node() != simulator_.node();
+    if (is_elsewhere && !other->simulator_.selection().isEmpty()) other->simulator_.select({});
+  }
+}
+
+void SimulationPanel::deleteSelection(QWidget* window) {
+  const QList<SimulationPanel*> panels = window->findChildren<SimulationPanel*>();
+  const auto it = std::find_if(panels.begin(), panels.end(), [](const SimulationPanel* panel) {
+    return !panel->simulator_.selection().isEmpty();
+  });
+  if (it != panels.end()) return (*it)->simulator_.deleteSelection();
+  for (SimulationPanel* const panel : panels) panel->tell("No body is selected, so none is deleted.", false);
+}
+
+void SimulationPanel::dropSelections(QWidget* window, const QString& why) {
+  for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>()) {
+    if (!panel->simulator_.selection().isEmpty()) panel->simulator_.select({});
+    panel->tell(why, false);
+  }
 }
 
 }  // namespace rbs

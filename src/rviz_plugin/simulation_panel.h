@@ -3,6 +3,8 @@
 #pragma once
 
 #include "dial_view.h"
+#include "elided_text.h"
+#include "node_box.h"
 #include "pipeline_table.h"
 #include "simulator_client.h"
 #include "status_view.h"
@@ -12,15 +14,17 @@
 
 #include <QCheckBox>
 #include <QComboBox>
-#include <QLabel>
-#include <QLineEdit>
 #include <QPointer>
 #include <QShortcut>
+#include <QTimer>
 
 namespace rbs {
 
 /// Greyed while no simulator is heard. The layout keeps the name of the node as "Node" and the scene that its
 /// view was saved with as "Scene": for any other scene, the view moves to where that asks to be seen from.
+///
+/// A window may have several panels, each for a simulator of its own. One body is selected among them all, and key 1
+/// goes to the panel that was used last.
 class SimulationPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -31,6 +35,11 @@ class SimulationPanel : public rviz::Panel {
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
 
+  /// Deletes the body that is selected by one of the panels of a window; says so where there is none.
+  static void deleteSelection(QWidget* window);
+  /// Selects nothing any more in any of the panels of a window, and says why.
+  static void dropSelections(QWidget* window, const QString& why);
+
  private:
   void layOut();
   void connectWidgets();
@@ -40,19 +49,27 @@ class SimulationPanel : public rviz::Panel {
   void look(const rigid_body_sim::Status& status);
   void showScenes(const QStringList& names, const QStringList& properties);
   void tell(const QString& text, bool is_trouble);
+  void warn(const std::vector<std::string>& warnings);
+  void followSelection(const QString& body);
+  void takeKeys();
+  void setKeys(bool has_keys);
+  bool hasKeys() const { return wind_key_ && wind_key_->isEnabled(); }
+  QList<SimulationPanel*> panels() const;
 
   SimulatorClient simulator_;
-  QString scene_;  ///< that the view belongs to
+  QPointer<QWidget> window_;  ///< of RViz
+  QString scene_;             ///< that the view belongs to
   QWidget* controls_;
   TransportBar* transport_;
   QComboBox* scenes_;
   QCheckBox* wind_;
-  QLineEdit* node_;
-  QLabel* message_;
+  NodeBox* node_;
+  ElidedText *answer_, *warnings_;
   StatusView* status_;
   DialView* dial_;
   PipelineTable* pipeline_;
   QPointer<QShortcut> wind_key_;  ///< a child of RViz's window, which may go first
+  QTimer warned_;                 ///< how long a warning stays
 };
 
 }  // namespace rbs

@@ -4,6 +4,7 @@
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
 #include <rigid_body_sim/MeasureAccuracy.h>
+#include <rigid_body_sim/NamedBody.h>
 #include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetSpeed.h>
 #include <rigid_body_sim/Step.h>
@@ -30,11 +31,15 @@ SimulatorClient::SimulatorClient() {
 void SimulatorClient::follow(const QString& node) {
   node_ = node;
   setHeard(false);
-  status_.shutdown();
-  studies_.shutdown();
+  selection_.clear();
+  subscribers_.clear();
+  select_.shutdown();
   try {
-    status_ = ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this);
-    studies_ = ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this);
+    subscribers_ = {ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),
+                    ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this),
+                    ros_.subscribe(inNode("selection"), 1, &SimulatorClient::receiveSelection, this),
+                    ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
+    select_ = ros_.advertise<std_msgs::String>(inNode("select"), 10);
   } catch (const ros::InvalidNameException& error) {
     Q_EMIT told(QString::fromStdString(error.what()), true);
   }
@@ -50,6 +55,15 @@ void SimulatorClient::receive(const rigid_body_sim::Status& status) {
 void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
   Q_EMIT studyReceived(study);
   if (study.done && !study.trouble.empty()) Q_EMIT told(QString::fromStdString(study.trouble), true);
+}
+
+void SimulatorClient::receiveSelection(const std_msgs::String& body) {
+  selection_ = QString::fromStdString(body.data);
+  Q_EMIT selectionChanged(selection_);
+}
+
+void SimulatorClient::receiveAnswer(const std_msgs::String& text) {
+  Q_EMIT told(QString::fromStdString(text.data), false);
 }
 
 void SimulatorClient::watch() {
@@ -149,6 +163,18 @@ void SimulatorClient::showGhost(bool on) {
 
 void SimulatorClient::enableWind(bool on) {
   callSwitch("enable_wind", on);
+}
+
+void SimulatorClient::select(const QString& body) {
+  std_msgs::String name;
+  name.data = body.toStdString();
+  select_.publish(name);
+}
+
+void SimulatorClient::deleteSelection() {
+  rigid_body_sim::NamedBody::Request request;
+  request.name = selection_.toStdString();
+  call<rigid_body_sim::NamedBody>("delete_body", request);
 }
 
 void SimulatorClient::callSwitch(const char* service, bool on) {

@@ -8,12 +8,15 @@
 #include <rigid_body_sim/SettingCost.h>
 #include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
+#include <std_msgs/String.h>
 
 #include <QElapsedTimer>
 #include <QObject>
 #include <QString>
 #include <QStringList>
 #include <QTimer>
+
+#include <vector>
 
 namespace rbs {
 
@@ -42,11 +45,15 @@ class SimulatorClient : public QObject {
   void measureAccuracy();
   void estimateError(bool on);
   void showGhost(bool on);
+  void select(const QString& body);  ///< empty: none
+  void deleteSelection();
+  const QString& selection() const { return selection_; }  ///< name of the selected body; empty: none
 
  Q_SIGNALS:
   void statusReceived(const rigid_body_sim::Status& status);
   void studyReceived(const rigid_body_sim::AccuracyStudy& study);
   void heardChanged(bool is_heard);
+  void selectionChanged(const QString& body);
   /// The catalogue of the node: names, and what each scene shows.
   void scenesListed(const QStringList& names, const QStringList& properties);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
@@ -55,6 +62,8 @@ class SimulatorClient : public QObject {
  private:
   void receive(const rigid_body_sim::Status& status);
   void receiveStudy(const rigid_body_sim::AccuracyStudy& study);
+  void receiveSelection(const std_msgs::String& body);
+  void receiveAnswer(const std_msgs::String& text);
   void watch();
   void setHeard(bool is_heard);
   void listScenes();
@@ -67,8 +76,9 @@ class SimulatorClient : public QObject {
   ServiceWorker worker_;
   ServiceWorker stepper_;  ///< its call lasts as long as the steps, and may be ended by another
   ros::NodeHandle ros_;
-  ros::Subscriber status_, studies_;
-  QString node_;
+  std::vector<ros::Subscriber> subscribers_;
+  ros::Publisher select_;
+  QString node_, selection_;
   QTimer watchdog_;
   QElapsedTimer last_heard_;
   bool is_heard_ = false;

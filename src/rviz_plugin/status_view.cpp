@@ -52,6 +52,7 @@ QLabel* StatusView::addNumber(int row, int column, const QString& name, const QS
   auto* number = new QLabel("–");
   title->setToolTip(tip);
   number->setToolTip(tip);
+  number->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);  // so that no number widens the window
   grid_->addWidget(title, row, column);
   grid_->addWidget(number, row, column + 1);
   return number;

@@ -8,7 +8,7 @@ import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
-from rigid_body_sim.msg import BodySpec
+from rigid_body_sim.msg import BodySpec, Status
 from rigid_body_sim.srv import GetBody, ListBodies, LoadScene, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -122,6 +122,42 @@ class Client:
         self.send(Feedback.MENU_SELECT, name, pose, hit, self.titles(name)[title])
 
 
+class Mouse(Client):
+    """What the Interact tool of this package sends: of bodies by name, with no need for a marker."""
+
+    def __init__(self, name):
+        self.name = name
+        self.markers = {}
+        self.answers = []
+        self.subscriber = rospy.Subscriber("/sim/interactive_bodies/answer", String,
+                                           lambda answer: self.answers.append(answer.data))
+        self.publisher = rospy.Publisher("/sim/interactive_bodies/mouse", Feedback, queue_size=100)
+        wait(lambda: self.publisher.get_num_connections() > 0 and self.subscriber.get_num_connections() > 0,
+             "the simulator listens")
+
+    def close(self):
+        self.subscriber.unregister()
+        self.publisher.unregister()
+
+    def wait_for_answer(self, *words):
+        wait(lambda: any(all(word in answer for word in words) for answer in list(self.answers)),
+             "an answer with %s" % (words,))
+
+
+class Selection:
+    """The name that ~selection told last."""
+
+    def __init__(self):
+        self.name = None
+        self.subscriber = rospy.Subscriber("/sim/selection", String, self.keep)
+
+    def keep(self, name):
+        self.name = name.data
+
+    def wait_for(self, name):
+        wait(lambda: self.name == name, "'%s' is selected" % name)
+
+
 class InteractiveBodiesTest(unittest.TestCase):
     def setUp(self):
         """A box of 1 m and a ball of 1 m that float at rest, 4 m apart; paused."""
@@ -229,6 +265,82 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.assertEqual(len(self.client.markers), 301)
         publisher.unregister()
 
+    # --- the mouse of our own tool, which needs no markers
+
+    def test_the_mouse_takes_a_body_without_a_marker(self):
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="n%d" % i, shape="sphere", size=Vector3(0.1, 0.1, 0.1), pose=pose_at(i, 9, 5))
+            for i in range(400)])
+        wait(lambda: len(self.client.markers) == 300, "300 targets are left")
+        self.assertNotIn("n399", self.client.markers)
+        mouse, selection = Mouse("mouse"), Selection()
+        self.addCleanup(mouse.close)
+        mouse.press("n399", pose_at(399, 9, 5), hit=[399, 9, 5.05])
+        selection.wait_for("n399")
+        mouse.wait_for_answer("n399", "sphere", "kg")
+        mouse.move("n399", pose_at(399, 9, 6))
+        wait(lambda: distance(position("n399"), [399, 9, 6]) < 1e-9, "the body is where the mouse is")
+        mouse.release("n399", pose_at(399, 9, 7))
+        wait(lambda: distance(position("n399"), [399, 9, 7]) < 1e-9, "the last move counts")
+        self.client.wait_for("n399", GIZMO)
+        wait(lambda: abs(self.client.markers["n399"].pose.position.z - 7) < 1e-6, "its target has followed")
+
+    def test_the_mouse_throws_a_body_of_a_running_world(self):
+        mouse = Mouse("mouse")
+        self.addCleanup(mouse.close)
+        call("resume", Trigger)
+        mouse.press("crate", pose_at(0, 0, 5), hit=[0.0, -0.5, 5])
+        mouse.move("crate", pose_at(3, 0, 5))
+        wait(lambda: body("crate").twist.linear.x > 1.0, "the crate follows")
+        mouse.release("crate", pose_at(3, 0, 5))
+        call("pause", Trigger)
+        self.assertGreater(body("crate").twist.linear.x, 0.5)
+
+    def test_the_mouse_opens_the_menu_of_a_body_without_a_marker(self):
+        mouse, selection = Mouse("mouse"), Selection()
+        self.addCleanup(mouse.close)
+        mouse.send(Feedback.MENU_SELECT, "ball", pose_at(4, 0, 5), entry=self.client.titles("ball")["Delete"])
+        mouse.wait_for_answer("ball", "deleted")
+        self.assertNotIn("ball", call("list_bodies", ListBodies).names)
+        selection.wait_for("")
+
+    def test_a_mouse_at_a_body_that_is_gone_is_told(self):
+        mouse = Mouse("mouse")
+        self.addCleanup(mouse.close)
+        mouse.press("nobody", pose_at(0, 0, 5))
+        mouse.wait_for_answer("nobody", "gone")
+
+    def test_the_selection_is_told(self):
+        selection = Selection()
+        selection.wait_for("")
+        self.client.click("crate")
+        selection.wait_for("crate")
+        late = Selection()
+        late.wait_for("crate")
+        call("delete_body", NamedBody, name="crate")
+        selection.wait_for("")
+
+    def test_a_body_that_two_drag_goes_on_with_the_one_who_still_holds_it(self):
+        mouse = Mouse("mouse")
+        self.addCleanup(mouse.close)
+        call("set_gravity", SetGravity, gravity=Vector3(0, 0, -9.81))
+        self.client.press("crate", hit=[0, 0, 5.5])
+        mouse.press("crate", pose_at(0, 0, 5), hit=[0, 0, 5.5])
+        call("resume", Trigger)
+        for _ in range(5):
+            self.client.hold_still("crate", pose_at(0, 0, 5))
+            mouse.hold_still("crate", pose_at(0, 0, 5))
+            time.sleep(0.1)
+        self.client.release("crate", pose_at(0, 0, 5))
+        before = rospy.wait_for_message("/sim/status", Status).time
+
+        def is_later():
+            mouse.hold_still("crate", pose_at(0, 0, 5))
+            return rospy.wait_for_message("/sim/status", Status).time > before + 1.0
+        wait(is_later, "a second has passed")
+        self.assertGreater(position("crate")[2], 4.5)
+        mouse.release("crate", pose_at(0, 0, 5))
+
     # Every scene numbers its bodies from 1 on, so the next one has bodies with the ids of these.
 
     def test_the_next_scene_has_nothing_selected(self):
@@ -255,6 +367,21 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client.click("kerb_west")  # done after all of that
         self.assertEqual(body("kerb_east").description.id, same_id)
         self.assertEqual(position("kerb_east"), [6.1, 0.0, 0.15])
+
+    def test_a_drag_ends_with_its_world_though_the_next_has_its_name(self):
+        for again, request in (("load_scene", {"name": SMALL}), ("reset", {})):
+            call("load_scene", LoadScene, name=SMALL)
+            self.client.wait_for("floor")
+            self.client.click("crate")
+            self.client.press("crate", hit=[0, 0, 0.5])
+            self.client.move("crate", pose_at(0, 0, 5))
+            wait(lambda: distance(position("crate"), [0, 0, 5]) < 1e-9, "the drag is on")
+            call(again, LoadScene if request else Trigger, **request)
+            self.client.wait_without(GIZMO)
+            self.client.move("crate", pose_at(0, 0, 9))
+            self.client.release("crate", pose_at(0, 0, 9))
+            self.client.click("ball")  # done after all of that
+            self.assertLess(distance(position("crate"), [0, 0, 0.25]), 1e-9, again)
 
     # --- dragging the body
 

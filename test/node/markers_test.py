@@ -131,7 +131,7 @@ class MarkersTest(unittest.TestCase):
 
     def test_spheres_are_sampled_on_their_radius(self):
         halves = self.open().in_frame("ball")
-        self.assertEqual({marker.ns for marker in halves}, {"bodies", "bodies_dark"})
+        self.assertEqual({marker.ns for marker in halves}, {"/sim/bodies", "/sim/bodies_dark"})
         self.assertNotEqual(halves[0].color, halves[1].color)
         points = [point for marker in halves for point in marker.points]
         # 10 rows of 20 quads, of which the two at the poles are triangles

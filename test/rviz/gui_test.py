@@ -15,7 +15,8 @@ import roslib.packages
 import rospy
 import rostest
 from rigid_body_sim.msg import Status
-from rigid_body_sim.srv import GetBody
+from rigid_body_sim.srv import GetBody, ListBodies, LoadScene
+from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
@@ -25,15 +26,17 @@ from rviz_driver import wait_until  # noqa: E402
 
 LAYOUT = os.path.join(ROOT, 'rviz', 'sim.rviz')
 VIEW = rviz_driver.View(eye=[6.0, -6.0, 5.0], target=[0.0, 0.0, 0.5])  # of three_boxes.yaml
+MANY = os.path.join(ROOT, 'test', 'rviz', 'many_boxes.yaml')
+MANY_VIEW = rviz_driver.View(eye=[0.0, -40.0, 50.0], target=[0.0, 0.0, 0.0])
 # Of the icons of the panel.
 PLAY_GREEN = (0x2e, 0x9e, 0x4f)
 PAUSE_AMBER = (0xd9, 0x8a, 0x00)
 STEP_BLUE = (0x2f, 0x6f, 0xbf)
 
 
-def call(service, kind, *arguments):
-    rospy.wait_for_service('/sim/' + service, rviz_driver.PATIENCE)
-    answer = rospy.ServiceProxy('/sim/' + service, kind)(*arguments)
+def call(service, kind, *arguments, node='/sim'):
+    rospy.wait_for_service('%s/%s' % (node, service), rviz_driver.PATIENCE)
+    answer = rospy.ServiceProxy('%s/%s' % (node, service), kind)(*arguments)
     if not answer.success:
         raise AssertionError('%s: %s' % (service, answer.message))
     return answer
@@ -49,35 +52,38 @@ class Simulator:
 
     process = None
 
+    def __init__(self, *arguments):
+        self.arguments = arguments
+
     def start(self):
         """Does nothing when it runs already."""
         if self.process is None or self.process.poll() is not None:
             program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
-            self.process = subprocess.Popen([program, '__name:=sim'])
+            self.process = subprocess.Popen([program, '__name:=sim', *self.arguments])
 
     def kill(self):
         self.process.kill()
         self.process.wait()
 
 
-class LastStatus:
-    """The newest ~status, as a function."""
+class Last:
+    """The newest message of a topic, as a function."""
 
-    def __init__(self):
+    def __init__(self, topic, kind):
         self.lock = threading.Lock()
-        self.status = None
-        rospy.Subscriber('/sim/status', Status, self.keep, queue_size=1)
+        self.message = None
+        rospy.Subscriber(topic, kind, self.keep, queue_size=1)
 
-    def keep(self, status):
+    def keep(self, message):
         with self.lock:
-            self.status = status
+            self.message = message
 
     def forget(self):
         self.keep(None)
 
     def __call__(self):
         with self.lock:
-            return self.status
+            return self.message
 
 
 class GuiTest(unittest.TestCase):
@@ -86,7 +92,8 @@ class GuiTest(unittest.TestCase):
         cls.simulator = Simulator()
         cls.simulator.start()
         cls.addClassCleanup(cls.simulator.kill)
-        cls.status = LastStatus()
+        cls.status = Last('/sim/status', Status)
+        cls.selection = Last('/sim/selection', String)
         wait_until(cls.status, 'the simulator says how it is')
         cls.screen = rviz_driver.Screen().__enter__()
         cls.addClassCleanup(cls.screen.__exit__)
@@ -104,6 +111,9 @@ class GuiTest(unittest.TestCase):
 
     def wait_for_status(self, condition, what):
         return wait_until(lambda: self.status() and condition(self.status()), what)
+
+    def wait_for_selection(self, name):
+        wait_until(lambda: self.selection() and self.selection().data == name, "'%s' is selected" % name)
 
     def press(self, color):
         """Clicks the button of the panel whose icon has this colour, once it is there."""
@@ -136,6 +146,61 @@ class GuiTest(unittest.TestCase):
         wait_until(is_there, 'the body is where the mouse let it go')
         self.assertGreater(position('middle')[0], start[0] + 0.3)
         self.assertEqual(position('left'), (-1.5, -1.5, 0.4))
+
+    def is_drawn_near(self, name, pixel):
+        return all(abs(a - b) <= 8 for a, b in zip(self.rviz.pixel_of(position(name)), pixel))
+
+    def test_any_of_5000_bodies_is_dragged_in_one_gesture(self):
+        def show(scene, view):
+            call('load_scene', LoadScene, scene)
+            rviz_driver.look_from(self.rviz.layout, view)
+
+        self.addCleanup(show, os.path.join(ROOT, 'test', 'rviz', 'three_boxes.yaml'), VIEW)
+        show(MANY, MANY_VIEW)
+        self.wait_for_status(lambda s: s.bodies == 5001, 'there are 5,000 boxes')
+        for name in ('box_1', 'box_2550', 'box_5000'):
+            start = position(name)
+            target = self.rviz.pixel_of((0.9 * start[0], 0.8 * start[1], start[2] + 2.0))
+            self.rviz.drag(self.rviz.pixel_of(start), target)
+            self.wait_for_selection(name)
+            wait_until(lambda: self.is_drawn_near(name, target), '%s is where the mouse let it go' % name)
+
+    def test_a_click_on_nothing_and_escape_drop_the_selection(self):
+        sky = (self.rviz.scene.x + 30, self.rviz.scene.y + 30)
+        for drop in (lambda: self.rviz.click(sky), lambda: self.rviz.click(self.rviz.pixel_of((1.5, -1.5, 0.0))),
+                     lambda: self.rviz.key('Escape')):
+            self.rviz.click(self.rviz.pixel_of(position('middle')))
+            self.wait_for_selection('middle')
+            drop()
+            self.wait_for_selection('')
+        self.assertEqual(position('middle'), (0.0, 0.0, 0.4))
+
+    def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
+        self.addCleanup(call, 'reset', Trigger)
+        self.rviz.click(self.rviz.pixel_of(position('left')))
+        self.wait_for_selection('left')
+        step = wait_until(lambda: self.rviz.find_color(STEP_BLUE), 'the step button')
+        self.rviz.click((step[0] + 40, step[1]))  # the number of steps
+        self.rviz.key('Delete')
+        self.press(STEP_BLUE)
+        self.wait_for_status(lambda s: s.steps == 1, 'a step after the key in the text field')
+        self.assertIn('left', call('list_bodies', ListBodies).names)
+        self.rviz.click(self.rviz.pixel_of(position('right')))
+        self.wait_for_selection('right')
+        self.rviz.key('Delete')
+        wait_until(lambda: 'right' not in call('list_bodies', ListBodies).names, 'the selected body is deleted')
+        self.assertIn('left', call('list_bodies', ListBodies).names)
+        self.wait_for_selection('')
+
+    def test_no_text_changes_the_window(self):
+        wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
+        said = rospy.Publisher('/sim/interactive_bodies/answer', String, queue_size=1, latch=True)
+        for text in ('word ' * 1000, 'x' * 5000):
+            before = self.panel()
+            said.publish(text)
+            wait_until(lambda: self.panel() != before, 'the panel says it')
+            self.assertEqual(self.rviz.find_scene(), self.rviz.scene)
+        said.unregister()
 
     def test_the_button_runs_and_pauses(self):
         self.press(PLAY_GREEN)
@@ -192,6 +257,43 @@ class GuiTest(unittest.TestCase):
         self.wait_for_status(lambda s: s.steps == 1, 'a step of the new simulator after a press on step')
 
 
+class TwoPanelsTest(unittest.TestCase):
+    """Two simulators, each with a panel of its own in one RViz."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.simulators = {'/sim': Simulator(), '/left/sim': Simulator('__ns:=/left', '_publish_clock:=false',
+                                                                      '_paused:=true')}
+        cls.status = {node: Last(node + '/status', Status) for node in cls.simulators}
+        for node, simulator in cls.simulators.items():
+            simulator.start()
+            cls.addClassCleanup(simulator.kill)
+            wait_until(cls.status[node], '%s says how it is' % node)
+        cls.screen = rviz_driver.Screen().__enter__()
+        cls.addClassCleanup(cls.screen.__exit__)
+
+        def with_two_panels(layout):
+            rviz_driver.look_from(layout, VIEW)
+            layout['Panels'] = [{'Class': 'rigid_body_sim/SimulationPanel', 'Name': name, 'Node': node}
+                                for name, node in (('Simulation', 'sim'), ('Left', '/left/sim'))]
+
+        cls.rviz = rviz_driver.Rviz(cls.screen, LAYOUT, with_two_panels)
+        cls.rviz.__enter__()
+        cls.addClassCleanup(cls.rviz.__exit__)
+
+    def winds(self):
+        return {node: status().wind for node, status in self.status.items()}
+
+    def test_key_1_goes_to_one_of_two_panels(self):
+        wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'a panel hears its simulator')
+        before = self.winds()
+        self.rviz.key('1')
+        wait_until(lambda: self.winds() != before, 'a simulator has switched its wind')
+        self.assertEqual(sorted(self.winds().values()), [False, True])
+        self.rviz.key('1')
+        wait_until(lambda: self.winds() == before, 'it has switched it back')
+
+
 if __name__ == '__main__':
     rospy.init_node('gui_test')
-    rostest.rosrun('rigid_body_sim', 'gui', GuiTest)
+    rostest.rosrun('rigid_body_sim', 'gui', 'gui_test')

@@ -3,6 +3,7 @@
 #include "effects/effects.h"
 #include "text.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rbs::grabs {
@@ -12,13 +13,35 @@ Need need(const Census& c) {
   return {true, count(c.grabs, "hand pulls", "hands pull") + " at a body"};
 }
 
-// A spring and damper between a point of the body and the hand, taken implicitly over the step h so that any
-// stiffness is stable. With C the offset of the point from the hand, u its velocity at the end of the step
-// were there no hand, K the response of the point to an impulse there,
-//   K = 1/m - [r] I^-1 [r],
+namespace {
+
+constexpr double kStandardGravity = 9.80665, kWeightless = 1.0;  // m/s²
+
+// How fast a body would swing that hangs by a point at r from its centre of mass: w² = g |r| / (|r|² + k²), k
+// being the root of its mean squared distance from there, k² = trace(I) / 2 m. Held nearer than k it hardly
+// swings, but may still spin: it counts as held at k. Where nothing weighs, as on Earth.
+double swingRate(const Vec3& r_W, double squared_gyration, const Vec3& gravity_W) {
+  const double g = gravity_W.norm() > kWeightless ? gravity_W.norm() : kStandardGravity;
+  const double squared_lever = std::max(r_W.squaredNorm(), squared_gyration);
+  return std::sqrt(g * std::sqrt(squared_lever) / (squared_lever + squared_gyration));
+}
+
+}  // namespace
+
+// A user force: a spring and damper between a point of the body and the mouse, and a couple that damps turning.
+// Both are taken implicitly over the step h, so that any stiffness is stable.
+//
+// The couple is T = -C w_end with C = 2 h w_s I_P: critical damping of the swing about the held point, w_s being
+// its rate and I_P the inertia about the point. It only takes from the turning, and so needs no cap. With
+// M = (1 + I^-1 C)^-1 the body answers an impulse P at the point by w_end = M (w + I^-1 (r x P)): as a body of
+// inverse inertia M I^-1 that turns at M w.
+//
+// With C the offset of the point from the mouse, u its velocity at the end of the step were there no spring, K the
+// response of the point to an impulse there,
+//   K = 1/m - [r] M I^-1 [r],
 // and w = 2 pi f, critical damping (ratio 1), implicit Euler of  C'' = -w² C - 2 w C'  gives the impulse
 //   P = -K^-1 s (u + b C),   b = w/(2 + h w),   s = h w (2 + h w)/(1 + h w (2 + h w))
-// (the soft constraint of Catto, "Soft constraints", GDC 2011). |P| is capped at m a_max h, so a hand can
+// (the soft constraint of Catto, "Soft constraints", GDC 2011). |P| is capped at m a_max h, so the mouse can
 // neither lift the immovable nor shoot a body away.
 void run(Context& context) {
   StepStore& step = context.step;
@@ -27,24 +50,32 @@ void run(Context& context) {
   for (const HandGrab& hand : context.scene.grabs) {
     const Index i = bodies.indexOf(hand.body);
     if (i == kNone || !bodies.traits[i].moved_by_forces()) continue;
+    const Inertia& inertia = bodies.inertia[i];
+    const double mass = bodies.traits[i].mass;
     const Mat3 R_WB = bodies.R_WB(i);
     const Vec3 r_W = R_WB * hand.grab.p_B;
-    const Mat3 inv_inertia_W = bodies.inertia[i].inverseW(R_WB);
-    const Mat3 lever = crossMatrix(r_W);
-    const Mat3 K = bodies.inertia[i].inv_mass * Mat3::Identity() - lever * inv_inertia_W * lever;
+    const Mat3 arm = crossMatrix(r_W);
+    const Mat3 inertia_W = R_WB * inertia.moments.asDiagonal() * R_WB.transpose();
+    const double swing = swingRate(r_W, inertia.moments.sum() / (2.0 * mass), context.scene.gravity_W);
+    const Mat3 C = 2.0 * h * swing * (inertia_W - mass * arm * arm);
+    const Mat3 inv_inertia_W = inertia.inverseW(R_WB);
+    const Mat3 M = (Mat3::Identity() + inv_inertia_W * C).inverse();
+    const Mat3 K = inertia.inv_mass * Mat3::Identity() - arm * M * inv_inertia_W * arm;
 
     const Vec3 offset = bodies.pose[i].p_WB + r_W - hand.grab.p_W;
     const Vec3 v = bodies.twist[i].v_WB + h * step.load[i].a_W;
-    const Vec3 w = bodies.twist[i].w_WB + h * (inv_inertia_W * step.load[i].torque_W);
+    const Vec3 w = M * (bodies.twist[i].w_WB + h * (inv_inertia_W * step.load[i].torque_W));
     const double omega = 2.0 * kPi * hand.grab.frequency;
     const double bias = omega / (2.0 + h * omega);
     const double stiff = h * omega * (2.0 + h * omega);
     Vec3 impulse = -stiff / (1.0 + stiff) * (K.inverse() * (v + w.cross(r_W) + bias * offset));
 
-    const double cap = hand.grab.max_acceleration * bodies.traits[i].mass * h;
+    const double cap = hand.grab.max_acceleration * mass * h;
     if (impulse.norm() > cap) impulse *= cap / impulse.norm();
-    step.load[i].a_W += bodies.inertia[i].inv_mass / h * impulse;
-    step.load[i].torque_W += r_W.cross(impulse) / h;
+    const Vec3 moment = r_W.cross(impulse);
+    const Vec3 couple = -C * (w + M * (inv_inertia_W * moment));
+    step.load[i].a_W += inertia.inv_mass / h * impulse;
+    step.load[i].torque_W += (moment + couple) / h;
   }
 }
 

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "body_mouse.h"
+
+#include "../node/menu_titles.h"
+
+#include <OgreCamera.h>
+#include <OgreRay.h>
+#include <OgreViewport.h>
+#include <rviz/default_plugin/markers/marker_selection_handler.h>
+#include <rviz/display_context.h>
+#include <rviz/frame_manager.h>
+#include <rviz/render_panel.h>
+#include <rviz/selection/selection_manager.h>
+#include <rviz/view_controller.h>
+#include <rviz/viewport_mouse_event.h>
+
+namespace rbs {
+namespace {
+
+Ogre::Ray rayOf(const rviz::ViewportMouseEvent& event) {
+  const float width = event.viewport->getActualWidth() - 1, height = event.viewport->getActualHeight() - 1;
+  return event.viewport->getCamera()->getCameraToViewportRay((event.x + 0.5f) / width, (event.y + 0.5f) / height);
+}
+
+geometry_msgs::Point pointMsg(const Ogre::Vector3& p) {
+  geometry_msgs::Point point;
+  point.x = p.x, point.y = p.y, point.z = p.z;
+  return point;
+}
+
+}  // namespace
+
+BodyMouse::BodyMouse(rviz::DisplayContext& context) : context_(context) {
+  constexpr int kPeriod = 250;  // ms, as of RViz's interactive markers
+  QObject::connect(&still_there_, &QTimer::timeout, &still_there_, [this] { send(Feedback::KEEP_ALIVE); });
+  still_there_.setInterval(kPeriod);
+}
+
+void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator, const rigid_body_sim::BodyDescription& body,
+                    const rviz::MarkerSelectionHandler& marker) {
+  simulator_ = simulator;
+  body_ = body;
+  position_ = marker.getPosition();
+  orientation_ = marker.getOrientation();
+}
+
+void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
+  if (event.type == QEvent::FocusIn)
+    return context_.setStatus("<b>Left-Click:</b> Select. <b>Left-Drag:</b> Pull. <b>Right-Click:</b> Menu.");
+  if (event.type == QEvent::FocusOut) return letGo();
+  if (event.leftDown()) return press(event);
+  if (drags() && event.type == QEvent::MouseMove) return move(event);
+  if (event.leftUp()) return letGo();
+  if (event.rightUp() && event.buttons_down == Qt::NoButton) return showMenu(event);
+  const bool is_for_menu = event.right();
+  if (!drags() && !is_for_menu && event.panel->getViewController())
+    event.panel->getViewController()->handleMouseEvent(event);
+}
+
+void BodyMouse::press(rviz::ViewportMouseEvent& event) {
+  Ogre::Vector3 hit;
+  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, hit)) hit = position_;
+  drag_ = Drag{Ogre::Plane(event.viewport->getCamera()->getRealDirection(), hit), hit, Ogre::Vector3::ZERO};
+  send(Feedback::MOUSE_DOWN, hit);
+  still_there_.start();
+}
+
+// A point behind the eye is under no pixel.
+void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
+  const Ogre::Ray ray = rayOf(event);
+  const auto [meets, distance] = ray.intersects(drag_->plane);
+  if (!meets) return;
+  drag_->moved_by = ray.getPoint(distance) - drag_->grip;
+  send(Feedback::POSE_UPDATE);
+  still_there_.start();
+}
+
+void BodyMouse::letGo() {
+  if (!drags()) return;
+  send(Feedback::MOUSE_UP);
+  still_there_.stop();
+  drag_.reset();
+}
+
+void BodyMouse::showMenu(rviz::ViewportMouseEvent& event) {
+  Ogre::Vector3 point;
+  std::optional<Ogre::Vector3> hit;
+  if (context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point)) hit = point;
+  menu_.reset(new QMenu);
+  for (const auto& [action, title] : menuTitles(body_.shape, body_.kind)) {
+    menu_->addAction(title, [this, hit, id = static_cast<std::uint32_t>(action)] {
+      send(Feedback::MENU_SELECT, hit, id);
+    });
+  }
+  event.panel->showContextMenu(menu_);
+}
+
+// The simulator thinks in the frame of its world, which need not be RViz's fixed frame.
+void BodyMouse::send(std::uint8_t event_type, const std::optional<Ogre::Vector3>& hit, std::uint32_t entry) {
+  Ogre::Vector3 p_FW;
+  Ogre::Quaternion q_FW;
+  if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW)) return;
+  const Ogre::Quaternion q_WF = q_FW.Inverse();
+  const Ogre::Vector3 moved_by = drag_ ? drag_->moved_by : Ogre::Vector3::ZERO;
+  const Ogre::Quaternion q_WB = q_WF * orientation_;
+  Feedback feedback;
+  feedback.header.frame_id = simulator_->frame();
+  feedback.client_id = ros::this_node::getName() + "/mouse";
+  feedback.marker_name = body_.name;
+  feedback.event_type = event_type;
+  feedback.menu_entry_id = entry;
+  feedback.pose.position = pointMsg(q_WF * (position_ + moved_by - p_FW));
+  feedback.pose.orientation.w = q_WB.w;
+  feedback.pose.orientation.x = q_WB.x;
+  feedback.pose.orientation.y = q_WB.y;
+  feedback.pose.orientation.z = q_WB.z;
+  feedback.mouse_point_valid = hit.has_value();
+  if (hit) feedback.mouse_point = pointMsg(q_WF * (*hit - p_FW));
+  simulator_->send(feedback);
+}
+
+}  // namespace rbs

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ElidedText: text of any length in a place of a fixed height.
+#pragma once
+
+#include <QString>
+#include <QWidget>
+
+namespace rbs {
+
+/// Wraps between words, or within one that is longer than a row, and ends in an ellipsis where there is more than
+/// fits; the tool tip has all of it, and a right click copies it. Its text never changes the size of the widget.
+class ElidedText : public QWidget {
+  Q_OBJECT
+ public:
+  explicit ElidedText(int rows);
+
+  void setText(const QString& text);
+  const QString& text() const { return text_; }
+  QSize sizeHint() const override;
+  QSize minimumSizeHint() const override { return sizeHint(); }
+
+ protected:
+  void paintEvent(QPaintEvent* event) override;
+
+ private:
+  const int rows_;
+  QString text_;
+};
+
+}  // namespace rbs

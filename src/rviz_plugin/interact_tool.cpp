@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "interact_tool.h"
+
+#include "picked_marker.h"
+#include "simulation_panel.h"
+
+#include <pluginlib/class_list_macros.hpp>
+#include <rviz/default_plugin/markers/marker_selection_handler.h>
+#include <rviz/display_context.h>
+#include <rviz/load_resource.h>
+#include <rviz/render_panel.h>
+#include <rviz/viewport_mouse_event.h>
+#include <rviz/window_manager_interface.h>
+
+#include <QApplication>
+#include <QKeyEvent>
+
+namespace rbs {
+
+void InteractTool::onInitialize() {
+  mouse_ = boost::make_shared<BodyMouse>(*context_);
+  setIcon(rviz::loadPixmap("package://rviz/icons/classes/Interact.png"));
+  rviz::InteractionTool::onInitialize();
+}
+
+void InteractTool::deactivate() {
+  mouse_->letGo();
+  rviz::InteractionTool::deactivate();
+}
+
+// RViz looks for what is under the mouse once a picture. A press looks anew: in a slow picture the mouse may have come
+// from somewhere else since.
+int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
+  if (event.panel->contextMenuVisible()) return 0;
+  const bool is_press = event.type == QEvent::MouseButtonPress && event.buttons_down == event.acting_button;
+  if (is_press) last_selection_frame_count_ = 0;
+  const bool is_free = is_press || (event.type == QEvent::MouseMove && event.buttons_down == Qt::NoButton);
+  if (is_free && context_->getFrameCount() > last_selection_frame_count_) aim(event);
+
+  const int flags = rviz::InteractionTool::processMouseEvent(event);
+
+  if (is_press) {
+    missed_ = focused_object_.expired();
+    pressed_at_ = QPoint(event.x, event.y);
+  }
+  if (missed_ && event.left()) context_->setStatus(nothing_there_);
+  if (missed_ && event.leftUp()) finishMiss(QPoint(event.x, event.y));
+  return flags;
+}
+
+int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
+  if (event->key() != Qt::Key_Delete) return rviz::InteractionTool::processKeyEvent(event, panel);
+  SimulationPanel::deleteSelection(context_->getWindowManager()->getParentWindow());
+  return Render;
+}
+
+// Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
+void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
+  nothing_there_ = "There is no body: the mouse turns the view.";
+  const std::optional<PickedMarker> picked = pickMarker(*context_, event);
+  if (!picked) return;
+  picked->handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
+  std::shared_ptr<SimulatorBodies>& simulator = simulators_[picked->node];
+  if (!simulator) simulator = std::make_shared<SimulatorBodies>(picked->node);
+  const QString node = QString::fromStdString(picked->node);
+  const rigid_body_sim::BodyDescription* const body = simulator->find(picked->id);
+  if (!body) {
+    nothing_there_ = QString("%1 has not said which body this is: the mouse turns the view.").arg(node);
+  } else if (body->shape == "plane") {
+    nothing_there_ = QString("'%1' is a plane, which cannot be dragged: the mouse turns the view.")
+                         .arg(QString::fromStdString(body->name));
+  } else {
+    mouse_->aim(simulator, *body, *picked->handler);
+    picked->handler->setInteractiveObject(mouse_);
+  }
+}
+
+// A click that has not turned the view drops the selection.
+void InteractTool::finishMiss(const QPoint& released_at) {
+  missed_ = false;
+  if ((released_at - pressed_at_).manhattanLength() > QApplication::startDragDistance()) return;
+  SimulationPanel::dropSelections(context_->getWindowManager()->getParentWindow(), nothing_there_);
+}
+
+}  // namespace rbs
+
+PLUGINLIB_EXPORT_CLASS(rbs::InteractTool, rviz::Tool)

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// InteractTool: RViz's Interact tool, for bodies as well as for interactive markers.
+#pragma once
+
+#include "body_mouse.h"
+
+#include <rviz/default_plugin/tools/interaction_tool.h>
+
+#include <QPoint>
+
+#include <map>
+#include <memory>
+#include <string>
+
+namespace rbs {
+
+/// Where the mouse is at no interactive marker but at a drawn body, it takes that body: any of thousands, since bodies
+/// need no marker. A press on anything else turns the view and says so; a click there, or Escape, drops the
+/// selection, and Delete deletes the selected body.
+class InteractTool : public rviz::InteractionTool {
+  Q_OBJECT
+ public:
+  void onInitialize() override;
+  void deactivate() override;
+  int processMouseEvent(rviz::ViewportMouseEvent& event) override;
+  int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
+
+ private:
+  void aim(const rviz::ViewportMouseEvent& event);
+  void finishMiss(const QPoint& released_at);
+
+  boost::shared_ptr<BodyMouse> mouse_;
+  std::map<std::string, std::shared_ptr<SimulatorBodies>> simulators_;  ///< by node
+  QString nothing_there_;  ///< why the mouse is at no body
+  bool missed_ = false;    ///< the last press was at nothing that takes it
+  QPoint pressed_at_;
+};
+
+}  // namespace rbs

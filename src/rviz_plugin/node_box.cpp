@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "node_box.h"
+
+#include <rigid_body_sim/Status.h>
+#include <ros/master.h>
+
+#include <QLineEdit>
+
+namespace rbs {
+
+NodeBox::NodeBox() {
+  setEditable(true);
+  setInsertPolicy(QComboBox::NoInsert);
+  setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  setMinimumContentsLength(8);
+  setToolTip("The simulator that this panel steers: the name of its node");
+  connect(lineEdit(), &QLineEdit::editingFinished, this, [this] { Q_EMIT chosen(node()); });
+  connect(this, qOverload<int>(&QComboBox::activated), this, [this] { Q_EMIT chosen(node()); });
+}
+
+// Who publishes a status of this type is a simulator.
+void NodeBox::showPopup() {
+  const QString before = node();
+  ros::master::V_TopicInfo topics;
+  ros::master::getTopics(topics);
+  clear();
+  for (const ros::master::TopicInfo& topic : topics) {
+    const QString name = QString::fromStdString(topic.name);
+    if (topic.datatype == ros::message_traits::datatype<rigid_body_sim::Status>() && name.endsWith("/status"))
+      addItem(name.left(name.lastIndexOf('/')));
+  }
+  setNode(before);
+  QComboBox::showPopup();
+}
+
+}  // namespace rbs
