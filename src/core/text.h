@@ -2,14 +2,16 @@
 // Numbers and counts in words, for reasons and messages.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <string>
 
 namespace rbs {
 
-/// A number with up to six significant digits: "9.81".
+/// A number with up to six significant digits: "9.81"; "inf", "-inf" and "nan".
 inline std::string text(double value) {
+  if (std::isnan(value)) return "nan";  // which printf gives the sign of a bit that means nothing
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.6g", value);
   return buffer;

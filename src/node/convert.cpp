@@ -101,6 +101,8 @@ rigid_body_sim::BodyDescription toMsg(const BodyDescription& body) {
   msg.inertia = toMsg(body.inertia);
   msg.material = toMsg(body.material, body.shape);
   msg.color = toMsg(body.color);
+  msg.collision_group = body.group;
+  msg.collision_mask = body.mask;
   msg.frozen = body.frozen;
   return msg;
 }

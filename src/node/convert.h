@@ -20,9 +20,6 @@
 
 namespace rbs {
 
-/// The frame of everything that is published.
-inline constexpr const char* kWorldFrame = "world";
-
 double finite(double value);  ///< the value, or 0 where it is NaN or infinite
 geometry_msgs::Vector3 toMsg(const Vec3& v);
 geometry_msgs::Point toPoint(const Vec3& p);  ///< also kept within 1e18 m, whose square a float can hold

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
 #include "command_topics.h"
+#include "names.h"
 #include "publishers.h"
 #include "services.h"
 #include "session.h"
+#include "tf_frames.h"
 
+#include "rigid_body_sim/file_access.h"
 #include "rigid_body_sim/mesh_file.h"
+#include "rigid_body_sim/quote.h"
 
 #include <ros/package.h>
 #include <ros/ros.h>
@@ -47,13 +51,17 @@ rbs::Publishers::Options publisherOptions(const ros::NodeHandle& node) {
   options.status_line = node.param("status_line", options.status_line);
   options.tf_prefix = node.param("tf_prefix", options.tf_prefix);
   const std::string tf = node.param<std::string>("tf", "all");
-  if (tf != "all" && tf != "none") throw rbs::InvalidInput({{"~tf", "'" + tf + "'", "all or none"}});
+  if (tf != "all" && tf != "none") throw rbs::InvalidInput({{"~tf", rbs::quoted(tf), "all or none"}});
   options.tf = tf == "all" ? rbs::TfMode::All : rbs::TfMode::None;
   return options;
 }
 
 void run() {
   ros::NodeHandle node("~");
+  rbs::nameFrames(node.param<std::string>("world_frame", rbs::kWorldName), node.param<std::string>("tf_prefix", ""));
+  rbs::confineFilesTo(node.param<std::string>("file_root", ""));
+  rbs::TfFrames frames(node);
+  rbs::findFramesBy([&](const std::string& frame_id) { return frames.find(frame_id); });
   rbs::Session session(sessionOptions(node));
   rbs::Ghost ghost(node, session.simulator());
   rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, publisherOptions(node));
@@ -70,6 +78,7 @@ void run() {
 int main(int argc, char** argv) {
   initOnWallTime(argc, argv);
   rbs::findPackagesBy(ros::package::getPath);
+  rbs::interruptReadingBy([] { return ros::isShuttingDown() || !ros::ok(); });
   try {
     run();
   } catch (const std::exception& error) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "names.h"
 
-#include "convert.h"
+#include "rigid_body_sim/quote.h"
+#include "words.h"
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -55,7 +57,12 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
   const std::string nearest = nearestName(name, bodies);
   const std::string hint = nearest.empty() ? "" : "did you mean '" + nearest + "'?; ";
   const std::string known = bodies.empty() ? "the world has no bodies" : "bodies: " + someNames(bodies);
-  throw InvalidInput({{name.empty() ? "name is missing" : "unknown body '" + name + "'", "", hint + known}});
+  throw InvalidInput({{name.empty() ? "name is missing" : "unknown body " + quoted(name), "", hint + known}});
+}
+
+FrameLookup& frameLookup() {
+  static FrameLookup lookup;
+  return lookup;
 }
 
 }  // namespace
@@ -72,14 +79,26 @@ std::size_t indexNamed(const Snapshot& snapshot, const std::string& name) {
   return index;
 }
 
+void findFramesBy(FrameLookup lookup) { frameLookup() = std::move(lookup); }
+
 Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id) {
-  if (frame_id.empty() || frame_id == kWorldFrame) return {};
-  return snapshot.states[indexNamed(snapshot, frame_id)].pose;
+  if (frame_id.empty() || frame_id == worldFrame()) return {};
+  int index = snapshot.find(frame_id);
+  const std::string& prefix = framePrefix();
+  if (index < 0 && !prefix.empty() && frame_id.compare(0, prefix.size(), prefix) == 0) {
+    index = snapshot.find(frame_id.substr(prefix.size()));
+  }
+  return index < 0 ? frameLookup()(frame_id) : snapshot.states[index].pose;
 }
 
 Pose frameNamed(const World& world, const std::string& frame_id) {
-  if (frame_id.empty() || frame_id == kWorldFrame) return {};
+  if (frame_id.empty() || frame_id == worldFrame()) return {};
   return frameNamed(world.snapshot(), frame_id);
+}
+
+const Vec3& finiteVector(const Vec3& v, const std::string& path) {
+  if (!v.allFinite()) throw InvalidInput({{path, inWords(v), "finite numbers"}});
+  return v;
 }
 
 Pose compose(const Pose& X_WF, const Pose& X_FB) {
