@@ -41,13 +41,22 @@ enum class BodyKind {
 /// "dynamic", "static" or "kinematic".
 const char* kindName(BodyKind kind);
 
+/// The name of the frame W that nothing else may have, whatever nameFrames() says.
+inline constexpr const char* kWorldName = "world";
+
+/// The names that frames have outside of the core, in tf: that of W, and what stands in front of the names of bodies.
+/// To be called before any thread reads a scene. Throws InvalidInput for what tf would not take.
+void nameFrames(const std::string& world, const std::string& prefix);
+const std::string& worldFrame();   ///< "world" unless nameFrames() said otherwise
+const std::string& framePrefix();  ///< "" unless nameFrames() said otherwise
+
 /// Red, green, blue, alpha, each 0 to 1.
 using Color = std::array<float, 4>;
 
 /// A body to be made.
 struct BodyDef {
-  /// Letters, digits, '_', '-', '/', at most 64, not starting with a digit; unique in the world.
-  /// Empty: the world names it after its shape ("box_3").
+  /// Letters, digits, '_', '-' and '/', at most 64. First a letter or '_'; '/' parts it into names that are not empty.
+  /// Not the name of the world's frame. Unique in the world. Empty: the world names it after its shape ("box_3").
   std::string name;
   Shape shape = Box{};
   Pose pose;

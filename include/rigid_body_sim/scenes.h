@@ -22,7 +22,8 @@ struct SceneFile {
 SceneFile parseScene(const std::string& text, const std::string& file,
                      std::optional<std::uint64_t> seed = std::nullopt);
 
-/// Reads a scene file. The same errors; a file over 16 MiB or one that cannot be read is refused.
+/// Reads a scene file. The same errors; a file over 16 MiB, one that cannot be read, and one without the key `bodies`
+/// are refused. Nothing is quoted of a file without that key.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed = std::nullopt);
 
 /// The text of a scene, which parseScene() reads back bit for bit.
@@ -38,7 +39,7 @@ struct SceneEntry {
 std::vector<SceneEntry> listScenes(const std::string& folder);
 
 /// The scene file for `name_or_file`: a name of the catalogue, or a path (it has a '/' or ends in
-/// ".yaml"). Throws InvalidInput that lists the known names.
+/// ".yaml"). Throws InvalidInput that lists the known names, and for a path that confineFilesTo() excludes.
 std::string findScene(const std::string& folder, const std::string& name_or_file);
 
 }  // namespace rbs

@@ -23,6 +23,7 @@ struct BodyDescription {
   Vec3 inertia = Vec3::Zero();  ///< principal moments about the axes of B, kg m²
   Material material;
   Color color{};
+  std::uint32_t group = 1, mask = 0xffffffffu;  ///< see BodyDef
   bool frozen = false;  ///< quarantined after it became non-finite
 };
 

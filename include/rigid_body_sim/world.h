@@ -24,6 +24,7 @@ struct BodyEdit {
   std::optional<double> density;  ///< kg/m³; the mass follows
   std::optional<double> friction, restitution, drag_coefficient, rolling_resistance, torsional_resistance;
   std::optional<Color> color;
+  std::optional<std::uint32_t> group, mask;  ///< see BodyDef
 };
 
 /// A user force, as of a mouse: a spring from a point of a body to a point of the world. It damps turning, too: as

@@ -80,6 +80,8 @@ BodyDescription Bodies::describe(Index i) const {
   d.material = t.material;
   d.material.drag_coefficient = t.dragCoefficient();
   d.color = color[i];
+  d.group = t.group;
+  d.mask = t.mask;
   d.frozen = t.frozen;
   return d;
 }

@@ -3,6 +3,7 @@
 
 #include "number_text.h"
 #include "rigid_body_sim/mesh_file.h"
+#include "rigid_body_sim/quote.h"
 #include "scene_generators.h"
 #include "scene_limits.h"
 
@@ -139,7 +140,7 @@ void readRepeat(Fields& fields, Repeat& repeat) {
   }
   fields.read("shapes", repeat.shapes);
   for (const std::string& shape : repeat.shapes) {
-    if (shape != "sphere" && shape != "box") fields.report("shapes", "'" + shape + "'", "sphere and box");
+    if (shape != "sphere" && shape != "box") fields.report("shapes", quoted(shape), "sphere and box");
   }
 }
 
@@ -209,7 +210,14 @@ void BodyReader::readHull(Fields& fields, BodyDef& body) {
 PlacedHull BodyReader::meshHull(const std::string& mesh, double scale, const std::string& path) {
   const auto known = meshes_.find({mesh, scale});
   if (known != meshes_.end()) return known->second;
-  const PlacedHull hull = hullOfMesh(mesh, folder_, scale, path);
+  auto points = mesh_points_.find(mesh);
+  if (points == mesh_points_.end()) points = mesh_points_.emplace(mesh, readMesh(mesh, folder_, path)).first;
+  hull_points_ += points->second.size();
+  if (hull_points_ > kMostMeshPoints) {
+    throw InvalidInput({{path, "more than " + std::to_string(kMostMeshPoints) + " points",
+                         "at most so many in the meshes of a scene, each counted once for every scale"}});
+  }
+  const PlacedHull hull = hullOfMesh(points->second, mesh, scale, path);
   meshes_.emplace(std::pair{mesh, scale}, hull);
   return hull;
 }

@@ -35,7 +35,9 @@ class BodyReader {
   FileProblems& problems_;
   SplitMix64 random_;
   std::string folder_;
-  std::map<std::pair<std::string, double>, PlacedHull> meshes_;  ///< those that were read, by name and scale
+  std::map<std::string, std::vector<Vec3>> mesh_points_;         ///< of the meshes that were read
+  std::map<std::pair<std::string, double>, PlacedHull> meshes_;  ///< their hulls, by name and scale
+  std::size_t hull_points_ = 0;                                  ///< that those hulls were made of
   std::vector<BodyDef> bodies_;
   std::vector<std::size_t> entries_;
 };

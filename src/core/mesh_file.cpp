@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rigid_body_sim/mesh_file.h"
 
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <assimp/Importer.hpp>
+#include "meshes/formats.h"
+#include "rigid_body_sim/file_access.h"
+#include "rigid_body_sim/quote.h"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <fstream>
 
 namespace rbs {
 namespace {
@@ -25,45 +27,70 @@ PackageFolders& packageFolders() {
   throw InvalidInput({{path, value, allowed}});
 }
 
+std::string named(const fs::path& file) {
+  return quoted(file.string(), kLongestPath);
+}
+
+/// The file, which may be read.
 fs::path find(const std::string& location, const std::string& folder, const std::string& path) {
+  if (location.find('\0') != std::string::npos) refuse(path, quoted(location), "a path without the byte 0");
   if (location.compare(0, kPackageScheme.size(), kPackageScheme) == 0) {
     const std::string rest = location.substr(kPackageScheme.size());
     const std::size_t slash = rest.find('/');
-    if (slash == 0 || slash == std::string::npos) refuse(path, "'" + location + "'", "package://NAME/FILE");
+    if (slash == 0 || slash == std::string::npos) refuse(path, named(location), "package://NAME/FILE");
     const std::string package = packageFolders()(rest.substr(0, slash));
-    if (package.empty()) refuse(path, "'" + location + "'", "a package that can be found");
-    return fs::path(package) / rest.substr(slash + 1);
+    if (package.empty()) refuse(path, named(location), "a package that can be found");
+    const fs::path file = fs::path(package) / rest.substr(slash + 1);
+    requireAccess(file.string(), path, package);
+    return file;
   }
-  const fs::path file(location);
-  if (file.is_absolute()) return file;
-  if (location.empty() || folder.empty()) {
-    refuse(path, "'" + location + "'", "an absolute path or package://NAME/FILE");
+  fs::path file(location);
+  if (!file.is_absolute()) {
+    if (location.empty() || folder.empty()) refuse(path, named(location), "an absolute path or package://NAME/FILE");
+    file = fs::path(folder) / file;
   }
-  return fs::path(folder) / file;
+  requireAccess(file.string(), path, folder);
+  return file;
 }
 
-void checkFile(const fs::path& file, const std::string& path) {
+std::string readBytes(const fs::path& file, const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  const std::string name = "'" + file.string() + "'";
-  if (!fs::exists(status)) refuse(path, name + ": no such file", "a mesh file");
-  if (!fs::is_regular_file(status)) refuse(path, name + ": not a regular file", "a mesh file");
+  if (!fs::exists(status)) refuse(path, named(file) + ": no such file", "a mesh file");
+  if (!fs::is_regular_file(status)) refuse(path, named(file) + ": not a regular file", "a mesh file");
   const std::uintmax_t size = fs::file_size(file, error);
-  if (error || size > kMostBytes) refuse(path, name + ": too large", "a mesh file of at most 256 MiB");
+  if (error || size > kMostBytes) refuse(path, named(file) + ": too large", "a mesh file of at most 256 MiB");
+  std::string bytes(size, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!stream) refuse(path, named(file) + ": cannot be read", "a file that may be read");
+  return bytes;
 }
 
-void addVertices(const aiScene& scene, const aiNode& node, const aiMatrix4x4& parent,
-                 std::vector<Vec3>& vertices) {
-  const aiMatrix4x4 transform = parent * node.mTransformation;
-  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
-    for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-      const aiVector3D p = transform * mesh.mVertices[v];
-      vertices.emplace_back(p.x, p.y, p.z);
+/// Opens a buffer of a glTF file, which must not lead out of its folder.
+meshes::OpenBeside besideOf(const fs::path& file, const std::string& path) {
+  return [file, path](const std::string& uri) {
+    std::error_code error;
+    const fs::path folder = fs::canonical(file.parent_path(), error);
+    const fs::path buffer = fs::weakly_canonical(folder / uri, error);
+    const auto parted = std::mismatch(folder.begin(), folder.end(), buffer.begin(), buffer.end());
+    if (error || uri.find('\0') != std::string::npos || parted.first != folder.end()) {
+      throw meshes::BadMesh("the buffer " + quoted(uri), "buffers in the file, beside it, or below its folder");
     }
-  }
-  for (unsigned c = 0; c < node.mNumChildren; ++c)
-    addVertices(scene, *node.mChildren[c], transform, vertices);
+    return readBytes(buffer, path);
+  };
+}
+
+std::vector<Vec3> parse(const fs::path& file, const std::string& path) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string bytes = readBytes(file, path);
+  if (ending == ".obj") return meshes::readObj(bytes);
+  if (ending == ".stl") return meshes::readStl(bytes);
+  if (ending == ".ply") return meshes::readPly(bytes);
+  if (ending == ".dae") return meshes::readCollada(bytes);
+  if (ending == ".gltf" || ending == ".glb") return meshes::readGltf(bytes, besideOf(file, path));
+  throw meshes::BadMesh("an unknown format", "a file that ends in .obj, .stl, .ply, .gltf, .glb or .dae");
 }
 
 }  // namespace
@@ -73,29 +100,29 @@ void findPackagesBy(PackageFolders folders) {
 }
 
 std::vector<Vec3> readMesh(const std::string& location, const std::string& folder, const std::string& path) {
+  stopIfInterrupted(path);
   const fs::path file = find(location, folder, path);
-  checkFile(file, path);
-  Assimp::Importer importer;
-  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_ValidateDataStructure);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
-    refuse(path, "'" + file.string() + "': " + importer.GetErrorString(), "a mesh file that assimp can read");
+  try {
+    std::vector<Vec3> points = parse(file, path);
+    if (points.empty()) throw meshes::BadMesh("no vertices", "a mesh");
+    return points;
+  } catch (const meshes::BadMesh& fault) {
+    refuse(path, named(file) + ": " + fault.what(), fault.allowed);
   }
-  std::vector<Vec3> vertices;
-  addVertices(*scene, *scene->mRootNode, aiMatrix4x4(), vertices);
-  if (vertices.empty()) refuse(path, "'" + file.string() + "': no vertices", "a mesh");
-  return vertices;
 }
 
 PlacedHull hullOfMesh(const std::string& location, const std::string& folder, double scale,
                       const std::string& path) {
-  std::vector<Vec3> points = readMesh(location, folder, path);
+  return hullOfMesh(readMesh(location, folder, path), location, scale, path);
+}
+
+PlacedHull hullOfMesh(std::vector<Vec3> points, const std::string& location, double scale, const std::string& path) {
   for (Vec3& p : points) p *= scale;
   try {
     return makeHull(points, path);
   } catch (const InvalidInput& refusal) {
     const Problem& problem = refusal.problems().front();
-    refuse(path, "'" + location + "': " + problem.value, problem.allowed);
+    refuse(path, named(location) + ": " + problem.value, problem.allowed);
   }
 }
 

@@ -5,6 +5,7 @@
 // vertex is superfluous, and what it was last made of is what a scene file holds of it. So a hull that is
 // written and read again is the same, bit for bit.
 #include "number_text.h"
+#include "rigid_body_sim/file_access.h"
 #include "rigid_body_sim/scene.h"
 #include "rigid_body_sim/shape.h"
 
@@ -61,8 +62,26 @@ Vec3 farthest(const Points& points, Offset offset) {
   return most;
 }
 
-// The first point, the one farthest from it, the one farthest from their line, and the one farthest from
-// their plane span a tetrahedron; where it is too thin the points have no inside.
+/// Why the points have no inside; empty where they have. The first point, the one farthest from it, the one farthest
+/// from their line, and the one farthest from their plane span a tetrahedron, which may be too thin.
+std::string flatness(const Points& points) {
+  const Vec3 a = farthest(points, [&](const Vec3& p) { return Vec3(p - points[0]); });
+  const double length = a.norm();
+  if (!(length > 1e-30)) return pointCount(points.size()) + " at the same place";
+  const Vec3 x = a / length;
+  const auto offLine = [&](const Vec3& p) -> Vec3 {
+    const Vec3 d = p - points[0];
+    return d - x.dot(d) * x;
+  };
+  const Vec3 b = farthest(points, offLine);
+  const std::string least = ", but for " + numberText(kFlat) + " of the extent";
+  if (b.norm() <= kFlat * length) return "points on a line" + least;
+  const Vec3 normal = x.cross(b).normalized();
+  const auto offPlane = [&](const Vec3& p) -> Vec3 { return normal.dot(p - points[0]) * normal; };
+  if (farthest(points, offPlane).norm() <= kFlat * length) return "points in a plane" + least;
+  return "";
+}
+
 void checkPoints(const Points& points, const std::string& path) {
   if (points.size() < 4) refuse(path, pointCount(points.size()), "4 points or more: a hull is a solid");
   if (points.size() > Limits::max_hull_points) {
@@ -73,22 +92,7 @@ void checkPoints(const Points& points, const std::string& path) {
     refuse(path + "[" + std::to_string(i) + "]", vectorText(points[i]),
            "finite coordinates of at most " + numberText(Limits::max_position) + " m");
   }
-  const Vec3 a = farthest(points, [&](const Vec3& p) { return Vec3(p - points[0]); });
-  const double length = a.norm();
-  if (!(length > 1e-30)) refuse(path, pointCount(points.size()) + " at the same place", "points of a solid");
-  const Vec3 x = a / length;
-  const auto offLine = [&](const Vec3& p) -> Vec3 {
-    const Vec3 d = p - points[0];
-    return d - x.dot(d) * x;
-  };
-  const Vec3 b = farthest(points, offLine);
-  const std::string least = ", but for " + numberText(kFlat) + " of the extent";
-  if (b.norm() <= kFlat * length) refuse(path, "points on a line" + least, "points of a solid");
-  const Vec3 normal = x.cross(b).normalized();
-  const auto offPlane = [&](const Vec3& p) -> Vec3 { return normal.dot(p - points[0]) * normal; };
-  if (farthest(points, offPlane).norm() <= kFlat * length) {
-    refuse(path, "points in a plane" + least, "points of a solid");
-  }
+  if (const std::string fault = flatness(points); !fault.empty()) refuse(path, fault, "points of a solid");
 }
 
 // --- triangles
@@ -166,6 +170,32 @@ std::vector<Triangle> triangulate(const Points& points, const std::string& path)
     for (Triangle& t : triangles) std::swap(t[1], t[2]);
   }
   return triangles;
+}
+
+/// The points that are vertices of the hull, found in parts: those of a part, with those of the parts before it, at a
+/// time. What is inside the hull of some of the points is inside that of all. So the work is bounded however many
+/// points there are, and can be interrupted. Few points are left as they are.
+Points reduced(const Points& points, const std::string& path) {
+  constexpr std::size_t part = 8192, most = 4 * Limits::max_hull_vertices;
+  if (points.size() <= 2 * part) return points;
+  Points kept;
+  for (std::size_t begin = 0; begin < points.size(); begin += part) {
+    stopIfInterrupted(path);
+    kept.insert(kept.end(), points.begin() + begin, points.begin() + std::min(begin + part, points.size()));
+    if (!flatness(kept).empty()) continue;
+    std::vector<char> on_hull(kept.size(), 0);
+    for (const Triangle& t : triangulate(normalised(kept), path))
+      for (const int v : t) on_hull[v] = 1;
+    Points vertices;
+    for (std::size_t v = 0; v < kept.size(); ++v)
+      if (on_hull[v]) vertices.push_back(kept[v]);
+    kept = std::move(vertices);
+    if (kept.size() > most) {
+      refuse(path, "more than " + pointCount(most) + " on the hull",
+             "at most " + pointCount(Limits::max_hull_vertices) + ": leave details out");
+    }
+  }
+  return kept;
 }
 
 // --- polygons
@@ -405,9 +435,10 @@ PlacedHull makeHull(const std::vector<Vec3>& points, const std::string& path) {
   checkPoints(points, path);
   Pose X_PB;
   Mat3 R_PB = Mat3::Identity();
-  Points now = points;
+  Points now = reduced(points, path);
   constexpr int kPasses = 50;  // a dozen in the worst case known
   for (int pass = 0; pass < kPasses; ++pass) {
+    stopIfInterrupted(path);
     const Points shape = normalised(now);
     const std::vector<Triangle> triangles = triangulate(shape, path);
     const std::vector<int> face_of = facesOf(shape, triangles);

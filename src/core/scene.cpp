@@ -3,6 +3,7 @@
 #include "rigid_body_sim/scene.h"
 
 #include "number_text.h"
+#include "rigid_body_sim/quote.h"
 #include "text.h"
 
 #include <cmath>
@@ -51,12 +52,20 @@ bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
-bool isBodyName(const std::string& name) {
-  if (name.size() > kLongestName || (!name.empty() && isDigit(name[0]))) return false;
+/// What a body's name breaks; empty for a sound one. It is the name of a frame of tf too, where "/" parts levels and
+/// may not come first, and an argument of command lines, where "-" begins an option.
+std::string faultOfName(const std::string& name) {
+  if (name.empty()) return "";
+  if (name.size() > kLongestName) return "at most 64 characters, not " + std::to_string(name.size());
   for (const char c : name) {
-    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return false;
+    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return "letters, digits, '_', '-' and '/'";
   }
-  return true;
+  if (!isLetter(name[0]) && name[0] != '_') return "a letter or '_' first";
+  if (name.back() == '/' || name.find("//") != std::string::npos) return "names between '/', not empty ones";
+  if (name == kWorldName || framePrefix() + name == worldFrame()) {
+    return "another name than that of the world's frame";
+  }
+  return "";
 }
 
 bool hasSoundSize(const Shape& shape) {
@@ -175,7 +184,7 @@ void checkNamesDiffer(const std::vector<BodyDef>& bodies, Faults& faults) {
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies[i].name.empty()) continue;
     if (!names.insert(bodies[i].name).second) {
-      faults.add("bodies[" + std::to_string(i) + "].name", "'" + bodies[i].name + "'",
+      faults.add("bodies[" + std::to_string(i) + "].name", quoted(bodies[i].name),
                  "unique names; an earlier body has this one");
     }
   }
@@ -199,8 +208,62 @@ std::string describe(const std::vector<Problem>& problems) {
 
 }  // namespace
 
-InvalidInput::InvalidInput(std::vector<Problem> problems)
+namespace {
+
+/// Whatever a user wrote, the message is short and can be sent and shown.
+std::vector<Problem> shortened(std::vector<Problem> problems) {
+  for (Problem& problem : problems) {
+    problem.path = printable(problem.path, 2 * kLongestPath);
+    problem.value = printable(problem.value, 2 * kLongestPath);
+  }
+  return problems;
+}
+
+}  // namespace
+
+InvalidInput::InvalidInput(std::vector<Problem> problems) : InvalidInput(shortened(std::move(problems)), 0) {}
+
+InvalidInput::InvalidInput(std::vector<Problem> problems, int)
     : std::invalid_argument(describe(problems)), problems_(std::move(problems)) {}
+
+namespace {
+
+struct Frames {
+  std::string world = kWorldName, prefix;
+};
+
+Frames& frames() {
+  static Frames names;
+  return names;
+}
+
+/// Whether tf takes it: letters, digits and '_', '-', '/', of which the last neither begins it nor follows itself.
+bool isFrameName(const std::string& name) {
+  for (const char c : name)
+    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return false;
+  return name.size() <= kLongestName && name.substr(0, 1) != "/" && name.find("//") == std::string::npos;
+}
+
+}  // namespace
+
+void nameFrames(const std::string& world, const std::string& prefix) {
+  std::vector<Problem> problems;
+  const std::string allowed = "letters, digits, '_', '-' and single '/', at most 64, not '/' first";
+  if (world.empty() || world.back() == '/' || !isFrameName(world)) {
+    problems.push_back({"world_frame", quoted(world), allowed + " or last"});
+  }
+  if (!isFrameName(prefix)) problems.push_back({"tf_prefix", quoted(prefix), allowed});
+  if (!problems.empty()) throw InvalidInput(problems);
+  frames() = {world, prefix};
+}
+
+const std::string& worldFrame() {
+  return frames().world;
+}
+
+const std::string& framePrefix() {
+  return frames().prefix;
+}
 
 const char* kindName(BodyKind kind) {
   switch (kind) {
@@ -237,7 +300,7 @@ const char* fidelityName(Fidelity fidelity) {
 Fidelity fidelityNamed(const std::string& name) {
   for (const Fidelity fidelity : kFidelities)
     if (name == fidelityName(fidelity)) return fidelity;
-  throw InvalidInput({{"fidelity", "'" + name + "'", "preview, interactive, accurate or reference"}});
+  throw InvalidInput({{"fidelity", quoted(name), "preview, interactive, accurate or reference"}});
 }
 
 std::string settingName(const Setting& setting) {
@@ -283,7 +346,7 @@ Effect effectNamed(const std::string& name) {
     if (name == effectName(effect)) return effect;
     names += (names.empty() ? "" : ", ") + std::string(effectName(effect));
   }
-  throw InvalidInput({{"effect", "'" + name + "'", names}});
+  throw InvalidInput({{"effect", quoted(name), names}});
 }
 
 std::vector<Problem> validate(const Setting& setting) {
@@ -309,9 +372,8 @@ std::vector<Problem> validate(const Goal& goal) {
 
 std::vector<Problem> validate(const BodyDef& body, const std::string& path) {
   Faults faults;
-  if (!isBodyName(body.name)) {
-    faults.add(path + ".name", "'" + body.name + "'",
-               "letters, digits, '_', '-' and '/', at most 64, not starting with a digit");
+  if (const std::string fault = faultOfName(body.name); !fault.empty()) {
+    faults.add(path + ".name", quoted(body.name), fault);
   }
   checkShape(body, path, faults);
   checkMotion(body, path, faults);

@@ -5,6 +5,8 @@
 // and what has a wrong value by validate(), whose paths are led back to the lines of the file.
 #include "body_reader.h"
 #include "number_text.h"
+#include "rigid_body_sim/file_access.h"
+#include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/scenes.h"
 #include "scene_limits.h"
 #include "yaml_fields.h"
@@ -146,7 +148,7 @@ void addFaults(const SceneDef& scene, const std::vector<std::size_t>& entries, c
 }
 
 [[noreturn]] void refuseFile(const std::string& file, const std::string& value, const std::string& allowed) {
-  throw InvalidInput({{file, value, allowed}});
+  throw InvalidInput({{printable(file, kLongestPath), value, allowed}});
 }
 
 std::string readText(const std::string& file) {
@@ -190,8 +192,12 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   return result;
 }
 
+// What is wrong with a file that is no scene is nobody's business: it may hold what the user may not read.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
-  SceneFile result = parseScene(readText(file), file, seed);
+  stopIfInterrupted(file);
+  const std::string text = readText(file);
+  if (text.find("bodies:") == std::string::npos) refuseFile(file, "not a scene", "a scene file: YAML with the key bodies");
+  SceneFile result = parseScene(text, file, seed);
   if (result.scene.name == SceneDef{}.name) result.scene.name = std::filesystem::path(file).stem().string();
   return result;
 }

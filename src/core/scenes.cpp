@@ -2,6 +2,8 @@
 // The catalogue of named scenes: a folder of scene files.
 #include "rigid_body_sim/scenes.h"
 #include "number_text.h"
+#include "rigid_body_sim/file_access.h"
+#include "rigid_body_sim/quote.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -52,14 +54,17 @@ std::vector<SceneEntry> listScenes(const std::string& folder) {
 }
 
 std::string findScene(const std::string& folder, const std::string& name_or_file) {
-  if (isPath(name_or_file)) return name_or_file;
+  if (isPath(name_or_file)) {
+    requireAccess(name_or_file, "file");
+    return name_or_file;
+  }
   const std::vector<std::string> names = sceneNames(folder);
   if (std::find(names.begin(), names.end(), name_or_file) != names.end()) return fileOf(folder, name_or_file);
 
   std::string known;
   for (const std::string& name : names) known += (known.empty() ? "scenes: " : ", ") + name;
   const std::string near = nearestName(name_or_file, names);
-  throw InvalidInput({{"unknown scene '" + name_or_file + "'", "",
+  throw InvalidInput({{"unknown scene " + quoted(name_or_file), "",
                        (near.empty() ? "" : "did you mean '" + near + "'? ") + known}});
 }
 

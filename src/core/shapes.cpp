@@ -2,6 +2,7 @@
 // Mass properties, bounds and names of the shapes.
 #include "narrowphase/support.h"
 #include "number_text.h"
+#include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/scene.h"
 #include "rigid_body_sim/shape.h"
 
@@ -194,7 +195,7 @@ Shape makeShape(const std::string& name, const Vec3& full_extents, const std::st
     const RoundSize size = roundSize(d, {2.0 * Cone{}.radius, Cone{}.height}, path);
     return Cone{0.5 * size.diameter, size.length};
   }
-  require(name == "plane", path + ".shape", "'" + name + "'",
+  require(name == "plane", path + ".shape", quoted(name),
           "sphere, box, plane, capsule, cylinder, cone or hull");
   require(d.isZero(0.0), path + ".size", vectorText(d), "nothing: a plane has no size");
   return Plane{};

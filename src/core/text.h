@@ -11,7 +11,7 @@ namespace rbs {
 
 /// A number with up to six significant digits: "9.81"; "inf", "-inf" or "nan".
 inline std::string text(double value) {
-  if (std::isnan(value)) return "nan";  // whose sign, which is chance, printf would tell
+  if (std::isnan(value)) return "nan";  // printf would give it the sign of a bit that means nothing
   char buffer[32];
   std::snprintf(buffer, sizeof buffer, "%.6g", value);
   return buffer;

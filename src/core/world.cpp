@@ -3,6 +3,7 @@
 
 #include "checks.h"
 #include "narrowphase/collide.h"
+#include "rigid_body_sim/quote.h"
 #include "saved_state.h"
 #include "text.h"
 
@@ -60,7 +61,7 @@ void checkNames(const Bodies& bodies, const std::vector<BodyDef>& added, std::ve
   for (std::size_t k = 0; k < added.size(); ++k) {
     if (added[k].name.empty() || taken.insert(added[k].name).second) continue;
     const std::string path = added.size() == 1 ? "body.name" : "bodies[" + std::to_string(k) + "].name";
-    problems.push_back({path, added[k].name, "a name that no other body has"});
+    problems.push_back({path, quoted(added[k].name), "a name that no other body has"});
   }
 }
 
@@ -159,6 +160,8 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.rolling_resistance) def.material.rolling_resistance = *edit.rolling_resistance;
   if (edit.torsional_resistance) def.material.torsional_resistance = *edit.torsional_resistance;
   if (edit.color) def.color = *edit.color;
+  if (edit.group) def.group = *edit.group;
+  if (edit.mask) def.mask = *edit.mask;
   throwIfAny(validate(def, "body"));
 
   Bodies fresh;
@@ -176,7 +179,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->forgetContacts(id);
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
                            !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
-                           !edit.torsional_resistance && !edit.color && !old.frozen;
+                           !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask && !old.frozen;
   impl_->edited(!only_motion, std::vector<Index>{i});
 }
 

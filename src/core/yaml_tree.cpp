@@ -73,7 +73,7 @@ class TreeBuilder : public YAML::EventHandler {
     }
     const bool quoted = tag == "!";
     if (!quoted && !tag.empty() && tag != "?") {
-      refuse(problems_, lineOf(mark), path(), "the tag '" + tag + "'", "no tags");
+      refuse(problems_, lineOf(mark), path(), "the tag " + rbs::quoted(tag), "no tags");
     }
     YamlNode node;
     node.kind = kind;
@@ -182,7 +182,7 @@ void FileProblems::add(int line, const std::string& path, const std::string& val
   ++count_;
   if (problems_.size() == kMostProblems) return;
   const std::string place = file_ + ":" + std::to_string(line);
-  problems_.push_back({line, {path.empty() ? place : place + ": " + path, value, allowed}});
+  problems_.push_back({line, {path.empty() ? place : place + ": " + printable(path), value, allowed}});
 }
 
 void FileProblems::throwIfAny() const {
@@ -207,17 +207,16 @@ YamlNode parseYaml(const std::string& text, FileProblems& problems) {
     if (parser.HandleNextDocument(builder)) refuse(problems, root.line, "", "two documents", "one document");
     return root;
   } catch (const YAML::Exception& error) {
-    refuse(problems, error.mark.is_null() ? 1 : error.mark.line + 1, "", error.msg, "well-formed YAML");
+    refuse(problems, error.mark.is_null() ? 1 : error.mark.line + 1, "", printable(error.msg), "well-formed YAML");
   }
 }
 
 std::string describe(const YamlNode& node) {
-  constexpr std::size_t longest = 40;
   switch (node.kind) {
     case YamlNode::Kind::Null:
       return "nothing";
     case YamlNode::Kind::Scalar:
-      return "'" + (node.text.size() <= longest ? node.text : node.text.substr(0, longest) + "...") + "'";
+      return quoted(node.text);
     case YamlNode::Kind::Sequence:
       return "a list of " + std::to_string(node.items.size());
     case YamlNode::Kind::Map:

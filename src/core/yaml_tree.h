@@ -5,6 +5,7 @@
 // found, lines are kept, and neither deep nesting nor aliases of aliases can cost more than the text.
 #pragma once
 
+#include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/types.h"
 
 #include <string>
@@ -28,7 +29,7 @@ struct YamlNode {
 /// The faults of one file, each with its line.
 class FileProblems {
  public:
-  explicit FileProblems(std::string file) : file_(std::move(file)) {}
+  explicit FileProblems(const std::string& file) : file_(printable(file, kLongestPath)) {}
 
   void add(int line, const std::string& path, const std::string& value, const std::string& allowed);
   std::size_t count() const { return count_; }

@@ -26,7 +26,7 @@ double scaleOf(const Shape& shape, const View& view) {
 
 InteractiveMarker markerAt(const std::string& name, const Pose& pose, double scale) {
   InteractiveMarker marker;
-  marker.header.frame_id = kWorldFrame;
+  marker.header.frame_id = worldFrame();
   marker.name = name;
   marker.pose = toMsg(pose);
   marker.scale = static_cast<float>(scale);

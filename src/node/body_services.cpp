@@ -40,16 +40,17 @@ std::string spawnMessage(const SpawnBody::Request& request, const Snapshot& snap
   return assumed.empty() ? message : message + "; assumed: " + assumed.substr(2);
 }
 
-std::string spawnOne(World& world, const SpawnBody::Request& request, SpawnBody::Response& response) {
-  const BodyId id = world.addBody(bodyFrom(request, world));
+std::string spawnOne(World& world, const SpawnPlan& plan, const SpawnBody::Request& request,
+                     SpawnBody::Response& response) {
+  const BodyId id = world.addBody(plan.bodiesIn(world).front());
   const Snapshot snapshot = world.snapshot();
   const std::size_t index = snapshot.find(id);
   response.name = (*snapshot.bodies)[index].name;
   return spawnMessage(request, snapshot, index);
 }
 
-std::string spawnMany(World& world, const SpawnBodies::Request& request, SpawnBodies::Response& response) {
-  const std::vector<BodyId> ids = world.addBodies(bodiesFrom(request.bodies, world));
+std::string spawnMany(World& world, const SpawnPlan& plan, SpawnBodies::Response& response) {
+  const std::vector<BodyId> ids = world.addBodies(plan.bodiesIn(world));
   const Snapshot snapshot = world.snapshot();
   for (const BodyId id : ids) response.names.push_back((*snapshot.bodies)[snapshot.find(id)].name);
   return "spawned " + bodyCount(ids.size());
@@ -99,14 +100,14 @@ std::string move(World& world, const MoveBody::Request& request, MoveBody::Respo
 
 bool isEmpty(const BodyEdit& edit) {
   return !edit.twist && !edit.kind && !edit.mass && !edit.density && !edit.friction && !edit.restitution &&
-         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color;
+         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask;
 }
 
 std::string set(World& world, const SetBody::Request& request, SetBody::Response&) {
   const BodyId id = bodyNamed(world, request.name);
   const BodyEdit edit = editFrom(request);
   if (isEmpty(edit)) {
-    throw InvalidInput({{"nothing to change", "", "give mass or density, twist, is_static, material or color"}});
+    throw InvalidInput({{"nothing to change", "", "give mass or density, twist, kind, collision group or mask, material or color"}});
   }
   world.editBody(id, edit);
   const Snapshot after = world.snapshot();
@@ -116,8 +117,19 @@ std::string set(World& world, const SetBody::Request& request, SetBody::Response
 }  // namespace
 
 void Services::offerBodyEdits() {
-  offerEdit<SpawnBody>("spawn_body", spawnOne);
-  offerEdit<SpawnBodies>("spawn_bodies", spawnMany);
+  // Meshes are read on the thread of the service: the simulation goes on meanwhile.
+  offer<SpawnBody>("spawn_body", [this](const SpawnBody::Request& request, SpawnBody::Response& response) {
+    const SpawnPlan plan(request);
+    std::string message;
+    simulator_.edit([&](World& world) { message = spawnOne(world, plan, request, response); });
+    return message;
+  });
+  offer<SpawnBodies>("spawn_bodies", [this](const SpawnBodies::Request& request, SpawnBodies::Response& response) {
+    const SpawnPlan plan(request.bodies);
+    std::string message;
+    simulator_.edit([&](World& world) { message = spawnMany(world, plan, response); });
+    return message;
+  });
   offerEdit<NamedBody>("delete_body", remove);
   offerEdit<Trigger>("clear", clear);
   offerEdit<ResizeBody>("resize_body", resize);

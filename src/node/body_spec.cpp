@@ -4,9 +4,10 @@
 #include "convert.h"
 #include "names.h"
 #include "rigid_body_sim/mesh_file.h"
+#include "rigid_body_sim/quote.h"
 #include "words.h"
 
-#include <functional>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -55,12 +56,41 @@ PlacedHull hullFrom(const Spec& spec, const std::string& path) {
   return makeHull(points, path + ".points");
 }
 
+Vec3 finiteIn(const geometry_msgs::Vector3& v, const std::string& path) { return finiteVector(fromMsg(v), path); }
+
 /// Pose and twist, from the axes of frame_id to those of W.
-void placeBody(const Spec& spec, const World& world, BodyDef& body) {
+void placeBody(const Spec& spec, const World& world, const std::string& path, BodyDef& body) {
   const Pose X_WF = frameNamed(world, spec.frame_id);
-  if (!isZero(spec.pose)) body.pose = compose(X_WF, fromMsg(spec.pose));
-  const Twist twist_F = fromMsg(spec.twist);
-  body.twist = {turned(X_WF.q_WB, twist_F.v_WB), turned(X_WF.q_WB, twist_F.w_WB)};
+  if (!isZero(spec.pose)) {
+    finiteVector(fromMsg(spec.pose.position), path + ".position");
+    body.pose = compose(X_WF, fromMsg(spec.pose));
+  }
+  body.twist = {X_WF.q_WB * finiteIn(spec.twist.linear, path + ".velocity"),
+                X_WF.q_WB * finiteIn(spec.twist.angular, path + ".spin")};
+}
+
+/// The kind of this name; empty where nothing is said.
+std::optional<BodyKind> kindFrom(const std::string& kind, const std::string& path) {
+  if (kind.empty()) return std::nullopt;
+  for (const BodyKind known : {BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic})
+    if (kind == kindName(known)) return known;
+  throw InvalidInput({{path, quoted(kind), "dynamic, static or kinematic"}});
+}
+
+void setKind(const Spec& spec, const std::string& path, BodyDef& body, std::vector<Problem>& problems) {
+  collect(problems, [&] {
+    const std::optional<BodyKind> kind = kindFrom(spec.kind, path + ".kind");
+    if (spec.is_static && kind && *kind != BodyKind::Static) {
+      throw InvalidInput({{path + ".is_static", "true", "only with kind static"}});
+    }
+    body.kind = kind.value_or(spec.is_static ? BodyKind::Static : BodyKind::Dynamic);
+  });
+  collect(problems, [&] {
+    body.group = oneOrNone(spec.collision_group, path + ".collision_group").value_or(body.group);
+  });
+  collect(problems, [&] {
+    body.mask = oneOrNone(spec.collision_mask, path + ".collision_mask").value_or(body.mask);
+  });
 }
 
 void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, BodyDef& body,
@@ -84,12 +114,14 @@ void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, B
   });
 }
 
-BodyDef bodyFrom(const Spec& spec, const World& world, const std::string& path, std::vector<Problem>& problems) {
+BodyDef bodyFrom(const Spec& spec, const PlacedShape& shape, const World& world, const std::string& path,
+                 std::vector<Problem>& problems) {
   BodyDef body;
   body.name = spec.name;
-  collect(problems, [&] { placeBody(spec, world, body); });
-  collect(problems, [&] { body.shape = shapeFrom(spec, path, body.pose); });
-  body.kind = spec.is_static ? BodyKind::Static : BodyKind::Dynamic;
+  collect(problems, [&] { placeBody(spec, world, path, body); });
+  body.shape = shape.shape;
+  body.pose = shape.poseOfB(body.pose);
+  setKind(spec, path, body, problems);
   body.mass = unlessZero(spec.mass);
   body.density = unlessZero(spec.density);
   body.color = colorFrom(spec.color);
@@ -110,16 +142,6 @@ void findPlaces(const std::vector<Spec>& specs, const World& world, std::vector<
   }
 }
 
-std::vector<BodyDef> bodiesFrom(const std::vector<Spec>& specs, const World& world,
-                                const std::function<std::string(std::size_t)>& path) {
-  std::vector<BodyDef> bodies;
-  std::vector<Problem> problems;
-  for (std::size_t i = 0; i < specs.size(); ++i) bodies.push_back(bodyFrom(specs[i], world, path(i), problems));
-  throwIfAny(problems);
-  findPlaces(specs, world, bodies);
-  return bodies;
-}
-
 Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
   Spec spec;
   spec.name = request.name;
@@ -134,6 +156,9 @@ Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
   spec.density = request.density;
   spec.mass = request.mass;
   spec.is_static = request.is_static;
+  spec.kind = request.kind;
+  spec.collision_group = request.collision_group;
+  spec.collision_mask = request.collision_mask;
   spec.material = request.material;
   spec.color = request.color;
   return spec;
@@ -141,24 +166,39 @@ Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
 
 }  // namespace
 
-Shape shapeFrom(const Spec& spec, const std::string& path, Pose& pose) {
+PlacedShape shapeFrom(const Spec& spec, const std::string& path) {
   if (spec.shape == "hull") {
     const PlacedHull hull = hullFrom(spec, path);
-    pose = hull.poseOfB(pose);
-    return hull.hull;
+    return {hull.hull, hull};
   }
   if (!spec.points.empty() || !spec.mesh.empty() || spec.scale != 0.0) {
     throw InvalidInput({{path, "points, mesh or scale", "these only with shape hull"}});
   }
-  return makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path);
+  return {makeShape(spec.shape.empty() ? "box" : spec.shape, fromMsg(spec.size), path), std::nullopt};
 }
 
-std::vector<BodyDef> bodiesFrom(const std::vector<Spec>& specs, const World& world) {
-  return bodiesFrom(specs, world, [](std::size_t i) { return "bodies[" + std::to_string(i) + "]"; });
+SpawnPlan::SpawnPlan(std::vector<Spec> specs) : specs_(std::move(specs)) {
+  for (std::size_t i = 0; i < specs_.size(); ++i) {
+    paths_.push_back("bodies[" + std::to_string(i) + "]");
+    shapes_.emplace_back();
+    collect(problems_, [&] { shapes_[i] = shapeFrom(specs_[i], paths_[i]); });
+  }
 }
 
-BodyDef bodyFrom(const rigid_body_sim::SpawnBody::Request& request, const World& world) {
-  return bodiesFrom({specFrom(request)}, world, [](std::size_t) { return "body"; }).front();
+SpawnPlan::SpawnPlan(const rigid_body_sim::SpawnBody::Request& request) : specs_{specFrom(request)}, paths_{"body"} {
+  shapes_.emplace_back();
+  collect(problems_, [&] { shapes_[0] = shapeFrom(specs_[0], paths_[0]); });
+}
+
+std::vector<BodyDef> SpawnPlan::bodiesIn(const World& world) const {
+  std::vector<BodyDef> bodies;
+  std::vector<Problem> problems = problems_;
+  for (std::size_t i = 0; i < specs_.size(); ++i) {
+    bodies.push_back(bodyFrom(specs_[i], shapes_[i], world, paths_[i], problems));
+  }
+  throwIfAny(problems);
+  findPlaces(specs_, world, bodies);
+  return bodies;
 }
 
 BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request) {
@@ -171,10 +211,13 @@ BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request) {
     if (const auto twist = oneOrNone(request.twist, "twist")) edit.twist = fromMsg(*twist);
   });
   collect(problems, [&] {
-    if (const auto is_static = oneOrNone(request.is_static, "is_static")) {
-      edit.kind = *is_static ? BodyKind::Static : BodyKind::Dynamic;
-    }
+    edit.kind = kindFrom(request.kind, "kind");
+    const auto is_static = oneOrNone(request.is_static, "is_static");
+    if (is_static && edit.kind) throw InvalidInput({{"is_static", "given", "not together with kind"}});
+    if (is_static) edit.kind = *is_static ? BodyKind::Static : BodyKind::Dynamic;
   });
+  collect(problems, [&] { edit.group = oneOrNone(request.collision_group, "collision_group"); });
+  collect(problems, [&] { edit.mask = oneOrNone(request.collision_mask, "collision_mask"); });
   const rigid_body_sim::Material& material = request.material;
   collect(problems, [&] { edit.friction = oneOrNone(material.friction, "material.friction"); });
   collect(problems, [&] { edit.restitution = oneOrNone(material.restitution, "material.restitution"); });

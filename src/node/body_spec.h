@@ -8,21 +8,40 @@
 #include <rigid_body_sim/SetBody.h>
 #include <rigid_body_sim/SpawnBody.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace rbs {
 
-/// The shape that a request describes. A hull's `pose` comes as that of the frame of its points and is led to
-/// that of the body; of other shapes the two are the same. Throws InvalidInput.
-Shape shapeFrom(const rigid_body_sim::BodySpec& spec, const std::string& path, Pose& pose);
+/// A shape, and its body's frame B seen from the frame P that the pose of a request is about: that of the points of a
+/// hull; of other shapes B itself.
+struct PlacedShape {
+  Shape shape;
+  std::optional<PlacedHull> hull;
 
-/// The bodies to be made, in order; those without a pose at free places above the origin. Throws
-/// InvalidInput with every problem of every body.
-std::vector<BodyDef> bodiesFrom(const std::vector<rigid_body_sim::BodySpec>& specs, const World& world);
+  Pose poseOfB(const Pose& X_WP) const { return hull ? hull->poseOfB(X_WP) : X_WP; }
+};
 
-/// The same for one body.
-BodyDef bodyFrom(const rigid_body_sim::SpawnBody::Request& request, const World& world);
+/// The shape that a request describes; a mesh is read and its hull made. Throws InvalidInput.
+PlacedShape shapeFrom(const rigid_body_sim::BodySpec& spec, const std::string& path);
+
+/// What a request to spawn asks for, with all that needs no world and may take seconds: its shapes.
+class SpawnPlan {
+ public:
+  explicit SpawnPlan(std::vector<rigid_body_sim::BodySpec> specs);
+  explicit SpawnPlan(const rigid_body_sim::SpawnBody::Request& request);
+
+  /// The bodies to be made, in order; those without a pose at free places above the origin. Throws InvalidInput with
+  /// every problem of every body.
+  std::vector<BodyDef> bodiesIn(const World& world) const;
+
+ private:
+  std::vector<rigid_body_sim::BodySpec> specs_;
+  std::vector<std::string> paths_;
+  std::vector<PlacedShape> shapes_;
+  std::vector<Problem> problems_;  ///< with the shapes
+};
 
 /// The properties to change. Throws InvalidInput with every list that holds more than one.
 BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request);

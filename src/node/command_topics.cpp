@@ -18,7 +18,8 @@ void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
     const Quat q_WB = world.pose(body).q_WB;
     const Twist twist_B = fromMsg(command.twist);
     BodyEdit edit;
-    edit.twist = Twist{turned(q_WB, twist_B.v_WB), turned(q_WB, twist_B.w_WB)};
+    edit.twist = Twist{q_WB * finiteVector(twist_B.v_WB, "twist.linear"),
+                       q_WB * finiteVector(twist_B.w_WB, "twist.angular")};
     world.editBody(body, edit);
   });
 }
@@ -27,8 +28,8 @@ void CommandTopics::onWrench(const geometry_msgs::WrenchStamped& command) {
   send("cmd_wrench", [command](World& world) {
     const BodyId body = bodyNamed(world, command.header.frame_id);
     const Pose X_WB = world.pose(body);
-    const Vec3 force_W = turned(X_WB.q_WB, fromMsg(command.wrench.force));
-    const Vec3 torque_W = turned(X_WB.q_WB, fromMsg(command.wrench.torque));
+    const Vec3 force_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.force), "wrench.force");
+    const Vec3 torque_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.torque), "wrench.torque");
     world.commandWrench(body, force_W, torque_W, X_WB.p_WB, kWrenchSeconds);
   });
 }

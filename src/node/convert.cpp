@@ -101,11 +101,11 @@ rigid_body_sim::BodyDescription toMsg(const BodyDescription& body) {
   msg.inertia = toMsg(body.inertia);
   msg.material = toMsg(body.material, body.shape);
   msg.color = toMsg(body.color);
+  msg.collision_group = body.group;
+  msg.collision_mask = body.mask;
   msg.frozen = body.frozen;
   return msg;
 }
-
-Vec3 turned(const Quat& q, const Vec3& v) { return v.allFinite() ? Vec3(q * v) : v; }
 
 Vec3 fromMsg(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 

@@ -20,9 +20,6 @@
 
 namespace rbs {
 
-/// The frame of everything that is published.
-inline constexpr const char* kWorldFrame = "world";
-
 double finite(double value);  ///< the value, or 0 where it is NaN or infinite
 geometry_msgs::Vector3 toMsg(const Vec3& v);
 geometry_msgs::Point toPoint(const Vec3& p);  ///< also kept within 1e18 m, whose square a float can hold
@@ -35,9 +32,6 @@ rigid_body_sim::Material toMsg(const Material& material, const Shape& shape);
 rigid_body_sim::BodyDescription toMsg(const BodyDescription& body);
 
 // Incoming numbers are taken as they are; whether they make sense is for the core to say.
-/// v turned by q. A vector that is not finite stays as it is, so that a refusal shows what was sent: the product of
-/// an infinite one would be nan.
-Vec3 turned(const Quat& q, const Vec3& v);
 Vec3 fromMsg(const geometry_msgs::Vector3& v);
 Vec3 fromMsg(const geometry_msgs::Point& p);
 /// Zero is the identity. Normalised, unless it is too far from a unit quaternion to be meant as one: the

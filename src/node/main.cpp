@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
 #include "command_topics.h"
+#include "names.h"
 #include "parameters.h"
 #include "publishers.h"
 #include "resume.h"
 #include "services.h"
 #include "session.h"
+#include "tf_frames.h"
 
+#include "rigid_body_sim/file_access.h"
 #include "rigid_body_sim/mesh_file.h"
+#include "rigid_body_sim/quote.h"
 
 #include <ros/package.h>
 #include <ros/ros.h>
@@ -42,6 +46,8 @@ void endInGoodOrder() {
 struct Options {
   rbs::Session::Options session;
   rbs::Publishers::Options publishers;
+  std::string world_frame;
+  std::string file_root;  ///< files are read and written below it alone; empty: anywhere
   bool resume = false;
   std::string state_file;  ///< of resume; empty: nowhere
 };
@@ -69,6 +75,8 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   options.publishers.tf = parameters.choice("tf", "all", {"all", "none"}, "transforms to publish") == "all"
                               ? rbs::TfMode::All
                               : rbs::TfMode::None;
+  options.world_frame =
+      parameters.text("world_frame", rbs::kWorldName, "name of the world's frame, the parent of every body's frame");
   options.publishers.tf_prefix =
       parameters.text("tf_prefix", "", "put before the name of every body's frame");
   options.publishers.contacts_rate = parameters.number(
@@ -77,6 +85,8 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
                         "after which descriptions and markers are sent again, s; 0: never");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
+  options.file_root = parameters.text(
+      "file_root", "", "folder that scenes, states and meshes are read and written in; empty: anywhere");
   options.resume = parameters.flag("resume", false, "go on from the state that was kept when the node last ended");
   options.state_file = parameters.text("state_file", "",
                                        "where it is kept, an absolute path; empty: by node name in $ROS_HOME; "
@@ -134,6 +144,10 @@ std::optional<int> answerWithoutNode(int argc, char** argv) {
 void run() {
   ros::NodeHandle node("~");
   const Options options = givenOptions(node);
+  rbs::nameFrames(options.world_frame, options.publishers.tf_prefix);
+  rbs::confineFilesTo(options.file_root);
+  rbs::TfFrames frames(node);
+  rbs::findFramesBy([&](const std::string& frame_id) { return frames.find(frame_id); });
   rbs::Session session(options.session);
   rbs::Resume resume(session, options.state_file, options.resume);
   rbs::Ghost ghost(node, session.simulator());
@@ -154,6 +168,7 @@ int main(int argc, char** argv) {
   initOnWallTime(argc, argv);
   endInGoodOrder();
   rbs::findPackagesBy(ros::package::getPath);
+  rbs::interruptReadingBy([] { return ros::isShuttingDown() || !ros::ok(); });
   try {
     run();
   } catch (const std::exception& error) {

@@ -27,7 +27,7 @@ std_msgs::ColorRGBA toned(const Color& color, Tone tone) {
 }
 
 bool isLocked(const MarkerLook& look) {
-  return look.frame != kWorldFrame;
+  return look.frame != worldFrame();
 }
 
 Marker blankMarker(BodyId id, const MarkerLook& look, const Pose& pose, Tone tone) {
@@ -98,7 +98,7 @@ std::vector<Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pos
 Marker waterMarker(const Fluid& fluid, const std::string& ns, const View& view) {
   const double side = squareSide(view);
   Marker marker;
-  marker.header.frame_id = kWorldFrame;
+  marker.header.frame_id = worldFrame();
   marker.ns = ns;
   marker.type = Marker::CUBE;
   marker.pose = toMsg(Pose{Vec3(view.target.x(), view.target.y(), fluid.level), Quat::Identity()});

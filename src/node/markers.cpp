@@ -95,7 +95,7 @@ std::vector<MarkerLook> MarkerPublisher::looksOf(const Snapshot& snapshot) const
   std::vector<MarkerLook> looks;
   std::size_t movable = 0;
   for (const BodyDescription& body : *snapshot.bodies) {
-    std::string frame = kWorldFrame;
+    std::string frame = worldFrame();
     bool is_mesh = true;
     if (body.kind != BodyKind::Static) {
       const bool has_frame = tf_ == TfMode::All && movable < TfPublisher::kMostBodies;
@@ -153,7 +153,7 @@ void MarkerPublisher::move(const Snapshot& snapshot) {
   for (std::size_t i = 0; i < shown_.size(); ++i) {
     Shown& shown = shown_[i];
     const Pose& pose = snapshot.states[i].pose;
-    const bool is_locked = shown.look.frame != kWorldFrame;
+    const bool is_locked = shown.look.frame != worldFrame();
     if (is_locked || !isFinite(pose) || !visiblyApart(shown.pose, pose, drawnSize(shown.look))) continue;
     shown.pose = pose;
     shown.due = true;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "names.h"
 
-#include "convert.h"
 #include "nearest.h"
+#include "rigid_body_sim/quote.h"
+#include "words.h"
+
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -24,7 +27,17 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
   const std::string nearest = nearestName(name, names);
   const std::string hint = nearest.empty() ? "" : "did you mean '" + nearest + "'?; ";
   const std::string known = bodies.empty() ? "the world has no bodies" : "bodies: " + someNames(bodies);
-  throw InvalidInput({{name.empty() ? "name is missing" : "unknown body '" + name + "'", "", hint + known}});
+  throw InvalidInput({{name.empty() ? "name is missing" : "unknown body " + quoted(name), "", hint + known}});
+}
+
+std::string withoutPrefix(const std::string& frame_id) {
+  const std::string& prefix = framePrefix();
+  return frame_id.compare(0, prefix.size(), prefix) == 0 ? frame_id.substr(prefix.size()) : frame_id;
+}
+
+FrameLookup& frameLookup() {
+  static FrameLookup lookup;
+  return lookup;
 }
 
 }  // namespace
@@ -41,18 +54,29 @@ std::size_t indexNamed(const Snapshot& snapshot, const std::string& name) {
   return index;
 }
 
+void findFramesBy(FrameLookup lookup) { frameLookup() = std::move(lookup); }
+
 Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id) {
-  if (frame_id.empty() || frame_id == kWorldFrame) return {};
-  return snapshot.states[indexNamed(snapshot, frame_id)].pose;
+  if (frame_id.empty() || frame_id == worldFrame()) return {};
+  int index = snapshot.find(frame_id);
+  if (index < 0) index = snapshot.find(withoutPrefix(frame_id));
+  return index < 0 ? frameLookup()(frame_id) : snapshot.states[index].pose;
 }
 
 Pose frameNamed(const World& world, const std::string& frame_id) {
-  if (frame_id.empty() || frame_id == kWorldFrame) return {};
-  return world.pose(bodyNamed(world, frame_id));
+  if (frame_id.empty() || frame_id == worldFrame()) return {};
+  BodyId id = world.find(frame_id);
+  if (!id) id = world.find(withoutPrefix(frame_id));
+  return id ? world.pose(id) : frameLookup()(frame_id);
+}
+
+const Vec3& finiteVector(const Vec3& v, const std::string& path) {
+  if (!v.allFinite()) throw InvalidInput({{path, inWords(v), "finite numbers"}});
+  return v;
 }
 
 Pose compose(const Pose& X_WF, const Pose& X_FB) {
-  return {X_WF.p_WB + turned(X_WF.q_WB, X_FB.p_WB), X_WF.q_WB * X_FB.q_WB};
+  return {X_WF.p_WB + X_WF.q_WB * X_FB.p_WB, X_WF.q_WB * X_FB.q_WB};
 }
 
 }  // namespace rbs

@@ -19,29 +19,29 @@ using rigid_body_sim::ApplyWrench;
 /// Where a push acts, in W: the one point given in frame F, or the body's centre of mass.
 Vec3 pointOfPush(const World& world, BodyId id, const Pose& X_WF,
                  const std::vector<geometry_msgs::Point>& points) {
-  if (const auto p_F = oneOrNone(points, "point")) return X_WF.p_WB + turned(X_WF.q_WB, fromMsg(*p_F));
+  if (const auto p_F = oneOrNone(points, "point")) return X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(*p_F), "point");
   return world.pose(id).p_WB;
 }
 
 std::string applyImpulse(World& world, const ApplyImpulse::Request& request, ApplyImpulse::Response&) {
   const BodyId id = bodyNamed(world, request.name);
   const Pose X_WF = frameNamed(world, request.frame_id);
-  const Vec3 impulse_W = turned(X_WF.q_WB, fromMsg(request.impulse));
+  const Vec3 impulse_W = X_WF.q_WB * finiteVector(fromMsg(request.impulse), "impulse");
   const Vec3 point_W = pointOfPush(world, id, X_WF, request.point);
   world.applyImpulse(id, impulse_W, point_W);
   return words("gave '", request.name, "' an impulse of ", inWords(impulse_W), " N s at ", inWords(point_W),
-               " m in world", request.point.empty() ? ", its centre of mass" : "");
+               " m in ", worldFrame(), request.point.empty() ? ", its centre of mass" : "");
 }
 
 std::string applyWrench(World& world, const ApplyWrench::Request& request, ApplyWrench::Response&) {
   const BodyId id = bodyNamed(world, request.name);
   const Pose X_WF = frameNamed(world, request.frame_id);
-  const Vec3 force_W = turned(X_WF.q_WB, fromMsg(request.force));
-  const Vec3 torque_W = turned(X_WF.q_WB, fromMsg(request.torque));
+  const Vec3 force_W = X_WF.q_WB * finiteVector(fromMsg(request.force), "force");
+  const Vec3 torque_W = X_WF.q_WB * finiteVector(fromMsg(request.torque), "torque");
   const Vec3 point_W = pointOfPush(world, id, X_WF, request.point);
   world.applyWrench(id, force_W, torque_W, point_W, request.seconds);
   return words("pushing '", request.name, "' with ", inWords(force_W), " N and ", inWords(torque_W),
-               " N m for ", request.seconds, " s from ", inWords(point_W), " m in world",
+               " N m for ", request.seconds, " s from ", inWords(point_W), " m in ", worldFrame(),
                request.point.empty() ? ", its centre of mass" : "");
 }
 

@@ -21,12 +21,6 @@ BodyId idNamed(const Snapshot& snapshot, const std::string& name) {
   return snapshot.states[indexNamed(snapshot, name)].id;
 }
 
-/// Checked before a frame turns it, so that a refusal shows what was sent.
-Vec3 finiteVector(const Vec3& v, const char* path) {
-  if (!v.allFinite()) throw InvalidInput({{path, inWords(v), "finite numbers"}});
-  return v;
-}
-
 std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Request& request,
                     rigid_body_sim::CastRay::Response& response) {
   const Pose X_WF = frameNamed(snapshot, request.frame_id);
@@ -78,9 +72,11 @@ std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::R
   place.points = request.points;
   place.mesh = request.mesh;
   place.scale = request.scale;
-  Pose pose = compose(frameNamed(snapshot, request.frame_id), fromMsg(request.pose));
-  const Shape shape = shapeFrom(place, "place", pose);
-  for (const Neighbour& neighbour : overlaps(snapshot, shape, pose, request.margin)) {
+  const Pose X_WF = frameNamed(snapshot, request.frame_id);
+  finiteVector(fromMsg(request.pose.position), "position");
+  const PlacedShape shape = shapeFrom(place, "place");
+  const Pose X_WB = shape.poseOfB(compose(X_WF, fromMsg(request.pose)));
+  for (const Neighbour& neighbour : overlaps(snapshot, shape.shape, X_WB, request.margin)) {
     response.bodies.push_back(nameOf(snapshot, neighbour.body));
     response.distances.push_back(neighbour.distance);
   }

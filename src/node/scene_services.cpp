@@ -2,16 +2,12 @@
 // Services that load and save.
 #include "services.h"
 
+#include "files.h"
 #include "words.h"
 
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 
 namespace rbs {
 namespace {
@@ -20,42 +16,23 @@ using rigid_body_sim::File;
 using rigid_body_sim::ListScenes;
 using rigid_body_sim::LoadScene;
 
-/// The path of a request: absolute, and ending in ".yaml".
-std::string pathOf(const std::string& file) {
-  if (file.empty() || file[0] != '/') throw InvalidInput({{"file", "'" + file + "'", "an absolute path"}});
-  const std::string ending = ".yaml";
-  const bool has_ending =
-      file.size() > ending.size() && file.compare(file.size() - ending.size(), ending.size(), ending) == 0;
-  return has_ending ? file : file + ending;
-}
-
-/// Writes the whole file or leaves the old one: the text goes to a file beside it first.
-void writeFile(const std::string& path, const std::string& text) {
-  const std::string part = path + ".part";
-  std::ofstream stream(part);
-  stream << text;
-  stream.close();
-  if (stream && std::rename(part.c_str(), path.c_str()) == 0) return;
-  const std::string reason = std::strerror(errno);
-  std::remove(part.c_str());
-  throw InvalidInput({{path, reason, "a file in a folder that can be written"}});
-}
-
-std::string saveScene(Simulator& simulator, const std::string& path) {
+std::string saveScene(Simulator& simulator, const File::Request& request) {
+  const std::string path = yamlPath(request.file);
   SceneDef scene;
   simulator.edit([&](World& world) { scene = world.capture(); });
-  writeFile(path, writeScene(scene));
+  writeFile(path, writeScene(scene), request.overwrite);
   return words("saved ", bodyCount(scene.bodies.size()), " to ", path);
 }
 
-std::string saveState(Simulator& simulator, const std::string& path) {
+std::string saveState(Simulator& simulator, const File::Request& request) {
+  const std::string path = yamlPath(request.file);
   SceneDef scene;
   SavedState state;
   simulator.edit([&](World& world) {
     scene = world.capture();
     state = world.captureState();
   });
-  writeFile(path, writeScene(scene, state));
+  writeFile(path, writeScene(scene, state), request.overwrite);
   return words("saved ", bodyCount(scene.bodies.size()), " at ", state.time, " s to ", path);
 }
 
@@ -68,18 +45,19 @@ std::string loadedInWords(const Simulator& simulator) {
 
 void Services::offerScenes() {
   offer<LoadScene>("load_scene", [this](const LoadScene::Request& request, LoadScene::Response&) {
+    requireSceneName(request.name);
     session_.loadScene(request.name);
     return loadedInWords(simulator_);
   });
   offer<File>("load_state", [this](const File::Request& request, File::Response&) {
-    session_.loadState(pathOf(request.file));
+    session_.loadState(yamlPath(request.file));
     return loadedInWords(simulator_);
   });
   offer<File>("save_scene", [this](const File::Request& request, File::Response&) {
-    return saveScene(simulator_, pathOf(request.file));
+    return saveScene(simulator_, request);
   });
   offer<File>("save_state", [this](const File::Request& request, File::Response&) {
-    return saveState(simulator_, pathOf(request.file));
+    return saveState(simulator_, request);
   });
   offer<ListScenes>("list_scenes", [this](const ListScenes::Request&, ListScenes::Response& response) {
     for (const SceneEntry& scene : listScenes(session_.folder())) {

@@ -43,7 +43,7 @@ void StatePublisher::publishDescriptions(const Timeline::Moment& moment) {
   described_ = moment.snapshot->bodies;
   rigid_body_sim::BodyDescriptions message;
   message.header.stamp = moment.stamp;
-  message.header.frame_id = kWorldFrame;
+  message.header.frame_id = worldFrame();
   message.version = moment.snapshot->description_version;
   for (const BodyDescription& body : *described_) message.bodies.push_back(toMsg(body));
   descriptions_.publish(message);
@@ -53,7 +53,7 @@ void StatePublisher::publishStates(const Timeline::Moment& moment) {
   const Snapshot& snapshot = *moment.snapshot;
   rigid_body_sim::BodyStates message;
   message.header.stamp = moment.stamp;
-  message.header.frame_id = kWorldFrame;
+  message.header.frame_id = worldFrame();
   message.version = snapshot.description_version;
   message.ids.reserve(snapshot.states.size());
   message.poses.reserve(snapshot.states.size());
@@ -71,7 +71,7 @@ void StatePublisher::publishContacts(const Timeline::Moment& moment) {
   for (const BodyDescription& body : *moment.snapshot->bodies) names[body.id.serial] = body.name;
   rigid_body_sim::Contacts message;
   message.header.stamp = moment.stamp;
-  message.header.frame_id = kWorldFrame;
+  message.header.frame_id = worldFrame();
   for (const ContactPoint& contact : moment.snapshot->contacts) {
     rigid_body_sim::Contact point;
     point.body_a = names[contact.a.serial];

@@ -125,7 +125,7 @@ rigid_body_sim::Wind windMsg(const Timeline::Moment& moment) {
   const AirState& air = moment.snapshot->air;
   rigid_body_sim::Wind msg;
   msg.header.stamp = moment.stamp;
-  msg.header.frame_id = kWorldFrame;
+  msg.header.frame_id = worldFrame();
   msg.air = air.air;
   msg.enabled = air.wind;
   msg.density = air.density;

@@ -29,7 +29,7 @@ void TfPublisher::publish(const Timeline::Moment& moment) {
     if (!isFinite(snapshot.states[i].pose)) continue;
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = moment.stamp;
-    transform.header.frame_id = kWorldFrame;
+    transform.header.frame_id = worldFrame();
     transform.child_frame_id = prefix_ + body.name;
     transform.transform = toTransform(snapshot.states[i].pose);
     message.transforms.push_back(transform);

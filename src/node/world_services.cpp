@@ -5,6 +5,7 @@
 #include "convert.h"
 #include "names.h"
 #include "rigid_body_sim/neglect.h"
+#include "rigid_body_sim/quote.h"
 #include "words.h"
 
 #include <rigid_body_sim/GetBody.h>
@@ -82,7 +83,7 @@ EffectOverrides overridden(EffectOverrides effects, const SetEffects::Request& r
     std::vector<Effect> list;
     for (const std::string& name : names) {
       list.push_back(effectNamed(name));
-      if (!named.insert(list.back()).second) throw InvalidInput({{"effect", "'" + name + "' twice", "each effect once"}});
+      if (!named.insert(list.back()).second) throw InvalidInput({{"effect", quoted(name) + " twice", "each effect once"}});
     }
     return list;
   };

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "files.h"
+
+#include "rigid_body_sim/file_access.h"
+#include "rigid_body_sim/quote.h"
+#include "rigid_body_sim/types.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>  // renameat2
+#include <cstring>
+#include <filesystem>
+
+namespace rbs {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kEnding = ".yaml";
+
+bool endsInYaml(const std::string& file) {
+  return file.size() > kEnding.size() && file.compare(file.size() - kEnding.size(), kEnding.size(), kEnding) == 0;
+}
+
+[[noreturn]] void refuse(const std::string& file, const std::string& allowed) {
+  throw InvalidInput({{"file", quoted(file, kLongestPath), allowed}});
+}
+
+void requirePath(const std::string& file) {
+  if (file.empty() || file[0] != '/') refuse(file, "an absolute path");
+  if (printable(file, std::string::npos) != file) refuse(file, "a path in UTF-8 without control characters");
+}
+
+[[noreturn]] void failed(const std::string& path) {
+  const std::string reason = std::strerror(errno);
+  throw InvalidInput({{printable(path, kLongestPath), reason, "a file in a folder that can be written"}});
+}
+
+/// An open file descriptor.
+class Descriptor {
+ public:
+  Descriptor(int fd, const std::string& path) : fd_(fd) {
+    if (fd_ < 0) failed(path);
+  }
+  ~Descriptor() { ::close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// A new file in a folder, with a name that nobody can foresee, which goes when it is not moved away.
+class NewFile {
+ public:
+  explicit NewFile(const fs::path& folder)
+      : name_((folder / ".rbs-XXXXXX").string()), fd_(::mkostemp(name_.data(), O_CLOEXEC), folder.string()) {}
+  ~NewFile() {
+    if (!moved_) ::unlink(name_.c_str());
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  /// On the disk.
+  void write(const std::string& text, mode_t mode) {
+    for (std::size_t done = 0; done < text.size();) {
+      const ssize_t n = ::write(fd_, text.data() + done, text.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) failed(name_);
+      done += static_cast<std::size_t>(n);
+    }
+    if (::fchmod(fd_, mode) != 0 || ::fsync(fd_) != 0) failed(name_);
+  }
+
+  /// Takes the place of `path`; with `overwrite` also where there is a file.
+  void moveTo(const std::string& path, bool overwrite) {
+    const unsigned flags = overwrite ? 0 : RENAME_NOREPLACE;
+    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), flags) != 0) failed(path);
+    moved_ = true;
+  }
+
+ private:
+  std::string name_;
+  Descriptor fd_;
+  bool moved_ = false;
+};
+
+}  // namespace
+
+std::string yamlPath(const std::string& file) {
+  requirePath(file);
+  std::error_code error;
+  if (file.back() == '/' || fs::is_directory(file, error)) refuse(file, "a file: this is a folder");
+  const std::string path = endsInYaml(file) ? file : file + kEnding;
+  requireAccess(path, "file");
+  return path;
+}
+
+void requireSceneName(const std::string& name_or_file) {
+  const bool is_path = name_or_file.find('/') != std::string::npos || endsInYaml(name_or_file);
+  if (is_path) requirePath(name_or_file);
+}
+
+void writeFile(const std::string& path, const std::string& text, bool overwrite) {
+  struct stat old {};
+  const bool exists = ::lstat(path.c_str(), &old) == 0;
+  if (exists && !overwrite) refuse(path, "a file that is not there yet, or overwrite");
+  if (exists && !S_ISREG(old.st_mode)) refuse(path, "a regular file to overwrite");
+  const fs::path folder = fs::path(path).parent_path();
+  NewFile file(folder);
+  file.write(text, exists ? old.st_mode & 0777u : 0644u);
+  file.moveTo(path, overwrite);
+  const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder.string());
+  if (::fsync(parent) != 0) failed(folder.string());
+}
+
+}  // namespace rbs
