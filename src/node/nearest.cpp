@@ -6,8 +6,8 @@
 namespace rbs {
 namespace {
 
-/// How many characters must be added, removed, replaced, or exchanged with their neighbour to turn `a` into `b`
-/// (optimal string alignment). `d[i][j]` is that of the first i characters of `a` and the first j of `b`.
+/// How many characters must be added, removed, replaced, or exchanged with their neighbour to turn `a` into
+/// `b` (optimal string alignment). `d[i][j]` is that of the first i characters of `a` and the first j of `b`.
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
