@@ -22,4 +22,4 @@ class DriveCartTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('drive_cart_test')
-    rostest.rosrun('rigid_body_sim', 'drive_cart', DriveCartTest)
+    rostest.rosrun('rigid_body_sim', 'drive_cart_test', DriveCartTest)

@@ -2,25 +2,27 @@
 #include "nearest.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace rbs {
 namespace {
 
-/// Levenshtein distance: how many characters must be added, removed or replaced to turn `a` into `b`.
-/// `row[j]` holds the distance of the part of `a` seen so far to the first j characters of `b`.
+/// How many characters must be added, removed, replaced, or exchanged with their neighbour to turn `a` into
+/// `b` (optimal string alignment). `d[i][j]` is that of the first i characters of `a` and the first j of `b`.
 std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      const bool equal = a[i - 1] == b[j - 1];
+      d[i][j] = std::min({d[i - 1][j - 1] + (equal ? 0 : 1), d[i - 1][j] + 1, d[i][j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
     }
   }
-  return row.back();
+  return d[a.size()][b.size()];
 }
 
 }  // namespace
