@@ -24,7 +24,7 @@ import rviz_driver  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 import process  # noqa: E402
-from actions import Actions, Refused  # noqa: E402
+from actions import Actions  # noqa: E402
 from master import Master  # noqa: E402
 from report import Report  # noqa: E402
 from simulator import Node, Rviz  # noqa: E402
@@ -58,8 +58,8 @@ class Soak:
             what = next((what for what, due in self.due.items() if time.monotonic() >= due), self.act)
             try:
                 what()
-            except (Refused, rospy.ServiceException, rospy.ROSException, TimeoutError) as error:
-                self.report.problem('%s: %s' % (what.__name__, error))
+            except Exception as error:  # whatever went wrong is told, and the soak goes on
+                self.report.problem('%s: %r' % (what.__name__, error))
             if self.node.process.poll() is not None:
                 self.report.problem('the node ended by itself with %s: %s' % (
                     self.node.process.returncode, self.node.said()[-2000:]))
