@@ -9,6 +9,11 @@ sanitize_with() {
     echo "test: --sanitize takes address, undefined, both with a comma between, or thread; not '$list'" >&2
     exit 2
   fi
+  # The sanitizers of Debian 12 find no room in an address space that is shuffled more than this.
+  if [ "$(sysctl -n vm.mmap_rnd_bits 2>/dev/null || echo 0)" -gt 28 ]; then
+    echo "test: sanitizers need 'sysctl vm.mmap_rnd_bits=28' here, by root" >&2
+    exit 2
+  fi
   build=$root/build/sanitize_${list/,/_}
   sanitizer_reports=$build/sanitizer_reports
   # Assertions stay on, of Eigen and of the standard library too; the first finding ends the program.
