@@ -95,16 +95,12 @@ std::string Resume::previous() const {
 
 void Resume::keep() {
   if (file_.empty()) return;
-  const std::shared_ptr<const Snapshot> last = session_.simulator().snapshot();
-  const bool edited = last->edits != first_edits_;
-  if (!edited && (untaken_ || last->steps == first_steps_)) return;
   try {
-    SceneDef scene;
-    SavedState state;
-    session_.simulator().edit([&](World& world) {
-      scene = world.capture();
-      state = world.captureState();
-    });
+    const auto [world, last] = session_.simulator().copy();
+    const bool edited = last->edits != first_edits_;
+    if (!edited && (untaken_ || world.steps() == first_steps_)) return;
+    const SceneDef scene = world.capture();
+    const SavedState state = world.captureState();
     const std::string text = writeScene(scene, state);
     fs::create_directories(fs::path(file_).parent_path());
     if (untaken_) fs::copy_file(file_, previous(), fs::copy_options::overwrite_existing);

@@ -46,7 +46,7 @@ class Requests:
         service = kind._type.split('/')[-1].replace('Request', '')
         self.hostility = self.random.choice([0.0, 0.05, 0.3])
         data = b''.join(self.field(service, name, slot) for name, slot in zip(kind.__slots__, kind._slot_types))
-        if self.random.random() < 0.005:  # cut, or with something behind
+        if self.random.random() < 0.01:  # cut, or with something behind
             return data[:self.random.randint(0, len(data))] if self.random.random() < 0.5 else data + b'\0' * 7
         return data
 

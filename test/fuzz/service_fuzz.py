@@ -31,6 +31,7 @@ SHARES = {'measure_accuracy': 0.02, 'seek_accuracy': 0.05, 'apply_accuracy': 0.0
 MOST_BODIES = 30
 LONGEST_MESSAGE = 20000  # letters
 LARGEST_LOG = 20000000   # bytes
+REPLACEMENT = '\ufffd'    # of bytes that are no UTF-8
 PROGRESS_PERIOD = 10.0   # s
 
 
@@ -121,8 +122,9 @@ class ServiceFuzz:
         self.requests.names = [name.encode() for name in answer.names]
 
     def call(self):
-        """One random call. Raises Failure where the node does not do as it must."""
-        name = self.random.choices(list(self.links), self.shares)[0]
+        """One random call, of each service at first. Raises Failure where the node does not do as it must."""
+        untried = [name for name in self.links if not self.called[name]]
+        name = untried[0] if untried else self.random.choices(list(self.links), self.shares)[0]
         link = self.links[name]
         request = self.requests.request(link.type._request_class)
         self.called[name] += 1
@@ -139,6 +141,8 @@ class ServiceFuzz:
         self.outcomes['refused' if read else 'unreadable'] += 1
         if read and not 0 < len(answer.message) < LONGEST_MESSAGE:
             raise Failure('refused with %d letters' % len(answer.message))
+        if read and REPLACEMENT in answer.message:
+            raise Failure('the message is not UTF-8: ' + answer.message)
         before = self.state
         self.read_state()
         if self.state != before:

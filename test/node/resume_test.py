@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 import roslib.packages
@@ -14,7 +15,7 @@ import rostest
 from geometry_msgs.msg import Twist, Vector3
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from simulator import SMALL, StatusListener, call, wait  # noqa: E402
+from simulator import SMALL, StatusListener, ask, call, wait  # noqa: E402
 
 PROGRAM = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
 
@@ -76,6 +77,13 @@ class ResumeTest(unittest.TestCase):
             self.assertIn('kept \'small\' at ', node.said())
             return last.hash
 
+    @staticmethod
+    def ask_for_a_million_steps():
+        try:
+            ask('step', n=1000000)
+        except rospy.ServiceException:
+            pass  # the node may be gone before it has answered
+
     def assert_usual_scene(self, node, *words):
         self.assertNotIn('kept', call('list_bodies').names)
         for word in words:
@@ -128,6 +136,16 @@ class ResumeTest(unittest.TestCase):
         with Node(self.file, resume=True):
             self.assertEqual(self.status.fresh().hash, last)
         self.assertEqual(os.listdir(os.path.dirname(self.file)), ['sim.yaml'])
+
+    def test_a_million_steps_under_way_are_ended_and_what_they_came_to_is_kept(self):
+        with Node(self.file) as node:
+            steps = threading.Thread(target=self.ask_for_a_million_steps)
+            steps.start()
+            wait(lambda: self.status.fresh().steps > 0, 'the steps are under way')
+            self.assertEqual(node.end(signal.SIGTERM), 0, node.said())
+            steps.join()
+        with Node(self.file, resume=True):
+            self.assertGreater(self.status.fresh().steps, 0)
 
     def test_a_damaged_or_foreign_file_is_refused_with_the_reason(self):
         self.edit_and_end(signal.SIGTERM)

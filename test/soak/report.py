@@ -74,9 +74,9 @@ class Report:
             if points[-1].threads > points[1].threads:
                 self.problem('threads grew from %d to %d in life %d' % (points[1].threads, points[-1].threads, life))
 
-    def table(self, acts, *streams):
+    def table(self, actions, *streams):
         self.judge()
-        rows = [('time', '%.0f min' % self.minutes()), ('actions', sum(acts.values()))]
+        rows = [('time', '%.0f min' % self.minutes()), ('actions', sum(actions.values()))]
         rows += sorted(self.counts.items())
         rows += [(what, '%.1f' % value) for what, value in self.peaks.items() if what.startswith('longest')]
         first_life = [point.sample for point in self.quiet if point.life == 1]

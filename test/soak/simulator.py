@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulator and RViz as processes that are killed and started again."""
+import contextlib
 import subprocess
 import time
 
@@ -69,10 +70,19 @@ class Rviz:
         self.start()
 
     def start(self):
-        self.window = rviz_driver.Rviz(self.screen, self.layout)
-        self.window.__enter__()
+        """In three attempts: on a busy machine a window may not be there yet where one looks for it."""
+        for attempt in range(3):
+            self.window = rviz_driver.Rviz(self.screen, self.layout)
+            try:
+                self.window.__enter__()
+                break
+            except (subprocess.CalledProcessError, RuntimeError, TimeoutError):
+                self.window.process.kill()
+                if attempt == 2:
+                    raise
         self.process = self.window.process
 
     def kill(self):
         self.process.kill()
-        self.window.__exit__()
+        with contextlib.suppress(FileNotFoundError):  # of its layout, where it has died before
+            self.window.__exit__()

@@ -24,7 +24,7 @@ import rviz_driver  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
 import process  # noqa: E402
-from acts import Acts, Refused  # noqa: E402
+from actions import Actions  # noqa: E402
 from master import Master  # noqa: E402
 from report import Report  # noqa: E402
 from simulator import Node, Rviz  # noqa: E402
@@ -45,7 +45,7 @@ class Soak:
         self.report = Report()
         self.clock, self.tf = Stream('/clock', CLOCK), Stream('/tf', TF)
         self.node = Node(folder)
-        self.acts = Acts(self.random, folder)
+        self.actions = Actions(self.random, folder)
         self.rviz = screen and Rviz(screen, str(HERE.parents[1] / 'rviz' / 'sim.rviz'))
         self.due = {}
         half = 1800 * arguments.hours
@@ -58,8 +58,8 @@ class Soak:
             what = next((what for what, due in self.due.items() if time.monotonic() >= due), self.act)
             try:
                 what()
-            except (Refused, rospy.ServiceException, rospy.ROSException, TimeoutError) as error:
-                self.report.problem('%s: %s' % (what.__name__, error))
+            except Exception as error:  # whatever went wrong is told, and the soak goes on
+                self.report.problem('%s: %r' % (what.__name__, error))
             if self.node.process.poll() is not None:
                 self.report.problem('the node ended by itself with %s: %s' % (
                     self.node.process.returncode, self.node.said()[-2000:]))
@@ -73,7 +73,7 @@ class Soak:
         self.stop()
 
     def act(self):
-        self.acts.any()
+        self.actions.any()
         time.sleep(self.random.uniform(0.0, 0.5))
 
     def again(self, what, seconds):
@@ -81,7 +81,7 @@ class Soak:
 
     def be_quiet(self):
         self.again(self.be_quiet, QUIET_PERIOD)
-        self.acts.quiet()
+        self.actions.quiet()
         time.sleep(3.0)
         self.report.quiet_point(self.node.lives, self.node.process.pid)
 
@@ -94,7 +94,7 @@ class Soak:
 
     def kill_helper(self):
         self.again(self.kill_helper, HELPER_PERIOD)
-        self.acts.measure()
+        self.actions.measure()
         for child in process.children(self.node.process.pid):
             self.report.count('accuracy helper killed')
             os.kill(child, signal.SIGKILL)
@@ -102,8 +102,8 @@ class Soak:
     def end_node(self):
         """SIGTERM while it measures; the next one must go on from the same state."""
         self.again(self.end_node, KILL_PERIOD)
-        self.acts.measure()
-        self.acts.call('pause', Trigger)
+        self.actions.measure()
+        self.actions.call('pause', Trigger)
         before = self.node.fresh_status().hash
         status, seconds, orphans = self.node.signal(signal.SIGTERM)
         self.report.count('node ended by SIGTERM')
@@ -116,12 +116,12 @@ class Soak:
             self.report.count('state resumed bit for bit')
         else:
             self.report.problem('the state after SIGTERM and resume is another: ' + self.node.said()[-500:])
-        self.acts.call('resume', Trigger)
+        self.actions.call('resume', Trigger)
 
     def kill_node(self):
         """SIGKILL while it measures; the next one must find a whole state, or none."""
         self.again(self.kill_node, KILL_PERIOD)
-        self.acts.measure()
+        self.actions.measure()
         _, _, orphans = self.node.signal(signal.SIGKILL)
         self.report.count('node killed by SIGKILL')
         self.report.orphans(orphans)
@@ -167,7 +167,7 @@ def main():
         finally:
             soak.node.process.kill()
     report = soak.report
-    print(report.table(soak.acts.counts, soak.clock, soak.tf))
+    print(report.table(soak.actions.counts, soak.clock, soak.tf))
     if arguments.picture:
         report.draw(arguments.picture)
     if report.problems:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What people do with a simulator, at random: each act is a few calls that must all succeed."""
+"""What people do with a simulator, at random: each is a few calls that must all succeed."""
 import math
 import time
 
@@ -20,7 +20,7 @@ class Refused(Exception):
     pass
 
 
-class Acts:
+class Actions:
     def __init__(self, random, folder):
         self.random, self.folder = random, folder
         self.feedback = rospy.Publisher('/sim/interactive_bodies/feedback', Feedback, queue_size=100)
