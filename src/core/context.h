@@ -88,6 +88,7 @@ struct SceneStore {
   Sweep sweep;        ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
+  bool just_edited = true;  ///< no step has been taken since the last edit
 
   /// Coulomb coefficient of a pair: the geometric mean; 0 when friction is off.
   double frictionOf(Index i, Index j) const;
@@ -119,6 +120,7 @@ enum class Standing : char {
   Contact,  ///< touched when the step began, or came to stay together since
   Awaited,  ///< left out of the contact solve until its pending impact
   Apart,    ///< known not to touch in this step, unless an impact changes a course
+  Parting,  ///< overlaps deeply in a crowd: moved apart, and left out of impacts and contacts (overlaps.h)
 };
 
 /// Whether the contact solver must look at a pair.

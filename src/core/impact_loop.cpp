@@ -142,9 +142,10 @@ class ImpactLoop {
       for (const Index body : gone.bodies) step_.island[body] = a;
       // A body that flew joins the method of what it met; of two methods the one that any number of rows can
       // afford.
-      const bool exact = settingsOf(context_.scene.settings.fidelity).exact ||
-                         ((kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
-                          (kept.exact || gone.exact));
+      const bool exact = settingsOf(context_.scene.settings.fidelity).exact
+                             ? kept.exact && gone.exact
+                             : (kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
+                                   (kept.exact || gone.exact);
       kept.exact = exact;
       certificate::add(kept.certificate, gone.certificate);
       kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
@@ -210,6 +211,7 @@ class ImpactLoop {
       return;
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
+    if (standing == Standing::Parting) return;
     if (standing == Standing::Contact && context_.scene.restitutionOf(i, j) == 0.0) return;
     const impacts::Outlook outlook = impacts::foretell(context_, i, j, std::max(from, step_.timeOf(j)));
     if (outlook.impact) {

@@ -5,6 +5,7 @@
 #include "methods/impact_law.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/time_of_impact.h"
+#include "overlaps.h"
 #include "text.h"
 
 #include <algorithm>
@@ -153,14 +154,17 @@ void find(Context& context) {
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ContactPair& pair = pairs[k];
     for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      if (step.contacts.touches[t].normal == 0.0) continue;
+      if (step.contacts.touches[t].normal == 0.0 || step.standing[k] == Standing::Parting) continue;
       step.standing[k] = Standing::Contact;
       for (const Index i : {pair.i, pair.j})
         step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
     }
   }
+  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
+  const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
+    if (step.standing[k] == Standing::Parting || (crowded[i] && crowded[j])) continue;
     if (step.standing[k] == Standing::Contact && context.scene.restitutionOf(i, j) == 0.0) continue;
     const Outlook outlook = foretell(context, i, j, step.t0);
     if (outlook.impact) {

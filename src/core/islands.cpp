@@ -5,6 +5,7 @@
 #include "fidelity.h"
 #include "impact_loop.h"
 #include "methods/methods.h"
+#include "overlaps.h"
 #include "overlooked.h"
 #include "promotion.h"
 #include "text.h"
@@ -186,9 +187,11 @@ void link(Context& context) {
     island.contact = island.contact || step.standing[k] == Standing::Contact;
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  // What touches a crowd is pushed about by overlaps, not by forces that exact solves could find.
+  const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (Island& island : step.islands)
-    island.exact =
-        settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island));
+    island.exact = std::none_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return crowded[i]; }) &&
+                   (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
 }
 
 void advance(Context& context) {

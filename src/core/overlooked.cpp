@@ -16,11 +16,12 @@ constexpr double kClosed = 1e-7;  // of the smaller length: an overlap below it 
 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
-// Those that the contact solver has looked at.
+// Those that the contact solver has looked at, or is not to look at.
 Pairs knownPairs(const StepStore& step) {
   Pairs known;
   for (std::size_t k = 0; k < step.contacts.pairs.size(); ++k)
-    if (mayTouch(step.standing[k])) known.emplace_back(step.contacts.pairs[k].i, step.contacts.pairs[k].j);
+    if (mayTouch(step.standing[k]) || step.standing[k] == Standing::Parting)
+      known.emplace_back(step.contacts.pairs[k].i, step.contacts.pairs[k].j);
   std::sort(known.begin(), known.end());
   return known;
 }
@@ -43,7 +44,7 @@ Pairs findOverlooked(const Context& context) {
   const StepStore& step = context.step;
   std::vector<Index> pushed;
   for (const Island& island : step.islands)
-    if (!island.pairs.empty()) pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
+    if (!island.pairs.empty() && island.exact) pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
   if (pushed.empty()) return {};
   std::vector<Bounds> bounds = step.bounds;
   Neighbourhood neighbourhood(scene.sweep.order, bounds);

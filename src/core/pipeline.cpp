@@ -15,6 +15,7 @@
 #include "impacts.h"
 #include "islands.h"
 #include "methods/methods.h"
+#include "overlaps.h"
 #include "sleep.h"
 #include "text.h"
 
@@ -86,6 +87,7 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep"};
           }},
+    Stage{"overlaps.find", overlaps::need, overlaps::find, candidates},
     Stage{"impacts.find", needOf<Effect::Impacts>, impacts::find, candidates},
     Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
     Stage{"islands.link", islands::need, islands::link,
@@ -93,6 +95,7 @@ constexpr std::array kStages{
             return Items{step.islands.size(), "islands"};
           }},
     Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
+    Stage{"overlaps.part", overlaps::need, overlaps::part, candidates},
     Stage{"certificate", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
     Stage{"sleep.settle", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
 };

@@ -7,6 +7,7 @@
 #include "saved_state.h"
 #include "text.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rbs {
@@ -285,7 +286,8 @@ void World::Impl::advance(double to) {
   std::vector<TimedWrench>& wrenches = scene.wrenches;
   const auto over = [&](const TimedWrench& wrench) { return wrench.until <= scene.time; };
   const auto expired = std::remove_if(wrenches.begin(), wrenches.end(), over);
-  const bool frozen = !step.report.warnings.empty();
+  const auto isFrozen = [](const Warning& warning) { return warning.kind == "non_finite"; };
+  const bool frozen = std::any_of(step.report.warnings.begin(), step.report.warnings.end(), isFrozen);
   if (expired != wrenches.end() || frozen) {
     wrenches.erase(expired, wrenches.end());
     edited(frozen);

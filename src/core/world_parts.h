@@ -38,6 +38,7 @@ struct World::Impl {
   // about, besides those it appended, where it was about nothing else.
   void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
     ++edits;
+    scene.just_edited = true;
     if (described) {
       ++description_version;
       descriptions.reset();

@@ -41,6 +41,7 @@
 #include "fidelity.h"
 #include "integrate.h"
 #include "methods/contact_lanes.h"
+#include "overlaps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -107,17 +108,20 @@ class Solver {
   void solveRolling();
   void findWedged();
 
-  // A body that overlaps others deeply, and the speed at which it may leave them, m/s.
+  // An island in which bodies overlap deeply, and what it may do.
   struct Wedged {
-    Index body;  // in contacts_.bodies
-    double speed;
+    Index island;
+    double energy;           // kinetic, at the start of the step, J
+    double led_speed = 0.0;  // of the fastest led body that pushes it, m/s
   };
+  double kineticEnergy(const SolverBody& s) const;
+  Wedged* wedgedIslandOf(const SolverBody& s);
 
   Context& context_;
   SolverContacts contacts_;
   ContactLanes lanes_;
   std::vector<rolling::Row> rolling_;
-  std::vector<Wedged> wedged_;
+  std::vector<Wedged> wedged_;  // by island
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
@@ -214,38 +218,73 @@ void Solver<kRolling>::rebound() {
   }
 }
 
-// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v /
-// sin(alpha) to part from both at v, if their sides are alpha from parallel: a light body between heavy ones
-// left at 2 km/s. It leaves no faster than the fastest of the step before, itself or what it overlaps, and
-// the cap. That takes momentum out of the scene; a deep overlap is no state of bodies that had some.
+template <bool kRolling>
+double Solver<kRolling>::kineticEnergy(const SolverBody& s) const {
+  const Vec3 w_B = context_.scene.bodies.pose[s.body].q_WB.conjugate() * s.w;
+  return 0.5 * (s.v.squaredNorm() / s.inv_mass + w_B.dot(context_.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B)));
+}
+
+// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v / sin(alpha) to
+// part from both at v, if their sides are alpha from parallel (a light body between heavy ones left at 2 km/s), and in a
+// chain or a crowd the speeds of the pairs add up. So an island in which bodies overlap deeply gains no energy: it ends the
+// step with what it had, what its loads did, and what bodies that are led may give it.
 template <bool kRolling>
 void Solver<kRolling>::findWedged() {
+  const StepStore& step = context_.step;
+  const auto& traits = context_.scene.bodies.traits;
+  std::vector<char> wedged(step.islands.size(), 0);
   for (const SolverBlock& block : contacts_.blocks) {
     const auto points = contacts_.points.begin() + block.first;
-    const auto& traits = context_.scene.bodies.traits;
     const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     const double deep = kDeep * std::min(traits[i.body].length, traits[j.body].length);
-    if (std::none_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
-      continue;
-    const auto surfaceSpeed = [](const SolverBody& s) { return s.v.norm() + s.reach * s.w.norm(); };
-    const double speed = std::max(surfaceSpeed(i), surfaceSpeed(j)) + block.push;
-    for (const Index body : {block.i, block.j}) {
-      const auto known =
-          std::find_if(wedged_.begin(), wedged_.end(), [&](const Wedged& w) { return w.body == body; });
-      if (known == wedged_.end())
-        wedged_.push_back({body, speed});
-      else
-        known->speed = std::max(known->speed, speed);
-    }
+    if (std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
+      wedged[step.island[i.inv_mass > 0.0 ? i.body : j.body]] = 1;
+  }
+  const std::vector<char> crowded = overlaps::crowdedBodies(step);
+  for (const SolverBody& s : contacts_.bodies)
+    if (s.inv_mass > 0.0 && crowded[s.body]) wedged[step.island[s.body]] = 1;
+  for (Index k = 0; k < wedged.size(); ++k)
+    if (wedged[k]) wedged_.push_back({k, 0.0});
+  if (wedged_.empty()) return;
+  for (const SolverBody& s : contacts_.bodies)
+    if (Wedged* island = wedgedIslandOf(s)) island->energy += kineticEnergy(s);
+  for (const SolverBlock& block : contacts_.blocks) {
+    const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
+    for (const auto& [led, pushed] : {std::pair(&i, &j), std::pair(&j, &i)})
+      if (Wedged* island = led->inv_mass > 0.0 || led->still ? nullptr : wedgedIslandOf(*pushed))
+        island->led_speed = std::max(island->led_speed, led->v.norm() + led->reach * led->w.norm());
   }
 }
 
 template <bool kRolling>
+typename Solver<kRolling>::Wedged* Solver<kRolling>::wedgedIslandOf(const SolverBody& s) {
+  if (s.inv_mass == 0.0) return nullptr;
+  const Index island = context_.step.island[s.body];
+  const auto known = std::lower_bound(wedged_.begin(), wedged_.end(), island,
+                                      [](const Wedged& wedged, Index k) { return wedged.island < k; });
+  return known != wedged_.end() && known->island == island ? &*known : nullptr;
+}
+
+// Takes the energy from the motions about the common centre first, which keeps the momentum.
+template <bool kRolling>
 void Solver<kRolling>::holdWedged() {
-  for (const Wedged& wedged : wedged_) {
-    SolverBody& s = contacts_.bodies[wedged.body];
-    const double most = wedged.speed + dt_ * context_.step.load[s.body].a_W.norm(), speed = s.v.norm();
-    if (s.inv_mass > 0.0 && speed > most) s.v *= most / speed;
+  for (Wedged& island : wedged_) {
+    double mass = 0.0, energy = 0.0;
+    Vec3 momentum = Vec3::Zero();
+    for (const SolverBody& s : contacts_.bodies) {
+      if (wedgedIslandOf(s) != &island) continue;
+      const Load& load = context_.step.load[s.body];
+      island.energy += load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
+      mass += 1.0 / s.inv_mass, momentum += s.v / s.inv_mass, energy += kineticEnergy(s);
+    }
+    const double most = std::max(0.0, island.energy + 0.5 * mass * island.led_speed * island.led_speed);
+    if (energy <= most) continue;
+    const Vec3 common = momentum / mass;
+    const double together = 0.5 * mass * common.squaredNorm(), apart = energy - together;
+    const double share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
+    const double rest = together > most ? std::sqrt(most / together) : 1.0;
+    for (SolverBody& s : contacts_.bodies)
+      if (wedgedIslandOf(s) == &island) s.v = rest * common + share * (s.v - common), s.w *= share;
   }
 }
 

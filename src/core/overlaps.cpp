@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "overlaps.h"
+
+#include "narrowphase/collide.h"
+#include "text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::overlaps {
+
+namespace {
+
+// An overlap deeper than this share of the smaller length is deep: no contact makes one, but edits and user forces do.
+constexpr double kDeep = 0.1;
+// Two balls inscribed in the bodies that overlap by this share of their radii tell a deep overlap without a look at the
+// shapes.
+constexpr double kInscribed = 0.5;
+// Bodies that overlap no more others than this are left to the contact solver, which parts them by the shortest way.
+constexpr Index kFew = 3;
+// Offset that tells bodies with one centre apart, share of their length.
+constexpr double kNudge = 1e-3;
+
+double depthOf(const StepStore& step, const ContactPair& pair) {
+  double depth = 0.0;
+  for (Index t = pair.first; t < pair.first + pair.size; ++t)
+    depth = std::max(depth, -step.contacts.touches[t].separation);
+  return depth;
+}
+
+double lengthOf(const Bodies& bodies, const ContactPair& pair) {
+  return std::min(bodies.traits[pair.i].length, bodies.traits[pair.j].length);
+}
+
+// By how much the balls inscribed in two bodies overlap, m; negative when they are apart.
+double inscribedOverlap(const Bodies& bodies, const ContactPair& pair) {
+  return innerRadius(bodies.traits[pair.i].shape) + innerRadius(bodies.traits[pair.j].shape) -
+         (bodies.pose[pair.i].p_WB - bodies.pose[pair.j].p_WB).norm();
+}
+
+// Surely, without a look at the shapes.
+bool shareACentre(const Bodies& bodies, const ContactPair& pair) {
+  const double radii = innerRadius(bodies.traits[pair.i].shape) + innerRadius(bodies.traits[pair.j].shape);
+  return inscribedOverlap(bodies, pair) > kInscribed * radii;
+}
+
+bool isDeep(const Context& context, const ContactPair& pair) {
+  const Bodies& bodies = context.scene.bodies;
+  return shareACentre(bodies, pair) || depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair);
+}
+
+bool areMovable(const Bodies& bodies, const ContactPair& pair) {
+  return bodies.traits[pair.i].moved_by_forces() && bodies.traits[pair.j].moved_by_forces();
+}
+
+// Places that fill a disc evenly (H. Vogel, "A better way to construct the sunflower head", Math. Biosci. 44, 1979), by
+// the number of a body: where bodies with one centre are taken to be.
+Vec3 placeOnDisc(BodyId id) {
+  constexpr double kGolden = 2.399963229728653;  // rad
+  const double k = static_cast<double>(id.serial % 4096);
+  return std::sqrt(k / 4096.0) * Vec3(std::cos(kGolden * k), std::sin(kGolden * k), 0.0);
+}
+
+// Which way is up: crowds part across it.
+Vec3 upOf(const SceneStore& scene) {
+  return scene.gravity_W.isZero(0.0) ? Vec3::UnitZ() : Vec3(-scene.gravity_W.normalized());
+}
+
+// What remains of a body's way where something that forces do not move, and that it touches, is in it.
+void keepOut(const Context& context, std::vector<Vec3>& ways) {
+  const Bodies& bodies = context.scene.bodies;
+  for (const ContactPair& pair : context.step.contacts.pairs) {
+    if (areMovable(bodies, pair)) continue;
+    const bool first = bodies.traits[pair.i].moved_by_forces();
+    Vec3& way = ways[first ? pair.i : pair.j];
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      const Vec3 n_W = (first ? 1.0 : -1.0) * context.step.contacts.touches[t].n_W;
+      way -= std::max(0.0, n_W.dot(way)) * n_W;
+    }
+  }
+}
+
+// The way of each body of a crowd: the mean of those away from the bodies that it overlaps, the heavier one of a pair
+// going less far. No longer than what the body may go in the step.
+std::vector<Vec3> waysApart(const Context& context, const std::vector<Index>& crowded) {
+  const Bodies& bodies = context.scene.bodies;
+  const Vec3 up = upOf(context.scene);
+  const double gravity = context.scene.gravity_W.norm();
+  const Mat3 across = Mat3::Identity() - up * up.transpose();
+  const Quat upright = Quat::FromTwoVectors(Vec3::UnitZ(), up);
+  std::vector<Vec3> ways(bodies.size(), Vec3::Zero());
+  std::vector<Index> others(bodies.size(), 0);
+  for (const Index k : crowded) {
+    const ContactPair& pair = context.step.contacts.pairs[k];
+    const double length = lengthOf(bodies, pair);
+    const Vec3 nudge = kNudge * length * (upright * (placeOnDisc(pair.id_j) - placeOnDisc(pair.id_i)));
+    const Vec3 offset = across * (bodies.pose[pair.j].p_WB - bodies.pose[pair.i].p_WB) + nudge;
+    if (offset.isZero(0.0)) continue;
+    const Vec3 way = context.step.h() * fallSpeed(gravity, length) * offset.normalized();
+    const double m_i = bodies.traits[pair.i].mass, m_j = bodies.traits[pair.j].mass;
+    ways[pair.i] -= m_j / (m_i + m_j) * way;
+    ways[pair.j] += m_i / (m_i + m_j) * way;
+    ++others[pair.i], ++others[pair.j];
+  }
+  for (Index i = 0; i < bodies.size(); ++i)
+    if (others[i] > 0) ways[i] /= others[i];
+  keepOut(context, ways);
+  return ways;
+}
+
+// Keeps how deep a pair of a crowd is, for the next step and for readers: the forces are none.
+void keepDepth(Context& context, ContactPair& pair) {
+  const Bodies& bodies = context.scene.bodies;
+  Touch touch;
+  if (shareACentre(bodies, pair)) {
+    touch.separation = -inscribedOverlap(bodies, pair);
+    touch.p_W = 0.5 * (bodies.pose[pair.i].p_WB + bodies.pose[pair.j].p_WB);
+  } else {
+    const Manifold manifold = collide(bodies.traits[pair.i].shape, bodies.pose[pair.i], bodies.traits[pair.j].shape,
+                                      bodies.pose[pair.j], 0.0);
+    touch.n_W = manifold.n_W;
+    for (int p = 0; p < manifold.size; ++p)
+      if (manifold.points[p].separation < touch.separation)
+        touch.separation = manifold.points[p].separation, touch.p_W = manifold.points[p].p_W;
+  }
+  pair.size = 0;
+  if (touch.separation >= 0.0) return;
+  pair.first = static_cast<Index>(context.step.contacts.touches.size());
+  pair.size = 1;
+  pair.exact = false;
+  context.step.contacts.touches.push_back(touch);
+}
+
+void warn(Context& context) {
+  const Bodies& bodies = context.scene.bodies;
+  std::vector<Index> deep;
+  for (const ContactPair& pair : context.step.contacts.pairs)
+    if (pair.first >= context.step.inherited && depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair))
+      for (const Index i : {pair.i, pair.j})
+        if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
+  std::sort(deep.begin(), deep.end());
+  deep.erase(std::unique(deep.begin(), deep.end()), deep.end());
+  if (deep.empty()) return;
+  context.step.report.warnings.push_back(
+      {"overlap", count(static_cast<Index>(deep.size()), "body overlaps", "bodies overlap") +
+                      " others deeply after an edit, the first of them '" + bodies.name[deep.front()] +
+                      "'; they are moved apart without gaining speed. Undo the edit, or leave room between bodies"});
+}
+
+}  // namespace
+
+Need need(const Census& c) {
+  if (c.moved_by_forces == 0 || c.collidable < 2) return {false, "no two bodies can overlap"};
+  return {true, "edits may put bodies where others are"};
+}
+
+void find(Context& context) {
+  const Bodies& bodies = context.scene.bodies;
+  StepStore& step = context.step;
+  const std::vector<ContactPair>& pairs = step.contacts.pairs;
+  std::vector<Index> deep;
+  for (Index k = 0; k < pairs.size(); ++k)
+    if (areMovable(bodies, pairs[k]) && isDeep(context, pairs[k])) deep.push_back(k);
+  if (deep.size() <= kFew) return;
+  std::vector<Index> others(bodies.size(), 0);
+  for (const Index k : deep) ++others[pairs[k].i], ++others[pairs[k].j];
+  for (const Index k : deep)
+    if (std::min(others[pairs[k].i], others[pairs[k].j]) > kFew) step.standing[k] = Standing::Parting;
+}
+
+std::vector<char> crowdedBodies(const StepStore& step) {
+  std::vector<char> crowded(step.island.size(), 0);
+  for (std::size_t k = 0; k < step.standing.size(); ++k)
+    if (step.standing[k] == Standing::Parting) crowded[step.contacts.pairs[k].i] = crowded[step.contacts.pairs[k].j] = 1;
+  return crowded;
+}
+
+void part(Context& context) {
+  StepStore& step = context.step;
+  std::vector<Index> crowded;
+  for (Index k = 0; k < step.contacts.pairs.size(); ++k)
+    if (step.standing[k] == Standing::Parting) crowded.push_back(k);
+  if (!crowded.empty()) {
+    const std::vector<Vec3> ways = waysApart(context, crowded);
+    for (const Index i : context.scene.rosters.movers) context.scene.bodies.pose[i].p_WB += ways[i];
+    for (const Index k : crowded) keepDepth(context, step.contacts.pairs[k]);
+  }
+  if (context.scene.just_edited) warn(context);
+  context.scene.just_edited = false;
+}
+
+}  // namespace rbs::overlaps
