@@ -17,6 +17,7 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126;  // the component type of positions
 constexpr int kMostPrimitives = 100'000, kDeepest = 256;
+constexpr std::size_t kMostBytes = 256u << 20;
 
 [[noreturn]] void refuse(const std::string& fault) {
   throw BadMesh(fault, "a sound glTF 2.0 file");
@@ -196,6 +197,8 @@ class Gltf {
     const std::string uri = buffer["uri"].get<std::string>();
     const std::size_t data = uri.compare(0, 5, "data:") == 0 ? uri.find(";base64,") : std::string::npos;
     known->second = data != std::string::npos ? fromBase64(std::string_view(uri).substr(data + 8)) : beside_(uri);
+    opened_bytes_ += known->second.size();
+    if (opened_bytes_ > kMostBytes) throw BadMesh("buffers of more than 256 MiB", "at most 256 MiB together");
     return known->second;
   }
 
@@ -205,7 +208,7 @@ class Gltf {
   std::map<const Json*, std::string> opened_;
   std::vector<bool> visited_;
   std::vector<Instance> instances_;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, opened_bytes_ = 0;
   int primitives_ = 0, depth_ = 0;
 };
 
