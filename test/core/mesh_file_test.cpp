@@ -141,10 +141,12 @@ TEST_F(MeshFile, formatsMakeTheSameHull) {
 
 TEST_F(MeshFile, plyIsReadAsTextAndBinaryOfBothByteOrders) {
   const std::vector<Vec3> corners{{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {0, 0, 4}};
-  const std::string head = "\nelement extra 1\nproperty list uchar short s\nelement vertex 4\nproperty float nx\n"
-                           "property double x\nproperty double y\nproperty double z\nend_header\n";
-  EXPECT_EQ(readMesh(write("text.ply", "ply\nformat ascii 1.0" + head + "2 7 7\n9 0 0 0\n9 2 0 0\n9 0 3 0\n9 0 0 4\n"), "",
-                     "mesh"),
+  const std::string head =
+      "\nelement extra 1\nproperty list uchar short s\nelement vertex 4\nproperty float nx\n"
+      "property double x\nproperty double y\nproperty double z\nend_header\n";
+  EXPECT_EQ(readMesh(write("text.ply",
+                           "ply\nformat ascii 1.0" + head + "2 7 7\n9 0 0 0\n9 2 0 0\n9 0 3 0\n9 0 0 4\n"),
+                     "", "mesh"),
             corners);
   for (const bool big : {false, true}) {
     std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0" + head;
@@ -163,7 +165,8 @@ TEST_F(MeshFile, plyIsReadAsTextAndBinaryOfBothByteOrders) {
 }
 
 TEST_F(MeshFile, gltfIsReadWithItsNodesAndBuffers) {
-  const std::vector<Vec3> expected{{1, 0, 0}, {1, 2, 0}, {-2, 0, 0}, {1, 0, 4}};  // a quarter turn about z, then 1 m along x
+  const std::vector<Vec3> expected{
+      {1, 0, 0}, {1, 2, 0}, {-2, 0, 0}, {1, 0, 4}};  // a quarter turn about z, then 1 m along x
   const auto isExpected = [&](const std::vector<Vec3>& points) {
     ASSERT_EQ(points.size(), expected.size());
     for (std::size_t k = 0; k < points.size(); ++k) EXPECT_TRUE((points[k] - expected[k]).norm() < 1e-6) << k;
@@ -171,17 +174,21 @@ TEST_F(MeshFile, gltfIsReadWithItsNodesAndBuffers) {
   write("sub/corner.bin", cornerBuffer());
   isExpected(readMesh(write("beside.gltf", gltf(R"(, "uri": "sub/corner.bin")")), "", "mesh"));
   const std::string data = "AAAAAAAAAAAAAAAAAAAAQAAAAAAAAAAAAAAAAAAAQEAAAAAAAAAAAAAAAAAAAIBA";
-  isExpected(readMesh(write("data.gltf", gltf(R"(, "uri": "data:application/octet-stream;base64,)" + data + '"')), "", "mesh"));
+  isExpected(
+      readMesh(write("data.gltf", gltf(R"(, "uri": "data:application/octet-stream;base64,)" + data + '"')),
+               "", "mesh"));
   isExpected(readMesh(write("corner.glb", glb(gltf(""), cornerBuffer())), "", "mesh"));
 }
 
 TEST_F(MeshFile, buffersOfGltfDoNotLeadOutOfItsFolder) {
   std::ofstream(folder_ / "secret.bin") << cornerBuffer();
   fs::create_symlink(folder_ / "secret.bin", folder_ / "sub/link.bin");
-  for (const std::string& uri : {std::string("../secret.bin"), (folder_ / "secret.bin").string(), std::string("link.bin"),
-                                 std::string("/dev/zero"), std::string("missing.bin")}) {
+  for (const std::string& uri :
+       {std::string("../secret.bin"), (folder_ / "secret.bin").string(), std::string("link.bin"),
+        std::string("/dev/zero"), std::string("missing.bin")}) {
     const Problem problem = refusal(write("sub/out.gltf", gltf(", \"uri\": \"" + uri + '"')));
-    EXPECT_TRUE(problem.value.find("the buffer") != std::string::npos || problem.value.find("no such file") != std::string::npos)
+    EXPECT_TRUE(problem.value.find("the buffer") != std::string::npos ||
+                problem.value.find("no such file") != std::string::npos)
         << problem.value;
   }
 }
@@ -193,11 +200,14 @@ TEST_F(MeshFile, pointsAreCountedBeforeThereIsRoomForThem) {
     nodes += k ? ",{\"mesh\":0}" : "{\"mesh\":0}";
     indices += (k ? "," : "") + std::to_string(k);
   }
-  const std::string many = R"({"scenes":[{"nodes":[)" + indices + R"(]}],"nodes":[)" + nodes +
-                           R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"count":4}]})";
+  const std::string many =
+      R"({"scenes":[{"nodes":[)" + indices + R"(]}],"nodes":[)" + nodes +
+      R"(],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[{"count":4}]})";
   EXPECT_NE(refusal(write("many.gltf", many)).allowed.find("100000"), std::string::npos);
-  EXPECT_NE(refusal(write("huge.gltf", gltf("", 4'000'000))).allowed.find("1000000 points"), std::string::npos);
-  EXPECT_NE(refusal(write("huge.ply", "ply\nformat ascii 1.0\nelement vertex 9999999999\nproperty float x\nend_header\n"))
+  EXPECT_NE(refusal(write("huge.gltf", gltf("", 4'000'000))).allowed.find("1000000 points"),
+            std::string::npos);
+  EXPECT_NE(refusal(write("huge.ply",
+                          "ply\nformat ascii 1.0\nelement vertex 9999999999\nproperty float x\nend_header\n"))
                 .allowed.find("1000000 points"),
             std::string::npos);
 
@@ -208,8 +218,10 @@ TEST_F(MeshFile, pointsAreCountedBeforeThereIsRoomForThem) {
   }
   std::string laughs = kCollada;
   laughs.replace(laughs.find("<library_visual_scenes>"), 0,
-                 "<library_nodes>" + library + "<node id=\"n30\"><instance_geometry url=\"#g\"/></node></library_nodes>");
-  laughs.replace(laughs.find("<instance_geometry url=\"#g\"/></node></node>"), 31, "<instance_node url=\"#n0\"/>");
+                 "<library_nodes>" + library +
+                     "<node id=\"n30\"><instance_geometry url=\"#g\"/></node></library_nodes>");
+  laughs.replace(laughs.find("<instance_geometry url=\"#g\"/></node></node>"), 31,
+                 "<instance_node url=\"#n0\"/>");
   EXPECT_NE(refusal(write("laughs.dae", laughs)).allowed.find("1000000"), std::string::npos);
   std::string loop = kCollada;
   loop.replace(loop.find("<instance_geometry"), 31, "<instance_node url=\"#turned\"/>");
@@ -301,12 +313,14 @@ TEST_F(MeshFile, whatIsNoMeshIsRefusedByItsName) {
       {"empty.gltf", "{}"},
       {"deep.gltf", std::string(100'000, '[')},
       {"version.glb", "glTF" + std::string(30, '\1')},
-      {"list.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float float x\nend_header\n1e18 1 2 3\n"},
-      {"deep.dae", "<COLLADA>" + [] {
-         std::string nested;
-         for (int k = 0; k < 100'000; ++k) nested += "<node>";
-         return nested;
-       }()},
+      {"list.ply",
+       "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float float x\nend_header\n1e18 1 2 3\n"},
+      {"deep.dae", "<COLLADA>" +
+                       [] {
+                         std::string nested;
+                         for (int k = 0; k < 100'000; ++k) nested += "<node>";
+                         return nested;
+                       }()},
       {"nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n"},
       {"flat.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"},
       {"index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 99\n"},
