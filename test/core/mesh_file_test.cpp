@@ -220,11 +220,11 @@ TEST_F(MeshFile, pointsAreCountedBeforeThereIsRoomForThem) {
   laughs.replace(laughs.find("<library_visual_scenes>"), 0,
                  "<library_nodes>" + library +
                      "<node id=\"n30\"><instance_geometry url=\"#g\"/></node></library_nodes>");
-  laughs.replace(laughs.find("<instance_geometry url=\"#g\"/></node></node>"), 31,
+  laughs.replace(laughs.find("<instance_geometry url=\"#g\"/></node></node>"), 29,
                  "<instance_node url=\"#n0\"/>");
   EXPECT_NE(refusal(write("laughs.dae", laughs)).allowed.find("1000000"), std::string::npos);
   std::string loop = kCollada;
-  loop.replace(loop.find("<instance_geometry"), 31, "<instance_node url=\"#turned\"/>");
+  loop.replace(loop.find("<instance_geometry"), 29, "<instance_node url=\"#turned\"/>");
   EXPECT_NE(refusal(write("loop.dae", loop)).value.find("nested"), std::string::npos);
 }
 
