@@ -20,11 +20,11 @@ void findPackagesBy(PackageFolders folders);
 /// The vertices of all meshes of a file, where its nodes place them; m, in the axes of the file. Where the
 /// format has a unit of its own (COLLADA), it is converted; else the numbers are taken as they are.
 ///
-/// `location` is an absolute path, a path relative to `folder` (where that is not ""), or a package URL. The name ends
-/// in .obj, .stl, .ply, .gltf, .glb or .dae. Throws InvalidInput with `path` for a file that is not there, that
-/// confineFilesTo() excludes, that is larger than 256 MiB, is no sound mesh, or holds no vertices or more than
-/// Limits::max_hull_points, which are counted before there is room for them. A glTF file may name buffers beside it or
-/// in folders below, and nothing else of a file leads to another.
+/// `location` is an absolute path, a path relative to `folder` (where that is not ""), or a package URL. The
+/// name ends in .obj, .stl, .ply, .gltf, .glb or .dae. Throws InvalidInput with `path` for a file that is not
+/// there, that confineFilesTo() excludes, that is larger than 256 MiB, is no sound mesh, or holds no vertices
+/// or more than Limits::max_hull_points, which are counted before there is room for them. A glTF file may
+/// name buffers beside it or in folders below, and nothing else of a file leads to another.
 std::vector<Vec3> readMesh(const std::string& location, const std::string& folder, const std::string& path);
 
 /// The hull of these vertices times `scale`, in the axes P of the file. Throws InvalidInput with `path` and
@@ -32,6 +32,7 @@ std::vector<Vec3> readMesh(const std::string& location, const std::string& folde
 PlacedHull hullOfMesh(const std::string& location, const std::string& folder, double scale,
                       const std::string& path);
 /// The same for points that readMesh() returned.
-PlacedHull hullOfMesh(std::vector<Vec3> points, const std::string& location, double scale, const std::string& path);
+PlacedHull hullOfMesh(std::vector<Vec3> points, const std::string& location, double scale,
+                      const std::string& path);
 
 }  // namespace rbs

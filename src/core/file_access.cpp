@@ -48,7 +48,8 @@ void confineFilesTo(const std::string& folder) {
 
 void requireAccess(const std::string& file, const std::string& path, const std::string& also) {
   if (root().empty() || isIn(root(), file) || (!also.empty() && isIn(also, file))) return;
-  throw InvalidInput({{path, quoted(file, kLongestPath), "a file in " + root().string() + ", which files are confined to"}});
+  throw InvalidInput(
+      {{path, quoted(file, kLongestPath), "a file in " + root().string() + ", which files are confined to"}});
 }
 
 void interruptReadingBy(std::function<bool()> interrupted) {
@@ -56,7 +57,8 @@ void interruptReadingBy(std::function<bool()> interrupted) {
 }
 
 void stopIfInterrupted(const std::string& path) {
-  if (interruption() && interruption()()) throw InvalidInput({{path, "interrupted", "the time that it takes"}});
+  if (interruption() && interruption()())
+    throw InvalidInput({{path, "interrupted", "the time that it takes"}});
 }
 
 }  // namespace rbs

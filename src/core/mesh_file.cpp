@@ -46,7 +46,8 @@ fs::path find(const std::string& location, const std::string& folder, const std:
   }
   fs::path file(location);
   if (!file.is_absolute()) {
-    if (location.empty() || folder.empty()) refuse(path, named(location), "an absolute path or package://NAME/FILE");
+    if (location.empty() || folder.empty())
+      refuse(path, named(location), "an absolute path or package://NAME/FILE");
     file = fs::path(folder) / file;
   }
   requireAccess(file.string(), path, folder);
@@ -75,7 +76,8 @@ meshes::OpenBeside besideOf(const fs::path& file, const std::string& path) {
     const fs::path buffer = fs::weakly_canonical(folder / uri, error);
     const auto parted = std::mismatch(folder.begin(), folder.end(), buffer.begin(), buffer.end());
     if (error || uri.find('\0') != std::string::npos || parted.first != folder.end()) {
-      throw meshes::BadMesh("the buffer " + quoted(uri), "buffers in the file, beside it, or below its folder");
+      throw meshes::BadMesh("the buffer " + quoted(uri),
+                            "buffers in the file, beside it, or below its folder");
     }
     return readBytes(buffer, path);
   };
@@ -83,7 +85,8 @@ meshes::OpenBeside besideOf(const fs::path& file, const std::string& path) {
 
 std::vector<Vec3> parse(const fs::path& file, const std::string& path) {
   std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   const std::string bytes = readBytes(file, path);
   if (ending == ".obj") return meshes::readObj(bytes);
   if (ending == ".stl") return meshes::readStl(bytes);
@@ -116,7 +119,8 @@ PlacedHull hullOfMesh(const std::string& location, const std::string& folder, do
   return hullOfMesh(readMesh(location, folder, path), location, scale, path);
 }
 
-PlacedHull hullOfMesh(std::vector<Vec3> points, const std::string& location, double scale, const std::string& path) {
+PlacedHull hullOfMesh(std::vector<Vec3> points, const std::string& location, double scale,
+                      const std::string& path) {
   for (Vec3& p : points) p *= scale;
   try {
     return makeHull(points, path);

@@ -7,7 +7,8 @@
 namespace rbs {
 namespace {
 
-/// The length of the character of UTF-8 that begins at `at`; 0 where there is none (RFC 3629, table of section 4).
+/// The length of the character of UTF-8 that begins at `at`; 0 where there is none (RFC 3629, table of
+/// section 4).
 std::size_t characterAt(const std::string& text, std::size_t at) {
   const auto byte = [&](std::size_t k) {
     return at + k < text.size() ? static_cast<unsigned char>(text[at + k]) : 0u;
@@ -17,7 +18,8 @@ std::size_t characterAt(const std::string& text, std::size_t at) {
   if (first < 0x80) return 1;
   if (first >= 0xc2 && first <= 0xdf && follows(1)) return 2;
   const bool overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
-  const bool beyond = (first == 0xed && second > 0x9f) || (first == 0xf4 && second > 0x8f);  // surrogates; the end
+  const bool beyond =
+      (first == 0xed && second > 0x9f) || (first == 0xf4 && second > 0x8f);  // surrogates; the end
   if (overlong || beyond) return 0;
   if (first >= 0xe0 && first <= 0xef && follows(1) && follows(2)) return 3;
   if (first >= 0xf0 && first <= 0xf4 && follows(1) && follows(2) && follows(3)) return 4;
@@ -39,7 +41,8 @@ std::string printable(const std::string& text, std::size_t longest) {
     } else {
       next = text.substr(at, length);
     }
-    if (result.size() + next.size() > longest) return result + "... (" + std::to_string(text.size()) + " bytes)";
+    if (result.size() + next.size() > longest)
+      return result + "... (" + std::to_string(text.size()) + " bytes)";
     result += next;
     at += std::max<std::size_t>(length, 1);
   }

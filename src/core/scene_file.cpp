@@ -196,7 +196,7 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
   stopIfInterrupted(file);
   const std::string text = readText(file);
-  if (text.find("bodies:") == std::string::npos) refuseFile(file, "not a scene", "a scene file: YAML with the key bodies");
+  if (text.find("bodies") == std::string::npos) refuseFile(file, "not a scene", "a scene file: YAML with the key bodies");
   SceneFile result = parseScene(text, file, seed);
   if (result.scene.name == SceneDef{}.name) result.scene.name = std::filesystem::path(file).stem().string();
   return result;

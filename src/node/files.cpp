@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 const std::string kEnding = ".yaml";
 
 bool endsInYaml(const std::string& file) {
-  return file.size() > kEnding.size() && file.compare(file.size() - kEnding.size(), kEnding.size(), kEnding) == 0;
+  return file.size() > kEnding.size() &&
+         file.compare(file.size() - kEnding.size(), kEnding.size(), kEnding) == 0;
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& allowed) {

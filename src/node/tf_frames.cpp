@@ -13,7 +13,9 @@ namespace rbs {
 TfFrames::TfFrames(ros::NodeHandle& node) {
   using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
   const auto listen = [&](const char* topic, bool is_static) {
-    const boost::function<void(const Event&)> keep = [this, is_static](const Event& event) { hear(event, is_static); };
+    const boost::function<void(const Event&)> keep = [this, is_static](const Event& event) {
+      hear(event, is_static);
+    };
     ros::SubscribeOptions options;
     options.initByFullCallbackType<const Event&>(topic, 100, keep);
     return node.subscribe(options);
@@ -36,12 +38,14 @@ void TfFrames::hear(const ros::MessageEvent<const tf2_msgs::TFMessage>& event, b
 
 Pose TfFrames::find(const std::string& frame_id) const {
   try {
-    const geometry_msgs::Transform X = buffer_.lookupTransform(worldFrame(), frame_id, ros::Time(0)).transform;
+    const geometry_msgs::Transform X =
+        buffer_.lookupTransform(worldFrame(), frame_id, ros::Time(0)).transform;
     const auto& [p, q] = std::tie(X.translation, X.rotation);
     return {Vec3(p.x, p.y, p.z), Quat(q.w, q.x, q.y, q.z).normalized()};
   } catch (const tf2::TransformException& error) {
-    const std::string allowed = "'" + worldFrame() + "', the name of a body, or a frame that tf connects with '" +
-                                worldFrame() + "'; tf says: ";
+    const std::string allowed = "'" + worldFrame() +
+                                "', the name of a body, or a frame that tf connects with '" + worldFrame() +
+                                "'; tf says: ";
     throw InvalidInput({{"frame_id", quoted(frame_id), allowed + printable(error.what(), kLongestPath)}});
   }
 }

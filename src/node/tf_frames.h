@@ -12,12 +12,14 @@
 
 namespace rbs {
 
-/// Listens to /tf and /tf_static, and remembers what others say. What this node publishes is not heard: it knows better.
+/// Listens to /tf and /tf_static, and remembers what others say. What this node publishes is not heard: it
+/// knows better.
 class TfFrames {
  public:
   explicit TfFrames(ros::NodeHandle& node);
 
-  /// Where a frame is in worldFrame() by the newest transforms; never waits. Throws InvalidInput with the reason.
+  /// Where a frame is in worldFrame() by the newest transforms; never waits. Throws InvalidInput with the
+  /// reason.
   Pose find(const std::string& frame_id) const;
 
  private:

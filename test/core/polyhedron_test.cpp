@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Convex hulls: faces against brute force over all triples of points, mass against quadrature over the
 // tetrahedra of another apex and against closed forms, the frame, and what is refused.
+#include "rigid_body_sim/file_access.h"
 #include "rigid_body_sim/scene.h"
 #include "rigid_body_sim/shape.h"
 
@@ -412,6 +413,53 @@ TEST(Polyhedron, pointsOfNoSolidAreRefusedWithTheReason) {
       EXPECT_FALSE(problem.allowed.empty()) << refusal.what;
     }
   }
+}
+
+// Many points are taken in parts; their hull is that of all of them.
+TEST(Polyhedron, hullOfManyPointsHoldsThemAllAndHasItsVerticesAmongThem) {
+  Random random(11);
+  Points points = random.points(60'000, Vec3(3.0, 2.0, 1.0));
+  for (Vec3& p : points) p = Vec3(0.3, 0.2, 0.1) + p.cwiseProduct(p.cwiseAbs());  // denser in the middle
+  const PlacedHull hull = makeHull(points, "h");
+  const Polyhedron& solid = *hull.hull.polyhedron;
+  const auto inB = [&](const Vec3& p) -> Vec3 { return hull.X_PB.q_WB.conjugate() * (p - hull.X_PB.p_WB); };
+  std::vector<char> found(solid.vertices.size(), 0);
+  for (const Vec3& p : points) {
+    const Vec3 p_B = inB(p);
+    for (const Polyhedron::Face& face : solid.faces) ASSERT_LE(face.normal.dot(p_B), face.offset + 1e-5);
+    for (std::size_t v = 0; v < solid.vertices.size(); ++v) found[v] |= (solid.vertices[v] - p_B).norm() < 1e-12;
+  }
+  EXPECT_EQ(std::count(found.begin(), found.end(), 1), static_cast<std::ptrdiff_t>(found.size()));
+  std::reverse(points.begin(), points.end());
+  EXPECT_EQ(makeHull(points, "h").hull.polyhedron->vertices.size(), solid.vertices.size());
+  EXPECT_NEAR(makeHull(points, "h").hull.polyhedron->volume, solid.volume, 1e-12 * solid.volume);
+}
+
+TEST(Polyhedron, aHullOfManyFlatPointsFirstIsMade) {
+  Points points(20'000, Vec3(1, 0, 0));
+  for (std::size_t k = 0; k < points.size(); ++k) points[k] = Vec3(k % 2, k % 3, 0);
+  points.push_back(Vec3(0, 0, 1));
+  EXPECT_NEAR(makeHull(points, "h").hull.polyhedron->volume, 2.0 / 3.0, 1e-12);
+}
+
+// Spread over a ball all points are on the hull. That is known after three parts of them, and told then.
+TEST(Polyhedron, tooManyVerticesAreToldBeforeAllPointsAreTaken) {
+  Random random(12);
+  Points ball;
+  for (int k = 0; k < 200'000; ++k) ball.push_back(random.vector().normalized());
+  int parts = 0;
+  interruptReadingBy([&] { return ++parts, false; });
+  try {
+    makeHull(ball, "h");
+    ADD_FAILURE();
+  } catch (const InvalidInput& refusal) {
+    EXPECT_EQ(refusal.problems().front().value, "more than 16384 points on the hull");
+    EXPECT_NE(refusal.problems().front().allowed.find("4096"), std::string::npos);
+  }
+  EXPECT_LE(parts, 3);
+  interruptReadingBy([&] { return ++parts > 4; });
+  EXPECT_THROW(makeHull(random.points(60'000, Vec3::Ones()), "h"), InvalidInput);
+  interruptReadingBy(nullptr);
 }
 
 }  // namespace

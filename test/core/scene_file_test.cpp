@@ -6,6 +6,7 @@
 #include "scene_limits.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
@@ -691,6 +692,56 @@ TEST(NearestName, findsMisspellingsOnly) {
   EXPECT_EQ(nearestName("piramyd", names), "pyramid");
   EXPECT_EQ(nearestName("zzz", names), "");
   EXPECT_EQ(nearestName(std::string(100000, 'x'), names), "");
+}
+
+TEST(SceneFile, nothingIsQuotedOfAFileThatIsNoScene) {
+  const std::string file = testing::TempDir() + "no_scene_" + std::to_string(getpid()) + ".yaml";
+  for (const char* text : {"root:x:0:0:secret:/root\n", "name: secret\n", "password: secret\n", "gravity: secret",
+                           "- secret\n", "*secret", "!secret x", "[[secret", "key: [secret\n\x01", "%secret"}) {
+    std::ofstream(file) << text;
+    try {
+      readScene(file);
+      ADD_FAILURE() << text;
+    } catch (const InvalidInput& refusal) {
+      EXPECT_EQ(std::string(refusal.what()).find("secret"), std::string::npos) << refusal.what();
+      EXPECT_NE(std::string(refusal.what()).find("not a scene"), std::string::npos) << refusal.what();
+    }
+  }
+  std::remove(file.c_str());
+}
+
+TEST(SceneFile, refusalsStayShortAndPrintable) {
+  const std::string word(100'000, 'x');
+  for (const std::string& text : {"bodies: [{name: " + word + "}]", "bodies: [{" + word + ": 1}]", word + ": 1\nbodies: []",
+                                  "bodies: [{shape: " + word + "}]", "bodies: [{mass: " + word + "}]",
+                                  "bodies: [{repeat: {shapes: [" + word + "]}}]", "bodies: !" + word + " []",
+                                  "bodies: [{shape: hull, mesh: " + word + "}]"}) {
+    try {
+      parseScene(text, "scene.yaml");
+      ADD_FAILURE() << text.substr(0, 40);
+    } catch (const InvalidInput& refusal) {
+      EXPECT_LT(std::string(refusal.what()).size(), 2500u) << text.substr(0, 40);
+      EXPECT_EQ(std::string(refusal.what()).find(std::string(300, 'x')), std::string::npos) << text.substr(0, 40);
+    }
+  }
+}
+
+TEST(SceneFile, meshesOfASceneAreLimitedTogether) {
+  std::string mesh;
+  for (int k = 0; k < 30'000; ++k)
+    mesh += "v " + std::to_string(k % 7) + " " + std::to_string(k % 11) + " " + std::to_string(k % 13) + "\n";
+  const std::string folder = testing::TempDir();
+  std::ofstream(folder + "many.obj") << mesh;
+  std::string text = "bodies:\n";
+  for (int k = 0; k < 200; ++k)
+    text += "  - {shape: hull, mesh: many.obj, scale: " + std::to_string(1 + k) + ", position: [0, 0, " + std::to_string(100 * k) + "]}\n";
+  try {
+    parseScene(text, folder + "scene.yaml");
+    ADD_FAILURE();
+  } catch (const InvalidInput& refusal) {
+    EXPECT_NE(refusal.problems().front().value.find("4000000 points"), std::string::npos) << refusal.what();
+  }
+  std::remove((folder + "many.obj").c_str());
 }
 
 }  // namespace

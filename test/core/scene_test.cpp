@@ -2,6 +2,9 @@
 // validate() finds every fault of a definition, by its path, and none in what is sound.
 #include "rigid_body_sim/scene.h"
 
+#include "rigid_body_sim/quote.h"
+#include "text.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,10 +51,58 @@ TEST(Scene, bodyNamesFollowTheRule) {
   const auto faults = [](const std::string& name) {
     return bodyFaults([&](BodyDef& b) { b.name = name; }).size();
   };
-  for (const char* good : {"", "a", "box_1", "left/arm-2", "_x"}) EXPECT_EQ(faults(good), 0u) << good;
-  for (const char* bad : {"1box", "a b", "caf\xc3\xa9", "a.b", "a\n"}) EXPECT_EQ(faults(bad), 1u) << bad;
+  for (const char* good : {"", "a", "box_1", "left/arm-2", "_x", "worlds", "a/world", "World"})
+    EXPECT_EQ(faults(good), 0u) << good;
+  for (const char* bad : {"1box", "a b", "caf\xc3\xa9", "a.b", "a\n", "world", "/a", "a/", "/", "a//b", "-x", "--json", "\xff"})
+    EXPECT_EQ(faults(bad), 1u) << bad;
+  EXPECT_EQ(faults(std::string("a\0b", 3)), 1u);
   EXPECT_EQ(faults(std::string(64, 'a')), 0u);
   EXPECT_EQ(faults(std::string(65, 'a')), 1u);
+}
+
+TEST(Scene, noBodyHasTheNameOfTheWorldsFrame) {
+  BodyDef body;
+  body.name = "map";
+  EXPECT_TRUE(validate(body, "b").empty());
+  nameFrames("map", "");
+  EXPECT_EQ(paths(validate(body, "b")), Paths{"b.name"});
+  nameFrames("sim/map", "sim/");
+  EXPECT_EQ(paths(validate(body, "b")), Paths{"b.name"});
+  nameFrames("map", "sim/");
+  EXPECT_TRUE(validate(body, "b").empty());
+  body.name = "world";
+  EXPECT_EQ(paths(validate(body, "b")), Paths{"b.name"});
+  for (const char* bad : {"", "/map", "map/", "a//b", "a b", "\xff"})
+    EXPECT_THROW(nameFrames(bad, ""), InvalidInput) << bad;
+  for (const char* bad : {"/sim/", "a//", "a b", "\n"}) EXPECT_THROW(nameFrames("map", bad), InvalidInput) << bad;
+  EXPECT_EQ(worldFrame(), "map");  // what was refused changed nothing
+  nameFrames("world", "");
+}
+
+TEST(Scene, messagesQuoteLittleAndOnlyText) {
+  const auto message = [](const std::string& name) {
+    BodyDef body;
+    body.name = name;
+    return std::string(InvalidInput(validate(body, "b")).what());
+  };
+  EXPECT_LT(message(std::string(100'000, 'a')).size(), 300u);
+  EXPECT_NE(message(std::string(100'000, 'a')).find("100000 bytes"), std::string::npos);
+  EXPECT_NE(message("\xff\n\x1b[2J").find("'\\xff\\x0a\\x1b[2J'"), std::string::npos);
+  EXPECT_NE(message("caf\xc3\xa9").find("'caf\xc3\xa9'"), std::string::npos);
+  const std::string two_bytes = "\xc3\xa9";
+  std::string many;
+  for (int k = 0; k < 100; ++k) many += two_bytes;
+  EXPECT_EQ(printable("a" + many).substr(0, 7), "a" + two_bytes + two_bytes + two_bytes);
+  EXPECT_EQ(printable("a" + many).find("\xc3..."), std::string::npos) << "half a character";
+  for (const char* bad : {"\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe2\x82", "\x80"})
+    EXPECT_EQ(printable(bad).substr(0, 2), "\\x") << bad;
+  EXPECT_LT(std::string(InvalidInput({{std::string(9999, 'p'), std::string(9999, 'v'), "less"}}).what()).size(), 1200u);
+}
+
+TEST(Scene, numbersThatAreNoneAreToldAsSuch) {
+  EXPECT_EQ(text(-kNan), "nan");
+  EXPECT_EQ(text(kInfinity - kInfinity), "nan");
+  EXPECT_EQ(text(-kInfinity), "-inf");
 }
 
 TEST(Scene, sizesOutOfRangeAreFound) {

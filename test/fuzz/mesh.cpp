@@ -40,9 +40,11 @@ void mesh(const std::uint8_t* data, std::size_t size) {
     const PlacedHull hull = makeHull(points, "mesh");
     const Polyhedron& solid = *hull.hull.polyhedron;
     require(solid.volume > 0.0 && std::isfinite(solid.volume), "a hull without a volume");
-    require(solid.moments_per_mass.minCoeff() > 0.0 && solid.moments_per_mass.allFinite(), "a hull without inertia");
+    require(solid.moments_per_mass.minCoeff() > 0.0 && solid.moments_per_mass.allFinite(),
+            "a hull without inertia");
     const PlacedHull again = makeHull(solid.vertices, "vertices");
-    require(again.hull.polyhedron->fingerprint == solid.fingerprint, "the vertices of a hull make another hull");
+    require(again.hull.polyhedron->fingerprint == solid.fingerprint,
+            "the vertices of a hull make another hull");
   } catch (const InvalidInput&) {
   }
 }

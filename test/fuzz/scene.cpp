@@ -59,7 +59,8 @@ state:
     const std::uint64_t hash = world.stateHash();
     const std::string written = writeScene(world.capture(), world.captureState());
     const SceneFile again = parseScene(written, "written.yaml");
-    require(World(again.scene, again.state).stateHash() == hash, "a state that was written is read as another");
+    require(World(again.scene, again.state).stateHash() == hash,
+            "a state that was written is read as another");
     for (int k = 0; k < 3; ++k) world.step();
     requireFinite(world);
   } catch (const InvalidInput&) {

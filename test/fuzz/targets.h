@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is fuzzed: functions that take any bytes. Each returns where what it calls refuses them by InvalidInput, and
-// throws Broken where a promise of the core does not hold. `fuzzer.cpp` runs one of them under libFuzzer,
-// `corpus_test.cpp` all of them on the inputs that are kept.
+// What is fuzzed: functions that take any bytes. Each returns where what it calls refuses them by
+// InvalidInput, and throws Broken where a promise of the core does not hold. `fuzzer.cpp` runs one of them
+// under libFuzzer, `corpus_test.cpp` all of them on the inputs that are kept.
 #pragma once
 
 #include "rigid_body_sim/world.h"
@@ -28,7 +28,8 @@ void scene(const std::uint8_t* data, std::size_t size);
 void savedState(const std::uint8_t* data, std::size_t size);
 /// A mesh file; the first byte chooses its format.
 void mesh(const std::uint8_t* data, std::size_t size);
-/// Edits of a world, questions and steps, with hostile numbers. A refused edit leaves the state hash as it was.
+/// Edits of a world, questions and steps, with hostile numbers. A refused edit leaves the state hash as it
+/// was.
 void world(const std::uint8_t* data, std::size_t size);
 
 /// Throws Broken unless every pose, velocity and sum is finite.

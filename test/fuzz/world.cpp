@@ -38,8 +38,22 @@ class Input {
   /// Mostly a plain number from -8 to 8, else a notorious one or any bits.
   double number() {
     constexpr double inf = std::numeric_limits<double>::infinity();
-    static constexpr std::array notorious{0.0,   -0.0, 1e-300, -1e-300, 1e-9, 1e-6, 1e-3, 1e3,
-                                          1e6,   -1e6, 1e9,    -1e9,    1e18, 1e300, inf, -inf,
+    static constexpr std::array notorious{0.0,
+                                          -0.0,
+                                          1e-300,
+                                          -1e-300,
+                                          1e-9,
+                                          1e-6,
+                                          1e-3,
+                                          1e3,
+                                          1e6,
+                                          -1e6,
+                                          1e9,
+                                          -1e9,
+                                          1e18,
+                                          1e300,
+                                          inf,
+                                          -inf,
                                           std::numeric_limits<double>::quiet_NaN()};
     const std::uint8_t kind = byte();
     if (kind < 192) return static_cast<std::int8_t>(byte()) / 16.0;
@@ -153,7 +167,8 @@ void ask(Input& input, const World& world) {
       Ray ray;
       ray.origin_W = input.vector();
       ray.direction_W = input.vector();
-      for (const RayHit& hit : castRayThrough(snapshot, ray)) require(std::isfinite(hit.distance), "a ray goes astray");
+      for (const RayHit& hit : castRayThrough(snapshot, ray))
+        require(std::isfinite(hit.distance), "a ray goes astray");
       return;
     }
     case 1: {

@@ -3,23 +3,57 @@
 """The command-line client: what it prints, and its exit codes."""
 import json
 import os
+import re
+import signal
+import socket
 import subprocess
 import sys
+import tempfile
 import unittest
 
+import rosgraph
 import roslib.packages
 import rospy
 import rostest
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from simulator import SMALL, body, call  # noqa: E402
+from simulator import PATIENCE, SMALL, body, call  # noqa: E402
 
 RBS = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]
 
 
-def rbs(*arguments, **environment):
-    return subprocess.run([RBS, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          timeout=60, env=dict(os.environ, **environment))
+def rbs(*arguments, cwd=None, **environment):
+    given = [a if isinstance(a, bytes) else str(a) for a in arguments]
+    return subprocess.run([RBS, *given], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60, cwd=cwd,
+                          env=dict(os.environ, **environment))
+
+
+class NodeThatHangs:
+    """What a simulator looks like that takes calls and never answers: its services, as the master knows them."""
+    name = '/hangs'
+
+    def __init__(self):
+        self.server = socket.create_server(('localhost', 0))
+        self.server.settimeout(PATIENCE)
+        self.uri = 'rosrpc://localhost:%d' % self.server.getsockname()[1]
+        self.services = [self.name + '/' + service for service in ('list_bodies', 'step', 'load_scene', 'measure_accuracy')]
+        self.master = rosgraph.Master(self.name)
+        for service in self.services:
+            self.master.registerService(service, self.uri, 'http://localhost:1')
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+        self.forget()
+
+    def close(self):
+        self.server.close()
+
+    def forget(self):
+        for service in self.services:
+            self.master.unregisterService(service, self.uri)
 
 
 class ClientTest(unittest.TestCase):
@@ -121,6 +155,90 @@ class ClientTest(unittest.TestCase):
         self.assertEqual(rbs('fly').returncode, 2)
         self.assertEqual(rbs('move', 'crate').returncode, 2)
 
+    def test_absurd_arguments_are_refused_without_a_traceback(self):
+        for expected, arguments in [
+            (2, ['step', '--', '-1']), (2, ['step', 5000000000]), (1, ['step', 2000000]), (2, ['step', '1.5']),
+            (2, ['step', 'x']), (2, ['spawn', '--size', 1, 2]), (2, ['spawn', '--points', 1, 2]),
+            (2, ['tune', '--divisions', -1]), (2, ['tune', '--sub-steps', 1e9]), (2, ['tune', '--divisions', 2 ** 32]),
+            (1, ['tune', '--divisions', 2 ** 32 - 1]), (2, ['accuracy', '--windows', -5]), (2, ['spawn', '--group', 2 ** 32]),
+            (1, ['speed', 'nan']), (1, ['speed', '--', '-1']), (1, ['speed', 'inf']), (1, ['speed', '1e999']),
+            (1, ['push', 'ball', 'nan', 0, 0]), (1, ['gravity', '1e300', 0, 0]), (1, ['wrench', 'ball', '--seconds', 'nan']),
+            (1, ['move', 'ball', '--at', 'inf', 0, 0]), (1, ['spawn', '--mass', 'nan']), (2, ['spawn', '--yaw', 'inf']),
+            (1, ['resize', 'ball', '--factor=-inf']), (1, ['tune', '--tolerance', 'nan']), (1, ['set-wind', 'nan', 0, 0]),
+            (1, ['ray', '--from', 0, 0, 'nan', '--along', 0, 0, 1]), (1, ['overlaps', '--at', 0, 0, 0, '--margin', 'nan']),
+            (1, ['seek', '--max-error', 'nan']), (1, ['get', 'x' * 100000]), (1, ['spawn', '--name', 'a b']),
+            (2, ['--timeout', 'nan', 'list']), (2, ['--timeout', '-1', 'list']), (2, ['get', b'\xff']), (2, []),
+            (2, ['spawn', '--kind', 'flying']), (1, ['set', 'ball']), (1, ['load-state', '/dev/null']),
+        ]:
+            result = rbs(*arguments)
+            self.assertEqual(result.returncode, expected, '%s: %s' % (arguments, result.stderr))
+            self.assertNotIn('Traceback', result.stderr, arguments)
+            self.assertTrue(0 < len(result.stderr) < 3000, arguments)
+
+    def test_paths_are_those_of_the_shell(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def there(*arguments):
+                result = rbs(*arguments, cwd=folder)
+                self.assertEqual(result.returncode, 0, result.stderr)
+
+            there('save-scene', 'scene')
+            there('save-state', './state.yaml')
+            self.assertEqual(sorted(os.listdir(folder)), ['scene.yaml', 'state.yaml'])
+            there('load', 'scene.yaml')
+            there('load', '../%s/scene.yaml' % os.path.basename(folder))
+            there('load-state', 'state')
+            self.assertEqual(rbs('save-scene', 'scene', cwd=folder).returncode, 1)
+            there('save-scene', 'scene', '--overwrite')
+            there('save-state', 'scene', '--overwrite')
+            self.assertEqual(rbs('save-scene', '.', cwd=folder).returncode, 1)
+            self.assertEqual(rbs('load', 'scene', cwd=folder).returncode, 1)  # a name of the catalogue
+
+    def test_kinds_and_collision_groups_are_given(self):
+        self.done('spawn', '--name', 'belt', '--kind', 'kinematic', '--velocity', 1, 0, 0, '--at', 0, 5, 3, '--group', '0x4',
+                  '--mask', 3)
+        belt = body('belt').description
+        self.assertEqual((belt.kind, belt.collision_group, belt.collision_mask), ('kinematic', 4, 3))
+        self.done('set', 'belt', '--kind', 'dynamic', '--group', 1, '--mask', '0xffffffff')
+        belt = body('belt').description
+        self.assertEqual((belt.kind, belt.collision_group, belt.collision_mask), ('dynamic', 1, 0xffffffff))
+        self.done('set', 'belt', '--static', 'yes')
+        self.assertEqual(body('belt').description.kind, 'static')
+
+    def test_the_help_of_effects_names_them_all(self):
+        text = self.done('effects', '--help')
+        names = rbs('effects', '--on', 'magnetism').stderr.split('allowed:')[1].strip(' )\n').split(', ')
+        self.assertGreater(len(names), 5)
+        for name in names:
+            self.assertIn(name, text)
+        self.assertEqual(re.sub(r'\s+', ' ', text).split('one of: ')[1].rstrip('. '), ', '.join(names))
+
+    def test_a_reader_that_has_read_enough_is_no_error(self):
+        for command in ('status', 'scenes', 'list', '--json status', '--help'):
+            line = 'set -o pipefail; "%s" %s | true' % (RBS, command)
+            result = subprocess.run(['bash', '-c', line], capture_output=True, text=True, timeout=60)
+            self.assertEqual((result.returncode, result.stderr), (0, ''), command)
+
+    def test_ctrl_c_ends_it_whatever_the_node_does(self):
+        with NodeThatHangs() as node:
+            for command in (['list'], ['step', '5'], ['load', 'tower'], ['accuracy']):
+                process = subprocess.Popen([RBS, '--node', node.name, '--timeout', '100', *command], stdout=subprocess.PIPE,
+                                           stderr=subprocess.PIPE, text=True)
+                calls = [node.server.accept()[0] for _ in range(2)]  # the first only asks whether anybody is there
+                process.send_signal(signal.SIGINT)
+                _, errors = process.communicate(timeout=20)
+                self.assertEqual((process.returncode, errors), (130, ''), command)
+                for connection in calls:
+                    connection.close()
+
+    def test_a_node_that_was_killed_is_exit_code_3(self):
+        node = NodeThatHangs()
+        node.close()  # and is still known to the master
+        for command in (['list'], ['status'], ['accuracy']):
+            result = rbs('--node', node.name, '--timeout', 0.5, *command)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertNotIn('Traceback', result.stderr)
+        node.forget()
+
     def test_no_simulator_is_exit_code_3_and_says_how_to_start_one(self):
         result = rbs('--node', 'nowhere', '--timeout', 0.5, 'list')
         self.assertEqual(result.returncode, 3)
@@ -128,6 +246,14 @@ class ClientTest(unittest.TestCase):
         for command in ('list', 'status'):  # and no master either
             result = rbs('--timeout', 0.5, command, ROS_MASTER_URI='http://localhost:1')
             self.assertEqual(result.returncode, 3)
+        for uri in ('nonsense', 'http://', 'http://nowhere.invalid:11311'):
+            result = rbs('--timeout', 0.5, 'list', ROS_MASTER_URI=uri)
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertNotIn('Traceback', result.stderr)
+        for node in ('a b', '//', 'caf\xe9', ''):
+            result = rbs('--node', node, '--timeout', 0.5, 'list')
+            self.assertEqual(result.returncode, 3, result.stderr)
+            self.assertNotIn('Traceback', result.stderr)
 
     def test_the_help_gives_units(self):
         for command, unit in (('push', 'N s'), ('spawn', 'kg/m3'), ('gravity', 'm/s2')):

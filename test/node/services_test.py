@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Every service: what it does, and what it refuses."""
+import concurrent.futures
 import math
 import os
 import signal
@@ -577,6 +578,158 @@ class ServicesTest(unittest.TestCase):
         self.assert_refused(['/nowhere'], 'load_state', file='/nowhere/state.yaml')
         self.assert_refused(['/nowhere'], 'save_state', file='/nowhere/state.yaml')
         self.assert_refused(['absolute'], 'save_scene', file='relative.yaml')
+
+    def test_paths_are_what_they_say_or_refused(self):
+        faults = []
+        folder = self.folder.name
+        for words, service, request in [
+            (['folder'], 'save_scene', dict(file=folder)),
+            (['folder'], 'save_scene', dict(file=folder + '/')),
+            (['control'], 'save_scene', dict(file=folder + '/a.yaml\0.png')),
+            (['control'], 'save_state', dict(file=folder + '/a\nb.yaml')),
+            (['control'], 'load_state', dict(file=SMALL + '\0')),
+            (['control'], 'load_scene', dict(name=SMALL + '\0')),
+            (['absolute'], 'load_scene', dict(name='../scenes/tower.yaml')),
+            (['absolute'], 'load_scene', dict(name='small.yaml')),
+            (['not a scene'], 'load_scene', dict(name='/etc/passwd')),
+            (['not a scene'], 'load_scene', dict(name=self.file('secret.yaml', 'name: secret\npassword: secret\n'))),
+            (['no such file'], 'load_state', dict(file='/etc/passwd')),
+            (['File name too long'], 'save_scene', dict(file=folder + '/' + 300 * 'x')),
+            (['byte 0'], 'spawn_body', dict(shape='hull', mesh='/tmp/\0.obj')),
+        ]:
+            faults += self.fault_of(words, service, **request)
+        self.assertEqual(faults, [])
+        for file in ('/etc/passwd', self.file('secret.yaml')):
+            message = ask('load_scene', name=file).message
+            self.assertFalse('root:' in message or "'secret'" in message or 'password' in message, message)
+        self.assertEqual(os.listdir(folder + '/..').count(os.path.basename(folder) + '.yaml'), 0)
+
+    def test_a_file_is_overwritten_only_when_asked_and_whole(self):
+        scene = self.file('kept.yaml', 'mine\n')
+        os.chmod(scene, 0o640)
+        for service in ('save_scene', 'save_state'):
+            self.assert_refused(['overwrite'], service, file=scene)
+            self.assert_refused(['overwrite'], service, file=scene[:-len('.yaml')])
+        with open(scene) as file:
+            self.assertEqual(file.read(), 'mine\n')
+        before = set(os.listdir(self.folder.name))
+        call('save_scene', file=scene, overwrite=True)
+        self.assertEqual(set(os.listdir(self.folder.name)), before)  # nothing is left beside it
+        self.assertEqual(os.stat(scene).st_mode & 0o777, 0o640)
+        call('load_scene', name=scene)
+
+    def test_saving_follows_no_links(self):
+        target, link, hanging = self.file('target.yaml', 'mine\n'), self.file('link.yaml'), self.file('hanging.yaml')
+        os.symlink(target, link)
+        os.symlink(self.file('nowhere'), hanging)
+        for path in (link, hanging):
+            self.assert_refused(['overwrite'], 'save_scene', file=path)
+            self.assert_refused(['regular'], 'save_scene', file=path, overwrite=True)
+        foreseen = self.file('new.yaml.part')
+        os.symlink(target, foreseen)
+        call('save_scene', file=self.file('new.yaml'))
+        with open(target) as file:
+            self.assertEqual(file.read(), 'mine\n')
+        self.assertFalse(os.path.exists(self.file('nowhere')))
+
+    def test_of_two_saves_at_once_one_is_refused_and_the_other_whole(self):
+        for number in range(10):
+            path = self.file('race_%d.yaml' % number)
+            with concurrent.futures.ThreadPoolExecutor(4) as pool:
+                answers = list(pool.map(lambda _: ask('save_state', file=path), range(4)))
+            self.assertEqual([answer.success for answer in answers].count(True), 1)
+            call('load_state', file=path)
+
+    def test_names_that_would_break_tf_or_the_shell_are_refused(self):
+        faults = []
+        for name in ('world', '/a', 'a/', 'a//b', '-x', '--json', 'a b', 'a.b', '7up', 'a\0b', 'caf\xe9', 65 * 'a'):
+            faults += self.fault_of(['name'], 'spawn_body', name=name)
+            faults += self.fault_of(['name'], 'spawn_bodies', bodies=[BodySpec(name='good'), BodySpec(name=name)])
+            text = 'bodies:\n  - {name: "%s"}\n' % name.replace('\0', '\\0')
+            faults += self.fault_of(['named.yaml', 'name'], 'load_scene', name=self.file('named.yaml', text))
+        faults += self.fault_of(['name'], 'spawn_bodies', bodies=[BodySpec(name='twin'), BodySpec(name='twin')])
+        self.assertEqual(faults, [])
+
+    def test_refusals_stay_short_whatever_they_refuse(self):
+        long = 100000 * 'n'
+        for service, request in (('spawn_body', dict(name=long)), ('spawn_body', dict(shape=long)),
+                                 ('spawn_body', dict(kind=long)), ('spawn_body', dict(shape='hull', mesh='/' + long)),
+                                 ('spawn_body', dict(frame_id=long, pose=at(1, 0, 0))), ('delete_body', dict(name=long)),
+                                 ('cast_ray', dict(direction=Vector3(1, 0, 0), ignore=[long])),
+                                 ('closest_points', dict(body_a=long, body_b='crate')), ('load_scene', dict(name=long)),
+                                 ('load_scene', dict(name='/' + long)), ('save_scene', dict(file='/' + long)),
+                                 ('set_effects', dict(force_on=[long])), ('set_fidelity', dict(fidelity=long)),
+                                 ('tune_fidelity', dict(preset=long)), ('set_body', dict(name='crate', kind=long))):
+            answer = ask(service, **request)
+            self.assertFalse(answer.success, service)
+            self.assertLess(len(answer.message), 1500, service)
+
+    def test_numbers_are_told_as_they_were_sent(self):
+        turned = Pose(Point(0, 0, 9), Quaternion(0.5, 0.5, 0.5, 0.5))
+        call('move_body', name='crate', pose=turned)
+        for service, request in (('apply_impulse', dict(name='crate', impulse=Vector3(INF, 0, 0))),
+                                 ('apply_wrench', dict(name='crate', torque=Vector3(INF, 0, 0), seconds=1.0)),
+                                 ('apply_wrench', dict(name='crate', force=Vector3(INF, 0, 0), seconds=1.0)),
+                                 ('apply_impulse', dict(name='crate', point=[Point(INF, 0, 0)])),
+                                 ('spawn_body', dict(pose=at(INF, 0, 0))),
+                                 ('spawn_body', dict(twist=Twist(Vector3(INF, 0, 0), Vector3()))),
+                                 ('overlaps', dict(pose=at(INF, 0, 0)))):
+            message = ask(service, frame_id='crate', **request).message
+            self.assertIn('inf, 0, 0', message)
+            self.assertNotIn('nan', message)
+
+    def test_kinematic_bodies_and_collision_groups(self):
+        call('spawn_body', name='belt', kind='kinematic', pose=at(0, 5, 3), twist=Twist(Vector3(1, 0, 0), Vector3()))
+        made = body('belt').description
+        self.assertEqual((made.kind, made.collision_group, made.collision_mask), ('kinematic', 1, 0xffffffff))
+        call('step', n=60)
+        self.assertAlmostEqual(body('belt').pose.position.x, 1.0)
+        call('set_body', name='belt', twist=[Twist(Vector3(0, 2, 0), Vector3())])
+        call('step', n=60)
+        self.assertAlmostEqual(body('belt').pose.position.y, 7.0)
+        call('set_body', name='belt', kind='dynamic')
+        self.assertEqual(body('belt').twist.linear.y, 2.0)
+        call('set_body', name='belt', kind='static')
+        self.assertEqual((body('belt').description.kind, body('belt').twist.linear.y), ('static', 0.0))
+
+        call('spawn_body', name='ghost', collision_group=[4], collision_mask=[0], pose=at(0, 9, 0.3))
+        self.assertEqual((body('ghost').description.collision_group, body('ghost').description.collision_mask), (4, 0))
+        call('step', n=60)
+        self.assertLess(body('ghost').pose.position.z, -3.0)  # through the floor
+        call('move_body', name='ghost', pose=at(0, 9, 0.3))
+        call('set_body', name='ghost', collision_mask=[2])
+        call('step', n=60)
+        self.assertLess(body('ghost').pose.position.z, -3.0)  # the floor's group is 1
+        call('move_body', name='ghost', pose=at(0, 9, 0.3))
+        call('set_body', name='ghost', collision_mask=[0xffffffff], collision_group=[1])
+        call('step', n=60)
+        self.assertGreater(body('ghost').pose.position.z, 0.2)
+        faults = []
+        for words, service, request in [
+            (['kind', 'flying'], 'spawn_body', dict(kind='flying')),
+            (['is_static', 'kind'], 'spawn_body', dict(kind='kinematic', is_static=True)),
+            (['collision_group', '2 entries'], 'spawn_body', dict(collision_group=[1, 2])),
+            (['velocity', 'static'], 'spawn_body', dict(kind='static', twist=Twist(Vector3(1, 0, 0), Vector3()))),
+            (['kind', 'plane'], 'spawn_body', dict(shape='plane', kind='dynamic')),
+            (['kind', 'flying'], 'set_body', dict(name='crate', kind='flying')),
+            (['is_static', 'kind'], 'set_body', dict(name='crate', kind='static', is_static=[False])),
+            (['collision_mask', '2 entries'], 'set_body', dict(name='crate', collision_mask=[1, 2])),
+        ]:
+            faults += self.fault_of(words, service, **request)
+        self.assertEqual(faults, [])
+
+    def test_the_simulation_goes_on_while_a_large_mesh_is_read(self):
+        rows = ''.join('v %d %d %d\n' % (k % 97, k % 89, k % 83) for k in range(990000))
+        mesh = self.file('large.obj', rows)
+        call('resume')
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            spawned = pool.submit(ask, 'spawn_body', shape='hull', mesh=mesh, pose=at(0, 0, 500))
+            steps = []
+            while not spawned.done():
+                steps.append(call('get_body', name='ball').message and self.status.fresh().steps)
+            self.assertTrue(spawned.result().success, spawned.result().message)
+        call('pause')
+        self.assertGreater(len(set(steps)), 2)
 
 
 if __name__ == '__main__':

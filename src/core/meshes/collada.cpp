@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// COLLADA 1.4 and 1.5: geometries, and a tree of nodes that places them. Lengths are converted to m; the upward axis
-// is left as it is, as RViz and Gazebo do.
+// COLLADA 1.4 and 1.5: geometries, and a tree of nodes that places them. Lengths are converted to m; the
+// upward axis is left as it is, as RViz and Gazebo do.
 #include "formats.h"
 #include "scanner.h"
 
@@ -43,11 +43,12 @@ class Collada {
 
   Points read() {
     const Element* instance = childOf(childOf(root_, "scene"), "instance_visual_scene");
-    const Element* scene = instance ? target(instance, "url")
-                                    : childOf(childOf(root_, "library_visual_scenes"), "visual_scene");
+    const Element* scene =
+        instance ? target(instance, "url") : childOf(childOf(root_, "library_visual_scenes"), "visual_scene");
     if (!scene) refuse("no scene");
     Eigen::Affine3d X = Eigen::Affine3d::Identity();
-    if (const Element* unit = childOf(childOf(root_, "asset"), "unit")) X = Eigen::Scaling(unit->DoubleAttribute("meter", 1.0));
+    if (const Element* unit = childOf(childOf(root_, "asset"), "unit"))
+      X = Eigen::Scaling(unit->DoubleAttribute("meter", 1.0));
     visitChildren(scene, X, 0);
     Points points;
     points.reserve(count_);
@@ -68,7 +69,8 @@ class Collada {
 
   void index(const Element* element) {  // tinyxml2 refuses elements nested more than 500 deep
     if (const char* id = element->Attribute("id")) by_id_.emplace(id, element);
-    for (const Element* child = element->FirstChildElement(); child; child = child->NextSiblingElement()) index(child);
+    for (const Element* child = element->FirstChildElement(); child; child = child->NextSiblingElement())
+      index(child);
   }
 
   const Element* target(const Element* element, const char* attribute) const {
@@ -107,7 +109,8 @@ class Collada {
         for (int k = 0; k < 16; ++k) M.matrix()(k / 4, k % 4) = numbers.number();
         X = X * M;
       }
-      if (name == "skew" || name == "lookat") throw BadMesh("a <skew> or <lookat>", "nodes moved, turned and scaled");
+      if (name == "skew" || name == "lookat")
+        throw BadMesh("a <skew> or <lookat>", "nodes moved, turned and scaled");
     }
     visitChildren(node, X, depth);
   }
@@ -133,12 +136,12 @@ class Collada {
       const char* text = accessor->Attribute(name);
       return text ? Scanner::numberOf<std::uint32_t>(text) : otherwise;
     };
-    const Positions positions{textOf(childOf(source, "float_array")), attribute("count", 0), attribute("stride", 3),
-                              attribute("offset", 0)};
+    const Positions positions{textOf(childOf(source, "float_array")), attribute("count", 0),
+                              attribute("stride", 3), attribute("offset", 0)};
     if (positions.stride < 3) throw BadMesh("positions in a plane", "positions of x, y and z");
     // Each number takes two characters or more, so the count is no more than what is there.
-    if (positions.count > 0 && (positions.count - 1) * positions.stride + 3 + positions.offset >
-                                   positions.numbers.size() / 2 + 1) {
+    if (positions.count > 0 &&
+        (positions.count - 1) * positions.stride + 3 + positions.offset > positions.numbers.size() / 2 + 1) {
       refuse("fewer positions than it says");
     }
     return positions;

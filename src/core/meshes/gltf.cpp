@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// glTF 2.0 (ISO/IEC 12113): JSON that describes a scene, and buffers of numbers, in one file (GLB) or several.
+// glTF 2.0 (ISO/IEC 12113): JSON that describes a scene, and buffers of numbers, in one file (GLB) or
+// several.
 #include "formats.h"
 
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@ using Json = nlohmann::json;
 
 constexpr int kFloat = 5126;  // the component type of positions
 constexpr int kMostPrimitives = 100'000, kDeepest = 256;
+constexpr std::size_t kMostBytes = 256u << 20;
 
 [[noreturn]] void refuse(const std::string& fault) {
   throw BadMesh(fault, "a sound glTF 2.0 file");
@@ -31,7 +33,8 @@ std::uint32_t wordAt(std::string_view bytes, std::size_t at) {
 std::size_t sizeOf(const Json& object, const char* key, std::size_t otherwise) {
   const auto found = object.find(key);
   if (found == object.end()) return otherwise;
-  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > UINT32_MAX) refuse(std::string("a bad ") + key);
+  if (!found->is_number_unsigned() || found->get<std::uint64_t>() > UINT32_MAX)
+    refuse(std::string("a bad ") + key);
   return found->get<std::size_t>();
 }
 
@@ -78,7 +81,8 @@ class Gltf {
 
   Points read() {
     const Json first{{"scene", 0}};
-    const Json& scene = lookUp(root_, "scenes", root_.contains("scene") ? std::as_const(root_) : first, "scene");
+    const Json& scene =
+        lookUp(root_, "scenes", root_.contains("scene") ? std::as_const(root_) : first, "scene");
     visited_.assign(root_.contains("nodes") ? root_["nodes"].size() : 0, false);
     visitAll(scene, "nodes", Eigen::Affine3d::Identity());
     Points points;
@@ -130,9 +134,11 @@ class Gltf {
       if (!mesh.contains("primitives") || !mesh["primitives"].is_array()) refuse("a mesh without primitives");
       for (const Json& primitive : mesh["primitives"]) {
         if (++primitives_ > kMostPrimitives) {
-          throw BadMesh("more than 100000 placed primitives", "at most 100000, those of repeated meshes included");
+          throw BadMesh("more than 100000 placed primitives",
+                        "at most 100000, those of repeated meshes included");
         }
-        if (!primitive.is_object() || !primitive.contains("attributes") || !primitive["attributes"].is_object())
+        if (!primitive.is_object() || !primitive.contains("attributes") ||
+            !primitive["attributes"].is_object())
           refuse("a primitive without attributes");
         if (!primitive["attributes"].contains("POSITION")) continue;
         const Json& accessor = lookUp(root_, "accessors", primitive["attributes"], "POSITION");
@@ -164,7 +170,8 @@ class Gltf {
     }
     const auto t = numbersOf(node, "translation", {0, 0, 0}), q = numbersOf(node, "rotation", {0, 0, 0, 1}),
                s = numbersOf(node, "scale", {1, 1, 1});
-    return Eigen::Translation3d(t[0], t[1], t[2]) * Quat(q[3], q[0], q[1], q[2]) * Eigen::Scaling(s[0], s[1], s[2]);
+    return Eigen::Translation3d(t[0], t[1], t[2]) * Quat(q[3], q[0], q[1], q[2]) *
+           Eigen::Scaling(s[0], s[1], s[2]);
   }
 
   void expand(const Instance& instance, Points& points) {
@@ -179,7 +186,8 @@ class Gltf {
     const std::size_t item = 3 * sizeof(float), count = sizeOf(accessor, "count", 0);
     const std::size_t stride = std::max<std::size_t>(1, sizeOf(view, "byteStride", item));
     const std::size_t begin = sizeOf(view, "byteOffset", 0) + sizeOf(accessor, "byteOffset", 0);
-    if (count > 0 && begin + (count - 1) * stride + item > bytes.size()) refuse("a buffer shorter than its points");
+    if (count > 0 && begin + (count - 1) * stride + item > bytes.size())
+      refuse("a buffer shorter than its points");
     for (std::size_t k = 0; k < count; ++k) {
       std::array<float, 3> p;
       std::memcpy(p.data(), bytes.data() + begin + k * stride, item);
@@ -195,7 +203,10 @@ class Gltf {
     if (!buffer["uri"].is_string()) refuse("a bad uri");
     const std::string uri = buffer["uri"].get<std::string>();
     const std::size_t data = uri.compare(0, 5, "data:") == 0 ? uri.find(";base64,") : std::string::npos;
-    known->second = data != std::string::npos ? fromBase64(std::string_view(uri).substr(data + 8)) : beside_(uri);
+    known->second =
+        data != std::string::npos ? fromBase64(std::string_view(uri).substr(data + 8)) : beside_(uri);
+    opened_bytes_ += known->second.size();
+    if (opened_bytes_ > kMostBytes) throw BadMesh("buffers of more than 256 MiB", "at most 256 MiB together");
     return known->second;
   }
 
@@ -205,7 +216,7 @@ class Gltf {
   std::map<const Json*, std::string> opened_;
   std::vector<bool> visited_;
   std::vector<Instance> instances_;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0, opened_bytes_ = 0;
   int primitives_ = 0, depth_ = 0;
 };
 

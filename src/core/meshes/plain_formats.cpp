@@ -16,8 +16,9 @@ namespace rbs::meshes {
 void countPoints(std::size_t more, std::size_t& count) {
   count += more;
   if (more > Limits::max_hull_points || count > Limits::max_hull_points) {
-    throw BadMesh("more than " + std::to_string(Limits::max_hull_points) + " points",
-                  "at most " + std::to_string(Limits::max_hull_points) + " points, those of repeated meshes included");
+    throw BadMesh(
+        "more than " + std::to_string(Limits::max_hull_points) + " points",
+        "at most " + std::to_string(Limits::max_hull_points) + " points, those of repeated meshes included");
   }
 }
 
@@ -32,7 +33,8 @@ void limitElements(std::string_view text, std::string_view characters) {
 
 namespace {
 
-/// The index of a vertex in "v", "v/vt", "v//vn" or "v/vt/vn", which counts from 1, or from the last one by -1.
+/// The index of a vertex in "v", "v/vt", "v//vn" or "v/vt/vn", which counts from 1, or from the last one by
+/// -1.
 std::size_t vertexOf(std::string_view corner, std::size_t vertices) {
   const auto index = Scanner::numberOf<std::int64_t>(corner.substr(0, corner.find('/')));
   const auto count = static_cast<std::int64_t>(vertices);
@@ -98,7 +100,8 @@ Points readBinaryStl(std::string_view bytes) {
   for (std::size_t t = 0; t < triangles; ++t) {
     for (std::size_t corner = 1; corner <= 3; ++corner) {
       const std::size_t at = kStlHead + t * kStlTriangle + corner * 3 * sizeof(float);
-      points.emplace_back(numberAt<float>(bytes, at), numberAt<float>(bytes, at + 4), numberAt<float>(bytes, at + 8));
+      points.emplace_back(numberAt<float>(bytes, at), numberAt<float>(bytes, at + 4),
+                          numberAt<float>(bytes, at + 8));
     }
   }
   return points;

@@ -47,7 +47,8 @@ class Scanner {
     Number number{};
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
     if (error != std::errc() || end != digits.data() + digits.size()) {
-      throw BadMesh(word.empty() ? "it ends where a number is due" : "a word where a number is due", "a complete file");
+      throw BadMesh(word.empty() ? "it ends where a number is due" : "a word where a number is due",
+                    "a complete file");
     }
     return number;
   }
