@@ -168,8 +168,11 @@ class Rviz:
             self.screen.xdotool('mousemove', x - 2, y - 2, 'sleep', 0.2, 'mousemove', x, y, 'sleep', 0.5)
             return self.screen.picture(hints)
 
-        sky = (self.scene.x + 20, self.scene.y + 20)
-        return hints_with_mouse_at(*sky) != hints_with_mouse_at(*pixel)
+        of_sky = hints_with_mouse_at(self.scene.x + 20, self.scene.y + 20)
+        if hints_with_mouse_at(*pixel) != of_sky:
+            return True
+        time.sleep(5.0)  # for a picture of thousands of bodies
+        return self.screen.picture(hints) != of_sky
 
     def click(self, pixel):
         self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, 'click', 1)

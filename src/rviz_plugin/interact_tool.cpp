@@ -57,11 +57,12 @@ int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
 // Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   nothing_there_ = "There is no body: the mouse turns the view.";
+  for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
+    bodiesOf(node);  // so that they are known before the first press
   const std::optional<PickedMarker> picked = pickMarker(*context_, event);
   if (!picked) return;
   picked->handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
-  std::shared_ptr<SimulatorBodies>& simulator = simulators_[picked->node];
-  if (!simulator) simulator = std::make_shared<SimulatorBodies>(picked->node);
+  const std::shared_ptr<SimulatorBodies> simulator = bodiesOf(picked->node);
   const QString node = QString::fromStdString(picked->node);
   const rigid_body_sim::BodyDescription* const body = simulator->find(picked->id);
   if (!body) {
@@ -73,6 +74,12 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
     mouse_->aim(simulator, *body, *picked->handler);
     picked->handler->setInteractiveObject(mouse_);
   }
+}
+
+std::shared_ptr<SimulatorBodies> InteractTool::bodiesOf(const std::string& node) {
+  std::shared_ptr<SimulatorBodies>& bodies = simulators_[node];
+  if (!bodies) bodies = std::make_shared<SimulatorBodies>(node);
+  return bodies;
 }
 
 // A click that has not turned the view drops the selection.

@@ -27,6 +27,7 @@ class InteractTool : public rviz::InteractionTool {
 
  private:
   void aim(const rviz::ViewportMouseEvent& event);
+  std::shared_ptr<SimulatorBodies> bodiesOf(const std::string& node);
   void finishMiss(const QPoint& released_at);
 
   boost::shared_ptr<BodyMouse> mouse_;

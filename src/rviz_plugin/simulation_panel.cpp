@@ -214,6 +214,16 @@ void SimulationPanel::followSelection(const QString& body) {
   }
 }
 
+std::vector<std::string> SimulationPanel::nodes(QWidget* window) {
+  std::vector<std::string> names;
+  for (const SimulationPanel* const panel : window->findChildren<SimulationPanel*>()) {
+    const std::string name = panel->simulator_.node().toStdString();
+    std::string error;
+    if (ros::names::validate(name, error)) names.push_back(ros::names::resolve(name));
+  }
+  return names;
+}
+
 void SimulationPanel::deleteSelection(QWidget* window) {
   const QList<SimulationPanel*> panels = window->findChildren<SimulationPanel*>();
   const auto it = std::find_if(panels.begin(), panels.end(), [](const SimulationPanel* panel) {

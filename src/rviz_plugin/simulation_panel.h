@@ -35,6 +35,8 @@ class SimulationPanel : public rviz::Panel {
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
 
+  /// The resolved names of the nodes that the panels of a window follow.
+  static std::vector<std::string> nodes(QWidget* window);
   /// Deletes the body that is selected by one of the panels of a window; says so where there is none.
   static void deleteSelection(QWidget* window);
   /// Selects nothing any more in any of the panels of a window, and says why.

@@ -10,7 +10,6 @@
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
-#include <QElapsedTimer>
 #include <QObject>
 #include <QString>
 #include <QStringList>
@@ -80,7 +79,7 @@ class SimulatorClient : public QObject {
   ros::Publisher select_;
   QString node_, selection_;
   QTimer watchdog_;
-  QElapsedTimer last_heard_;
+  int quiet_looks_ = 0;  ///< since the last status
   bool is_heard_ = false;
   bool wind_ = false;
 };

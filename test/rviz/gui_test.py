@@ -27,7 +27,7 @@ from rviz_driver import wait_until  # noqa: E402
 LAYOUT = os.path.join(ROOT, 'rviz', 'sim.rviz')
 VIEW = rviz_driver.View(eye=[6.0, -6.0, 5.0], target=[0.0, 0.0, 0.5])  # of three_boxes.yaml
 MANY = os.path.join(ROOT, 'test', 'rviz', 'many_boxes.yaml')
-MANY_VIEW = rviz_driver.View(eye=[0.0, -40.0, 50.0], target=[0.0, 0.0, 0.0])
+MANY_VIEW = rviz_driver.View(eye=[0.0, -70.0, 95.0], target=[0.0, 0.0, 0.0])  # of many_boxes.yaml
 # Of the icons of the panel.
 PLAY_GREEN = (0x2e, 0x9e, 0x4f)
 PAUSE_AMBER = (0xd9, 0x8a, 0x00)
@@ -158,7 +158,7 @@ class GuiTest(unittest.TestCase):
         self.addCleanup(show, os.path.join(ROOT, 'test', 'rviz', 'three_boxes.yaml'), VIEW)
         show(MANY, MANY_VIEW)
         self.wait_for_status(lambda s: s.bodies == 5001, 'there are 5,000 boxes')
-        for name in ('box_1', 'box_2550', 'box_5000'):
+        for name in ('box_1', 'box_2550'):
             start = position(name)
             target = self.rviz.pixel_of((0.9 * start[0], 0.8 * start[1], start[2] + 2.0))
             self.rviz.drag(self.rviz.pixel_of(start), target)

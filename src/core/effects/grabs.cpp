@@ -3,6 +3,8 @@
 #include "effects/effects.h"
 #include "text.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,13 +19,20 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665, kWeightless = 1.0;  // m/s²
 
-// How fast a body would swing that hangs by a point at r from its centre of mass: w² = g |r| / (|r|² + k²), k
-// being the root of its mean squared distance from there, k² = trace(I) / 2 m. Held nearer than k it hardly
-// swings, but may still spin: it counts as held at k. Where nothing weighs, as on Earth.
-double swingRate(const Vec3& r_W, double squared_gyration, const Vec3& gravity_W) {
+// What damps the turning of a body that hangs by a point at r from its centre of mass. It swings about each principal
+// axis of its inertia about the point, I_P, against the stiffness m g |r| of its weight; a mode of damping ratio z
+// loses speed as 2 z sqrt(I m g |r|), so that the damping matrix is 2 z sqrt(m g |r|) sqrt(I_P). z = 0.8 comes to
+// rest soonest: the swing goes 1.5 % beyond. Held nearer to its centre than its mean distance k, k² = trace(I) / 2 m, a
+// body hardly swings, but may still spin: it counts as held at k. Where nothing weighs, as on Earth.
+Mat3 turnDamping(const Vec3& r_W, double mass, const Mat3& inertia_W, const Vec3& gravity_W) {
+  constexpr double kRatio = 0.8;
   const double g = gravity_W.norm() > kWeightless ? gravity_W.norm() : kStandardGravity;
-  const double squared_lever = std::max(r_W.squaredNorm(), squared_gyration);
-  return std::sqrt(g * std::sqrt(squared_lever) / (squared_lever + squared_gyration));
+  const double reach = std::sqrt(std::max(r_W.squaredNorm(), inertia_W.trace() / (2.0 * mass)));
+  const Mat3 inertia_P = inertia_W - mass * crossMatrix(r_W) * crossMatrix(r_W);
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia_P);
+  const Vec3 roots = axes.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return 2.0 * kRatio * std::sqrt(mass * g * reach) *
+         (axes.eigenvectors() * roots.asDiagonal() * axes.eigenvectors().transpose());
 }
 
 }  // namespace
@@ -31,9 +40,8 @@ double swingRate(const Vec3& r_W, double squared_gyration, const Vec3& gravity_W
 // A user force: a spring and damper between a point of the body and the mouse, and a couple that damps turning.
 // Both are taken implicitly over the step h, so that any stiffness is stable.
 //
-// The couple is T = -C w_end with C = 2 h w_s I_P: critical damping of the swing about the held point, w_s being
-// its rate and I_P the inertia about the point. It only takes from the turning, and so needs no cap. With
-// M = (1 + I^-1 C)^-1 the body answers an impulse P at the point by w_end = M (w + I^-1 (r x P)): as a body of
+// The couple is T = -D w_end, D = h turnDamping(). It only takes from the turning, and so needs no cap. With
+// M = (1 + I^-1 D)^-1 the body answers an impulse P at the point by w_end = M (w + I^-1 (r x P)): as a body of
 // inverse inertia M I^-1 that turns at M w.
 //
 // With C the offset of the point from the mouse, u its velocity at the end of the step were there no spring, K the
@@ -56,10 +64,9 @@ void run(Context& context) {
     const Vec3 r_W = R_WB * hand.grab.p_B;
     const Mat3 arm = crossMatrix(r_W);
     const Mat3 inertia_W = R_WB * inertia.moments.asDiagonal() * R_WB.transpose();
-    const double swing = swingRate(r_W, inertia.moments.sum() / (2.0 * mass), context.scene.gravity_W);
-    const Mat3 C = 2.0 * h * swing * (inertia_W - mass * arm * arm);
+    const Mat3 D = h * turnDamping(r_W, mass, inertia_W, context.scene.gravity_W);
     const Mat3 inv_inertia_W = inertia.inverseW(R_WB);
-    const Mat3 M = (Mat3::Identity() + inv_inertia_W * C).inverse();
+    const Mat3 M = (Mat3::Identity() + inv_inertia_W * D).inverse();
     const Mat3 K = inertia.inv_mass * Mat3::Identity() - arm * M * inv_inertia_W * arm;
 
     const Vec3 offset = bodies.pose[i].p_WB + r_W - hand.grab.p_W;
@@ -73,7 +80,7 @@ void run(Context& context) {
     const double cap = hand.grab.max_acceleration * mass * h;
     if (impulse.norm() > cap) impulse *= cap / impulse.norm();
     const Vec3 moment = r_W.cross(impulse);
-    const Vec3 couple = -C * (w + M * (inv_inertia_W * moment));
+    const Vec3 couple = -D * (w + M * (inv_inertia_W * moment));
     step.load[i].a_W += inertia.inv_mass / h * impulse;
     step.load[i].torque_W += (moment + couple) / h;
   }
