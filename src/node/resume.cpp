@@ -104,7 +104,7 @@ void Resume::keep() {
     const std::string text = writeScene(scene, state);
     fs::create_directories(fs::path(file_).parent_path());
     if (untaken_) fs::copy_file(file_, previous(), fs::copy_options::overwrite_existing);
-    writeFile(file_, text + seal(text));
+    writeFile(file_, text + seal(text), true);
     std::printf("kept '%s' at %g s in %s: start with resume:=true to go on from it\n", scene.name.c_str(),
                 state.time, file_.c_str());
   } catch (const std::exception& error) {

@@ -2,8 +2,9 @@
 // Services that load and save.
 #include "services.h"
 
-#include "files.h"
+#include "request_paths.h"
 #include "words.h"
+#include "write_file.h"
 
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>

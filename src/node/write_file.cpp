@@ -1,72 +1,95 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "write_file.h"
 
+#include "rigid_body_sim/quote.h"
+#include "rigid_body_sim/types.h"
+
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <cstdlib>
-#include <system_error>
+#include <cstdio>  // renameat2
+#include <cstring>
+#include <filesystem>
 
 namespace rbs {
 namespace {
 
-[[noreturn]] void fail(const std::string& path) {
-  throw std::system_error(errno, std::generic_category(), path);
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& allowed) {
+  throw InvalidInput({{"file", quoted(path, kLongestPath), allowed}});
 }
 
-/// A new file beside `path`, open for writing, that is removed unless it takes the name of `path`.
-class Draft {
+[[noreturn]] void failed(const std::string& path) {
+  const std::string reason = std::strerror(errno);
+  throw InvalidInput({{printable(path, kLongestPath), reason, "a file in a folder that can be written"}});
+}
+
+/// An open file descriptor.
+class Descriptor {
  public:
-  explicit Draft(const std::string& path) : path_(path), name_(path + ".XXXXXX") {
-    handle_ = mkostemp(name_.data(), O_CLOEXEC);
-    if (handle_ < 0) fail(path_);
+  Descriptor(int fd, const std::string& path) : fd_(fd) {
+    if (fd_ < 0) failed(path);
   }
-  ~Draft() {
-    if (handle_ >= 0) close(handle_);
-    if (!name_.empty()) unlink(name_.c_str());
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
+  ~Descriptor() { ::close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  operator int() const { return fd_; }
 
-  void write(const std::string& text) {
+ private:
+  int fd_;
+};
+
+/// A new file in a folder, with a name that nobody can foresee, which goes when it is not moved away.
+class NewFile {
+ public:
+  explicit NewFile(const fs::path& folder)
+      : name_((folder / ".rbs-XXXXXX").string()), fd_(::mkostemp(name_.data(), O_CLOEXEC), folder.string()) {}
+  ~NewFile() {
+    if (!moved_) ::unlink(name_.c_str());
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  /// On the disk.
+  void write(const std::string& text, mode_t mode) {
     for (std::size_t done = 0; done < text.size();) {
-      const ssize_t count = ::write(handle_, text.data() + done, text.size() - done);
-      if (count < 0 && errno != EINTR) fail(path_);
-      if (count > 0) done += static_cast<std::size_t>(count);
+      const ssize_t n = ::write(fd_, text.data() + done, text.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) failed(name_);
+      done += static_cast<std::size_t>(n);
     }
+    if (::fchmod(fd_, mode) != 0 || ::fsync(fd_) != 0) failed(name_);
   }
 
-  void finish() {
-    if (fsync(handle_) != 0) fail(path_);
-    if (std::rename(name_.c_str(), path_.c_str()) != 0) fail(path_);
-    name_.clear();
+  /// Takes the place of `path`; with `overwrite` also where there is a file.
+  void moveTo(const std::string& path, bool overwrite) {
+    const unsigned flags = overwrite ? 0 : RENAME_NOREPLACE;
+    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), flags) != 0) failed(path);
+    moved_ = true;
   }
 
  private:
-  const std::string path_;
-  std::string name_;  ///< empty: it has taken the name of path_
-  int handle_ = -1;
+  std::string name_;
+  Descriptor fd_;
+  bool moved_ = false;
 };
-
-/// A new name is on the disk when its folder is.
-void syncFolder(const std::string& path) {
-  const std::size_t slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
-  const int handle = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (handle < 0) return;
-  fsync(handle);
-  close(handle);
-}
 
 }  // namespace
 
-void writeFile(const std::string& path, const std::string& text) {
-  Draft draft(path);
-  draft.write(text);
-  draft.finish();
-  syncFolder(path);
+void writeFile(const std::string& path, const std::string& text, bool overwrite) {
+  struct stat old {};
+  const bool exists = ::lstat(path.c_str(), &old) == 0;
+  if (exists && !overwrite) refuse(path, "a file that is not there yet, or overwrite");
+  if (exists && !S_ISREG(old.st_mode)) refuse(path, "a regular file to overwrite");
+  const fs::path folder = fs::path(path).parent_path();
+  NewFile file(folder);
+  file.write(text, exists ? old.st_mode & 0777u : 0644u);
+  file.moveTo(path, overwrite);
+  const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder.string());
+  if (::fsync(parent) != 0) failed(folder.string());
 }
 
 }  // namespace rbs
