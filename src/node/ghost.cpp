@@ -39,7 +39,7 @@ void Ghost::show(bool on) {
   if (!on) {
     Snapshot nothing;
     nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
-    markers_.publishNow(nothing);
+    markers_.publish(nothing);
     return;
   }
   stop_ = false;
@@ -96,7 +96,7 @@ void Ghost::publish(const Snapshot& snapshot) {
   ghost.view = snapshot.view;
   for (std::size_t k = 0; k < snapshot.states.size(); ++k)
     if ((*snapshot.bodies)[k].kind == BodyKind::Dynamic) ghost.states.push_back(snapshot.states[k]);
-  markers_.publishNow(ghost);
+  markers_.publish(ghost);
 }
 
 }  // namespace rbs
