@@ -122,7 +122,7 @@ void Ghost::keepUp(Run& run) {
 void Ghost::hide() {
   Snapshot nothing;
   nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
-  markers_.publishNow(nothing);
+  markers_.publish(nothing);
 }
 
 // Of what moves, in its colours.
@@ -141,7 +141,7 @@ void Ghost::publish(const Snapshot& snapshot) {
   ghost.view = snapshot.view;
   for (std::size_t k = 0; k < snapshot.states.size(); ++k)
     if ((*snapshot.bodies)[k].kind == BodyKind::Dynamic) ghost.states.push_back(snapshot.states[k]);
-  markers_.publishNow(ghost);
+  markers_.publish(ghost);
 }
 
 }  // namespace rbs

@@ -32,10 +32,9 @@ class MarkerPublisher {
   MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group, TfMode tf,
                   const std::string& tf_prefix, double repeat_period);
 
-  /// Sends what changed, at most 30 times a second and for at most 10,000 bodies a second.
+  /// Sends what changed: new looks at once, and up to 333 bodies that moved, in turn where they are more: so the picture
+  /// of a large scene moves in every part, but in no part as often. To be called 30 times a second.
   void publish(const Snapshot& snapshot);
-  /// Sends what changed, however little time has passed.
-  void publishNow(const Snapshot& snapshot);
 
  private:
   /// A body as the subscribers know it.
@@ -48,7 +47,6 @@ class MarkerPublisher {
   };
 
   void greet(const ros::SingleSubscriberPublisher& newcomer);
-  bool isTime(const Snapshot& snapshot);
   std::vector<MarkerLook> looksOf(const Snapshot& snapshot) const;
   void follow(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals);
   void flood(const Snapshot& snapshot, visualization_msgs::MarkerArray& removals,
@@ -64,13 +62,13 @@ class MarkerPublisher {
   std::mutex mutex_;
   bool begun_ = false;  ///< somebody has subscribed: shown_ is to be kept up
   std::vector<Shown> shown_;                                       ///< in the order of described_
+  std::size_t moved_ = 0;   ///< the last one looked at for a move
   ros::WallTime repeated_;  ///< when the last bodies were sent again
   bool water_due_ = false;  ///< it is to be sent again
   double repeats_ = 0.0;    ///< share of a body that is to be sent again, carried over
   std::size_t next_ = 0;    ///< the next one to be sent again
   std::optional<visualization_msgs::Marker> water_;                ///< as the subscribers know it
   std::shared_ptr<const std::vector<BodyDescription>> described_;  ///< what shown_ shows
-  ros::WallTime sent_;
   ros::Publisher publisher_;
 };
 

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "session.h"
 
+#include <malloc.h>
+
 namespace rbs {
+namespace {
+
+// The allocator keeps what a large scene has held, for good, unless it is asked to give it back.
+void giveBackMemory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace
 
 Session::Session(const Options& options)
     : Session(options, read(options, findScene(options.folder, options.scene))) {}
@@ -34,6 +46,7 @@ void Session::loadState(const std::string& file) {
 void Session::replace(const SceneFile& file, const std::string& text) {
   simulator_.load(file.scene, file.state);
   timeline_.note({"loaded", text});
+  giveBackMemory();
   std::lock_guard<std::mutex> lock(mutex_);
   own_air_ = file.scene.air.has_value();
   usual_wind_ = scene_wind_ = file.scene.wind.value_or(Wind{});

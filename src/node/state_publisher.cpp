@@ -19,8 +19,9 @@ StatePublisher::StatePublisher(ros::NodeHandle& node, double contacts_rate, doub
       contacts_(Topic::of<rigid_body_sim::Contacts>(node, "contacts", 10)) {}
 
 bool StatePublisher::hasNewcomer() {
-  const bool of_states = states_.hasNewcomer();
-  return contacts_.hasNewcomer() || of_states;
+  const bool of_states = states_.hasNewcomer(), of_contacts = contacts_.hasNewcomer();
+  if (of_contacts) contacts_sent_ = ros::WallTime();  // who need not wait for his first message
+  return of_states || of_contacts;
 }
 
 void StatePublisher::publish(const Timeline::Moment& moment) {

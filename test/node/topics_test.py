@@ -38,6 +38,12 @@ class TopicsTest(unittest.TestCase):
         call('load_scene', name=SMALL)
         self.status.fresh()
 
+    def listen(self, topic, kind):
+        """A listener of this test alone: those of one process share a connection, and are newcomers but once."""
+        heard = Listener(topic, kind)
+        self.addCleanup(heard.subscriber.unregister)
+        return heard
+
     def transforms(self, name):
         return [t for message in self.tf.all() for t in message.transforms if t.child_frame_id == name]
 
@@ -52,7 +58,8 @@ class TopicsTest(unittest.TestCase):
     def test_tf_knows_every_body_at_the_stamp_of_every_message(self):
         buffer = tf2_ros.Buffer()
         listener = tf2_ros.TransformListener(buffer)
-        listeners = [Listener('/sim/' + name, kind) for name, kind in
+        self.addCleanup(listener.unregister)
+        listeners = [self.listen('/sim/' + name, kind) for name, kind in
                      (('body_states', BodyStates), ('contacts', Contacts), ('status', Status))]
         wait(lambda: all(heard.all() for heard in listeners) and buffer.can_transform('world', 'ball', rospy.Time()),
              'all topics are heard')
@@ -70,7 +77,6 @@ class TopicsTest(unittest.TestCase):
             wait(lambda: buffer.can_transform('world', name, newest), 'tf has caught up')
             for message in messages:
                 buffer.lookup_transform('world', name, message.header.stamp)  # or it throws
-        listener.unregister()
 
     def test_an_edit_while_paused_has_a_later_stamp(self):
         call('step', n=1)
@@ -115,8 +121,8 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(len({message.clock.to_nsec() for message in self.clock.all()[1:]}), 1)
 
     def test_descriptions_are_latched_and_name_the_version_of_the_states(self):
-        descriptions = Listener('/sim/body_descriptions', BodyDescriptions)
-        states = Listener('/sim/body_states', BodyStates)
+        descriptions = self.listen('/sim/body_descriptions', BodyDescriptions)
+        states = self.listen('/sim/body_states', BodyStates)
         wait(lambda: descriptions.all() and states.all(), 'a newcomer hears of the bodies')
         last = descriptions.all()[-1]
         self.assertEqual([b.name for b in last.bodies], ['floor', 'crate', 'ball'])
@@ -127,7 +133,7 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(changed.bodies[-1].name, 'late')
 
     def test_contacts_carry_the_weight(self):
-        contacts = Listener('/sim/contacts', Contacts)
+        contacts = self.listen('/sim/contacts', Contacts)
         call('step', n=120)
         last = wait(lambda: [m for m in contacts.all() if m.contacts], 'there are contacts')[-1]
         under = [c for c in last.contacts if c.body_b == 'crate']
@@ -136,7 +142,7 @@ class TopicsTest(unittest.TestCase):
         self.assertAlmostEqual(sum(c.normal_impulse for c in under), weight, delta=1e-6 * weight)
 
     def test_contacts_are_as_rare_as_they_are_asked_to_be_and_the_last_ones_always_come(self):
-        every, rare = Listener('/sim/contacts', Contacts), Listener('/sim_rare/contacts', Contacts)
+        every, rare = self.listen('/sim/contacts', Contacts), self.listen('/sim_rare/contacts', Contacts)
         for node, heard in (('/sim', every), ('/sim_rare', rare)):
             wait(lambda: heard.subscriber.get_num_connections() and heard.all(), 'a newcomer hears the contacts')
             rospy.ServiceProxy(node + '/load_scene', LoadScene)(name=SMALL)
@@ -148,7 +154,7 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(len(rare.all()), 1)
 
     def test_the_status_tells_the_truth_when_steps_cannot_keep_up(self):
-        states = Listener('/sim/body_states', BodyStates)
+        states = self.listen('/sim/body_states', BodyStates)
         self.assertEqual(self.status.fresh().bottleneck, '')
         call('set_speed', factor=1e6)
         call('resume')
@@ -175,7 +181,7 @@ class TopicsTest(unittest.TestCase):
         self.assertTrue(stages['forces.drag'].active)
 
     def test_the_wind_is_told_when_it_changes(self):
-        wind = Listener('/sim/wind', Wind)
+        wind = self.listen('/sim/wind', Wind)
         call('set_wind', velocity=Vector3(3, 1, 0), gust=0.0)
         last = wait(lambda: [m for m in wind.all() if m.enabled], 'the wind is told')[-1]
         self.assertTrue(last.air)
@@ -194,7 +200,7 @@ class TopicsTest(unittest.TestCase):
         told('reset', '')
 
     def test_diagnostics_speak_of_the_simulation(self):
-        diagnostics = Listener('/diagnostics', DiagnosticArray)
+        diagnostics = self.listen('/diagnostics', DiagnosticArray)
         wait(lambda: [s for m in diagnostics.all() for s in m.status if 'sim' in s.name], 'diagnostics come')
 
     def test_a_commanded_twist_is_in_the_frame_of_the_body(self):
@@ -237,7 +243,7 @@ class TopicsTest(unittest.TestCase):
     def test_commanded_wrenches_push_with_their_force_at_any_rate(self):
         publisher = self.pushers()
         mass, force = body('ball').description.mass, 10.0
-        states = Listener('/sim/body_states', BodyStates)
+        states = self.listen('/sim/body_states', BodyStates)
         wait(states.all, 'states come')
         ball = list(states.all()[-1].ids).index(body('ball').description.id)
         for rate in (10, 50, 200):
