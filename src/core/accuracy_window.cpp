@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reference is Fidelity::Reference in eighths of a step; what it changes when its step is halved is its
-// uncertainty u. With e the distance of a setting from the reference, the error of the setting lies between e
+// The reference is Fidelity::Reference in eighths of a step. Its uncertainty u is what it changes when its
+// step is halved, or a third of what it changes when its step is quartered, whichever is larger: errors that
+// go with the step e0/8, e0/4, e0/2 give e0/8 for both. Chaos does not keep to that: where rounding has been
+// amplified, two of the three may agree by chance, and hardly all. With e the distance of a setting from the
+// reference, the error of the setting lies between e
 // - u and e + u. So e is the error to a tenth where u <= e/10, and e + u bounds it everywhere.
 #include "accuracy_window.h"
 
@@ -12,6 +15,7 @@ namespace rbs {
 namespace {
 
 constexpr std::uint32_t kReferenceDivisions = 8;
+constexpr std::size_t kReferenceRuns = 3;
 /// An uncertainty below this share of the smallest body is rounding, which a chaotic scene amplifies.
 constexpr double kRounding = 1e-6;
 
@@ -19,6 +23,14 @@ Setting referenceIn(std::uint32_t divisions) {
   Setting setting(Fidelity::Reference);
   setting.divisions = divisions;
   return setting;
+}
+
+// The larger of a, and of a fraction of b.
+Difference larger(Difference a, double fraction, const Difference& b) {
+  a.distance = std::max(a.distance, fraction * b.distance);
+  a.angle = std::max(a.angle, fraction * b.angle);
+  a.energy = std::max(a.energy, fraction * b.energy);
+  return a;
 }
 
 ErrorRate rateOf(const Difference& difference, double seconds) {
@@ -46,6 +58,7 @@ AccuracyWindow::AccuracyWindow(const World& begin, const std::vector<SettingCost
     runs_.back().world.setFidelity(setting);
   };
   for (const SettingCost& cost : settings) add(cost.setting);
+  add(referenceIn(kReferenceDivisions / 4));
   add(referenceIn(kReferenceDivisions / 2));
   add(referenceIn(kReferenceDivisions));
 }
@@ -61,10 +74,11 @@ WindowReading AccuracyWindow::growTo(std::uint32_t steps, const std::function<vo
   WindowReading reading;
   reading.steps = steps;
   const Snapshot reference = runs_.back().world.snapshot();
-  const std::size_t half = runs_.size() - 2;
-  reading.uncertainty = differenceOf(runs_[half].world.snapshot(), reference);
+  const std::size_t settings = runs_.size() - kReferenceRuns;
+  reading.uncertainty = larger(differenceOf(runs_[settings + 1].world.snapshot(), reference), 1.0 / 3.0,
+                               differenceOf(runs_[settings].world.snapshot(), reference));
   double largest = 0.0;
-  for (std::size_t k = 0; k < half; ++k) {
+  for (std::size_t k = 0; k < settings; ++k) {
     reading.errors.push_back(differenceOf(runs_[k].world.snapshot(), reference));
     largest = std::max(largest, reading.errors.back().distance);
   }

@@ -17,7 +17,7 @@ constexpr double kLargestUncertainty = 0.1;
 /// How far the runs of a window were apart after a number of steps.
 struct WindowReading {
   std::uint32_t steps = 0;
-  Difference uncertainty;          ///< of the reference: what halving its step changed
+  Difference uncertainty;          ///< of the reference; names no bodies
   std::vector<Difference> errors;  ///< of each setting
   bool converged = false;  ///< the uncertainty is small beside the largest error, or beside the smallest body
 };
@@ -41,7 +41,7 @@ class AccuracyWindow {
 
   double smallest_;
   std::uint32_t steps_ = 0;
-  std::vector<Run> runs_;  ///< of each setting, of the reference in half its divisions, and of the reference
+  std::vector<Run> runs_;  ///< of each setting, and of the reference in a quarter, in half, and in all of its divisions
 };
 
 /// The sums of several windows.

@@ -110,11 +110,6 @@ AccuracyPlot::AccuracyPlot() {
   connect(new Hover(*this), qOverload<const QPointF&>(&QwtPlotPicker::selected), this, &AccuracyPlot::choose);
 }
 
-// The curves detach before the plot, which would delete them.
-AccuracyPlot::~AccuracyPlot() {
-  detachItems(QwtPlotItem::Rtti_PlotCurve, false);
-}
-
 void AccuracyPlot::show(const rigid_body_sim::AccuracyStudy& study) {
   settings_ = study.windows + study.dropped > 0 ? study.settings : std::vector<rigid_body_sim::SettingCost>();
   stale_ = !study.stale.empty();

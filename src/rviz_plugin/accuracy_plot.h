@@ -23,7 +23,6 @@ class AccuracyPlot : public QwtPlot {
   Q_OBJECT
  public:
   AccuracyPlot();
-  ~AccuracyPlot() override;
 
   void show(const rigid_body_sim::AccuracyStudy& study);
   /// The live simulation: a dot at the median CPU time of its last steps, or without an error (0) a line
