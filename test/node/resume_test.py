@@ -28,8 +28,8 @@ class Node:
         # A service or message of the node before must not answer for this one.
         wait(lambda: '/sim' not in self.nodes(), 'the node before is gone')
         self.process = subprocess.Popen(
-            [PROGRAM, '__name:=sim', '_state_file:=' + file, '_resume:=%s' % resume], stdout=self.log,
-            stderr=subprocess.STDOUT)
+            ['stdbuf', '-oL', PROGRAM, '__name:=sim', '_state_file:=' + file, '_resume:=%s' % resume],
+            stdout=self.log, stderr=subprocess.STDOUT)
 
     @staticmethod
     def nodes():

@@ -14,6 +14,7 @@ SCENES = ['playground', 'boxes_on_slope', 'dominoes', 'newtons_cradle', 'shapes'
           'card_house', 'marbles', 'spinning_box', 'bouncing_49', 'tower']
 SHAPES = ['box', 'sphere', 'capsule', 'cylinder', 'cone', 'hull']
 MOST_BODIES = 150
+PATIENCE = 60.0  # s
 
 
 class Refused(Exception):
@@ -40,6 +41,7 @@ class Actions:
         return act.__name__
 
     def call(self, service, kind, /, **request):
+        rospy.wait_for_service('/sim/' + service, PATIENCE)  # of a node that has just started
         answer = rospy.ServiceProxy('/sim/' + service, kind)(**request)
         if not answer.success:
             raise Refused('%s: %s' % (service, answer.message))

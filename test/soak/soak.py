@@ -34,7 +34,7 @@ QUIET_PERIOD = 60.0     # s
 KILL_PERIOD = 150.0     # s, of the node, in the second half
 RVIZ_PERIOD = 240.0     # s
 HELPER_PERIOD = 90.0    # s
-LONGEST_SILENCE = 10.0  # s, of /clock and tf, before it counts as stalled
+LONGEST_SILENCE = 10.0  # s, of /clock, before it counts as stalled
 LONGEST_END = 15.0      # s that roslaunch waits after SIGINT
 
 
@@ -65,10 +65,10 @@ class Soak:
                     self.node.process.returncode, self.node.said()[-2000:]))
                 self.start_node(True)
             self.report.note(self.node.process.pid, self.rviz and self.rviz.process.pid)
-            for stream in self.clock, self.tf:
-                if stream.silent_for() > LONGEST_SILENCE:
-                    self.report.problem('%s stalled for %.0f s after %s' % (stream.topic, stream.silent_for(), what.__name__))
-                    stream.pause()
+            # tf is silent where no body can move.
+            if self.clock.silent_for() > LONGEST_SILENCE:
+                self.report.problem('/clock stalled for %.0f s after %s' % (self.clock.silent_for(), what.__name__))
+                self.clock.pause()
         self.be_quiet()
         self.stop()
 
@@ -135,9 +135,13 @@ class Soak:
         self.tf.pause()
         self.node.start(resume, paused)
 
-    def stop(self):
+    def kill(self):
+        """Leaves nothing behind, whatever has happened."""
+        self.node.process.kill()
         if self.rviz:
             self.rviz.kill()
+
+    def stop(self):
         status, seconds, orphans = self.node.signal(signal.SIGINT)
         self.report.orphans(orphans)
         if status != 0:
@@ -154,6 +158,8 @@ def main():
     if not 0.0 < arguments.hours < 10000.0:
         parser.error('HOURS: above 0, below 10000')
 
+    for number in signal.SIGINT, signal.SIGTERM:  # also where a shell has started it in the background
+        signal.signal(number, signal.default_int_handler)
     folder = tempfile.mkdtemp(prefix='rigid_body_sim_soak_')
     os.environ['ROS_HOME'] = folder
     with Master(), contextlib.ExitStack() as stack:
@@ -165,7 +171,7 @@ def main():
         except KeyboardInterrupt:
             soak.report.problem('interrupted')
         finally:
-            soak.node.process.kill()
+            soak.kill()
     report = soak.report
     print(report.table(soak.actions.counts, soak.clock, soak.tf))
     if arguments.picture:
