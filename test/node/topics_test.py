@@ -61,9 +61,9 @@ class TopicsTest(unittest.TestCase):
         self.addCleanup(listener.unregister)
         listeners = [self.listen('/sim/' + name, kind) for name, kind in
                      (('body_states', BodyStates), ('contacts', Contacts), ('status', Status))]
-        wait(lambda: all(heard.all() for heard in listeners) and buffer.can_transform('world', 'ball', rospy.Time()),
-             'all topics are heard')
+        wait(lambda: all(heard.subscriber.get_num_connections() for heard in listeners), 'all topics are heard')
         call('step', n=300)  # until they rest
+        wait(lambda: buffer.can_transform('world', 'ball', rospy.Time()), 'tf has the ball')
         for heard in listeners:
             heard.clear()
         last = self.status.fresh().time
