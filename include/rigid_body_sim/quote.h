@@ -11,7 +11,7 @@ namespace rbs {
 inline constexpr std::size_t kLongestQuote = 64, kLongestPath = 256;
 
 /// What a user wrote, in one line of valid UTF-8 that is never long: control characters and bytes that are no
-/// UTF-8 become \xNN, and where it is longer than `longest` bytes its end becomes "... (N bytes)".
+/// UTF-8 become `\\xNN`, and where it is longer than `longest` bytes its end becomes "... (N bytes)".
 std::string printable(const std::string& text, std::size_t longest = kLongestQuote);
 
 /// The same between single quotes.
