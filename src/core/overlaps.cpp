@@ -175,6 +175,12 @@ std::vector<char> crowdedBodies(const StepStore& step) {
   return crowded;
 }
 
+bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded) {
+  if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return crowded[i]; })) return true;
+  const auto isDeepPair = [&](Index k) { return isDeep(context, context.step.contacts.pairs[k]); };
+  return std::count_if(island.pairs.begin(), island.pairs.end(), isDeepPair) > kFew;
+}
+
 void part(Context& context) {
   StepStore& step = context.step;
   std::vector<Index> crowded;
