@@ -65,9 +65,11 @@ TEST_P(PairOrder, ATurntableTurnsABoxAndABallWithTorsionalResistance) {
   BodyDef marble = ball("marble", 0.5, Vec3(0.0, 0.0, 0.5));
   marble.material.torsional_resistance = 0.2;
   scene.bodies = {table, marble};
-  inEachOrder(scene, 1.0, [](const World& world) { EXPECT_NEAR(stateOf(world, "marble").twist.w_WB.z(), 1.0, 1e-3); });
+  inEachOrder(scene, 1.0,
+              [](const World& world) { EXPECT_NEAR(stateOf(world, "marble").twist.w_WB.z(), 1.0, 1e-3); });
   scene.bodies[1] = box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5));
-  inEachOrder(scene, 1.0, [](const World& world) { EXPECT_NEAR(stateOf(world, "crate").twist.w_WB.z(), 1.0, 2e-2); });
+  inEachOrder(scene, 1.0,
+              [](const World& world) { EXPECT_NEAR(stateOf(world, "crate").twist.w_WB.z(), 1.0, 2e-2); });
 }
 
 TEST_P(PairOrder, ABoxLeavesAWallThatHitsItAtTwiceTheSpeedOfTheWall) {
@@ -83,7 +85,8 @@ TEST_P(PairOrder, ABoxLeavesAWallThatHitsItAtTwiceTheSpeedOfTheWall) {
 
 TEST_P(PairOrder, ABoxStopsAfterItsBrakingDistanceOnABlock) {
   SceneDef scene = underGravity();
-  BodyDef block = box("block", Vec3(20.0, 2.0, 1.0), Vec3(5.0, 0.0, -0.5)), sled = box("sled", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1));
+  BodyDef block = box("block", Vec3(20.0, 2.0, 1.0), Vec3(5.0, 0.0, -0.5)),
+          sled = box("sled", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1));
   block.kind = BodyKind::Static;
   block.material.friction = sled.material.friction = 0.4;
   sled.twist.v_WB.x() = 3.0;
@@ -140,9 +143,10 @@ TEST_P(PairOrder, ASleeperWakesWhateverCame) {
 // A body falls through another unless each has the group of the other in its mask.
 TEST_P(PairOrder, BothMasksMustAllowACollision) {
   for (const auto& [mask_floor, mask_box, rests] : {std::tuple(2u, 1u, true), std::tuple(2u, 4u, false),
-                                                   std::tuple(4u, 1u, false), std::tuple(4u, 4u, false)}) {
+                                                    std::tuple(4u, 1u, false), std::tuple(4u, 4u, false)}) {
     SceneDef scene = underGravity();
-    BodyDef ground = box("ground", Vec3(2.0, 2.0, 1.0), Vec3(0.0, 0.0, -0.5)), crate = box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5));
+    BodyDef ground = box("ground", Vec3(2.0, 2.0, 1.0), Vec3(0.0, 0.0, -0.5)),
+            crate = box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5));
     ground.kind = BodyKind::Static;
     ground.group = 1, ground.mask = mask_floor;
     crate.group = 2, crate.mask = mask_box;
@@ -153,10 +157,12 @@ TEST_P(PairOrder, BothMasksMustAllowACollision) {
   }
 }
 
-// An edit voids the forces of a body, whichever it is of the pair: those of a heavy body would shoot a light one away.
+// An edit voids the forces of a body, whichever it is of the pair: those of a heavy body would shoot a light
+// one away.
 TEST_P(PairOrder, ABodyThatIsMadeLightKeepsNoForces) {
   SceneDef scene = underGravity();
-  BodyDef ground = box("ground", Vec3(2.0, 2.0, 1.0), Vec3(0.0, 0.0, -0.5)), crate = box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5));
+  BodyDef ground = box("ground", Vec3(2.0, 2.0, 1.0), Vec3(0.0, 0.0, -0.5)),
+          crate = box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5));
   ground.kind = BodyKind::Static;
   crate.mass = 1e6;
   scene.bodies = {ground, crate};

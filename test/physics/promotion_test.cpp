@@ -74,7 +74,8 @@ TEST(ChoiceOfSolver, ManyPairsAreSoft) {
     SceneDef scene = onFloor(1.0 / 60.0, 0.5);
     for (int row = 0; row < width; ++row)
       for (int k = 0; k < width - row; ++k)
-        scene.bodies.push_back(box("", Vec3(1.0, 0.5, 0.5), Vec3(1.1 * (k + 0.5 * row), 0.0, 0.25 + 0.5 * row)));
+        scene.bodies.push_back(
+            box("", Vec3(1.0, 0.5, 0.5), Vec3(1.1 * (k + 0.5 * row), 0.0, 0.25 + 0.5 * row)));
     World world(scene);
     EXPECT_EQ(isExact(world, 10), width == 8) << width;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the soft step reports of itself, against what can be reckoned from the motion alone: impulses, residuals, the depth
-// of its contacts, and that parting adds no speed.
+// What the soft step reports of itself, against what can be reckoned from the motion alone: impulses,
+// residuals, the depth of its contacts, and that parting adds no speed.
 #include "make_scene.h"
 
 #include <gtest/gtest.h>
@@ -66,12 +66,16 @@ TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
     if (report.impacts > 0 || report.certificates.size() != 1) continue;
     ASSERT_STREQ(report.certificates[0].method, "soft_step");
     const Snapshot now = world.snapshot();
-    const auto speedOf = [&](BodyId id) { return now.states[static_cast<std::size_t>(now.find(id))].twist.v_WB; };
+    const auto speedOf = [&](BodyId id) {
+      return now.states[static_cast<std::size_t>(now.find(id))].twist.v_WB;
+    };
     double expected = 0.0;
     for (const ContactPoint& point : now.contacts) {
       const double u_n = point.n_W.dot(speedOf(point.b) - speedOf(point.a));
-      if (point.normal_impulse > 0.0) expected = std::max(expected, std::abs(u_n));
-      else if (point.separation <= 0.0) expected = std::max(expected, -u_n);
+      if (point.normal_impulse > 0.0)
+        expected = std::max(expected, std::abs(u_n));
+      else if (point.separation <= 0.0)
+        expected = std::max(expected, -u_n);
     }
     EXPECT_NEAR(report.certificates[0].signorini, expected / (kGravity * kStep), 1e-9) << "step " << k;
     largest = std::max(largest, expected);
@@ -83,7 +87,8 @@ TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
 TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
   SceneDef scene = onFloor(kStep, 0.5);
   for (int k = 0; k < 6; ++k) {
-    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(1.0, 1.0, 0.2), Vec3(0.02 * k, 0.0, 0.1 + 0.2 * k)));
+    scene.bodies.push_back(
+        box("box_" + std::to_string(k), Vec3(1.0, 1.0, 0.2), Vec3(0.02 * k, 0.0, 0.1 + 0.2 * k)));
     scene.bodies.back().material.friction = 0.5;
   }
   scene.fidelity = Fidelity::Preview;
@@ -105,7 +110,8 @@ TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
       Vec3 u = velocityAt(point.b, point.p_W) - velocityAt(point.a, point.p_W);
       u -= point.n_W.dot(u) * point.n_W;
       const double friction = point.friction_impulse.norm();
-      if (friction >= 0.5 * point.normal_impulse * (1.0 - 1e-9)) u += u.norm() / friction * point.friction_impulse;
+      if (friction >= 0.5 * point.normal_impulse * (1.0 - 1e-9))
+        u += u.norm() / friction * point.friction_impulse;
       expected = std::max(expected, u.norm());
     }
     largest = std::max(largest, expected);
@@ -121,7 +127,8 @@ TEST_P(SoftReport, PartingAddsNoSpeed) {
     SceneDef scene = emptySpace(kStep);
     for (const double x : {-0.49, 0.49}) {
       const std::string name = x < 0.0 ? "left" : "right";
-      scene.bodies.push_back(boxes ? box(name, Vec3::Ones(), Vec3(x, 0.0, 0.0)) : ball(name, 0.5, Vec3(x, 0.0, 0.0)));
+      scene.bodies.push_back(boxes ? box(name, Vec3::Ones(), Vec3(x, 0.0, 0.0))
+                                   : ball(name, 0.5, Vec3(x, 0.0, 0.0)));
     }
     scene.fidelity = GetParam();
     for (const SceneDef& one : inBothOrders(scene)) {
