@@ -5,6 +5,8 @@
 #include "algebra.h"
 #include "rigid_body_sim/world.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -49,6 +51,14 @@ inline SceneDef onFloor(double step, double friction) {
   scene.step = step;
   scene.bodies.push_back(floorOf(friction));
   return scene;
+}
+
+/// A scene, and the same with its bodies made in the opposite order: what holds of a pair may not depend on which of the two
+/// is the older.
+inline std::array<SceneDef, 2> inBothOrders(const SceneDef& scene) {
+  SceneDef reversed = scene;
+  std::reverse(reversed.bodies.begin(), reversed.bodies.end());
+  return {scene, reversed};
 }
 
 /// Gravity as it acts on a slope that falls towards +x at an angle: the floor stays level.

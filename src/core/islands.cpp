@@ -187,10 +187,9 @@ void link(Context& context) {
     island.contact = island.contact || step.standing[k] == Standing::Contact;
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
-  // What touches a crowd is pushed about by overlaps, not by forces that exact solves could find.
   const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (Island& island : step.islands)
-    island.exact = std::none_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return crowded[i]; }) &&
+    island.exact = !overlaps::ruleOver(context, island, crowded) &&
                    (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
 }
 

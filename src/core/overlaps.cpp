@@ -11,12 +11,14 @@ namespace rbs::overlaps {
 
 namespace {
 
-// An overlap deeper than this share of the smaller length is deep: no contact makes one, but edits and user forces do.
+// An overlap deeper than this share of the smaller length is deep: no contact makes one, but edits and user
+// forces do.
 constexpr double kDeep = 0.1;
-// Two balls inscribed in the bodies that overlap by this share of their radii tell a deep overlap without a look at the
-// shapes.
+// Two balls inscribed in the bodies that overlap by this share of their radii tell a deep overlap without a
+// look at the shapes.
 constexpr double kInscribed = 0.5;
-// Bodies that overlap no more others than this are left to the contact solver, which parts them by the shortest way.
+// Bodies that overlap no more others than this are left to the contact solver, which parts them by the
+// shortest way.
 constexpr Index kFew = 3;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
@@ -53,8 +55,8 @@ bool areMovable(const Bodies& bodies, const ContactPair& pair) {
   return bodies.traits[pair.i].moved_by_forces() && bodies.traits[pair.j].moved_by_forces();
 }
 
-// Places that fill a disc evenly (H. Vogel, "A better way to construct the sunflower head", Math. Biosci. 44, 1979), by
-// the number of a body: where bodies with one centre are taken to be.
+// Places that fill a disc evenly (H. Vogel, "A better way to construct the sunflower head", Math. Biosci. 44,
+// 1979), by the number of a body: where bodies with one centre are taken to be.
 Vec3 placeOnDisc(BodyId id) {
   constexpr double kGolden = 2.399963229728653;  // rad
   const double k = static_cast<double>(id.serial % 4096);
@@ -80,8 +82,8 @@ void keepOut(const Context& context, std::vector<Vec3>& ways) {
   }
 }
 
-// The way of each body of a crowd: the mean of those away from the bodies that it overlaps, the heavier one of a pair
-// going less far. No longer than what the body may go in the step.
+// The way of each body of a crowd: the mean of those away from the bodies that it overlaps, the heavier one
+// of a pair going less far. No longer than what the body may go in the step.
 std::vector<Vec3> waysApart(const Context& context, const std::vector<Index>& crowded) {
   const Bodies& bodies = context.scene.bodies;
   const Vec3 up = upOf(context.scene);
@@ -116,8 +118,8 @@ void keepDepth(Context& context, ContactPair& pair) {
     touch.separation = -inscribedOverlap(bodies, pair);
     touch.p_W = 0.5 * (bodies.pose[pair.i].p_WB + bodies.pose[pair.j].p_WB);
   } else {
-    const Manifold manifold = collide(bodies.traits[pair.i].shape, bodies.pose[pair.i], bodies.traits[pair.j].shape,
-                                      bodies.pose[pair.j], 0.0);
+    const Manifold manifold = collide(bodies.traits[pair.i].shape, bodies.pose[pair.i],
+                                      bodies.traits[pair.j].shape, bodies.pose[pair.j], 0.0);
     touch.n_W = manifold.n_W;
     for (int p = 0; p < manifold.size; ++p)
       if (manifold.points[p].separation < touch.separation)
@@ -142,9 +144,10 @@ void warn(Context& context) {
   deep.erase(std::unique(deep.begin(), deep.end()), deep.end());
   if (deep.empty()) return;
   context.step.report.warnings.push_back(
-      {"overlap", count(static_cast<Index>(deep.size()), "body overlaps", "bodies overlap") +
-                      " others deeply after an edit, the first of them '" + bodies.name[deep.front()] +
-                      "'; they are moved apart without gaining speed. Undo the edit, or leave room between bodies"});
+      {"overlap",
+       count(static_cast<Index>(deep.size()), "body overlaps", "bodies overlap") +
+           " others deeply after an edit, the first of them '" + bodies.name[deep.front()] +
+           "'; they are moved apart without gaining speed. Undo the edit, or leave room between bodies"});
 }
 
 }  // namespace
@@ -171,8 +174,16 @@ void find(Context& context) {
 std::vector<char> crowdedBodies(const StepStore& step) {
   std::vector<char> crowded(step.island.size(), 0);
   for (std::size_t k = 0; k < step.standing.size(); ++k)
-    if (step.standing[k] == Standing::Parting) crowded[step.contacts.pairs[k].i] = crowded[step.contacts.pairs[k].j] = 1;
+    if (step.standing[k] == Standing::Parting)
+      crowded[step.contacts.pairs[k].i] = crowded[step.contacts.pairs[k].j] = 1;
   return crowded;
+}
+
+bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded) {
+  if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return crowded[i]; }))
+    return true;
+  const auto isDeepPair = [&](Index k) { return isDeep(context, context.step.contacts.pairs[k]); };
+  return std::count_if(island.pairs.begin(), island.pairs.end(), isDeepPair) > kFew;
 }
 
 void part(Context& context) {

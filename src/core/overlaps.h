@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies that overlap deeply because an edit put them where others are.
 //
-// Two bodies that overlap part by their contact (methods/). In a crowd, where many bodies are in one place, contacts say
-// nothing of use: the shortest ways out contradict each other, what each pair adds in speed adds up, and n bodies have
-// n²/2 contacts. So the pairs of a crowd are taken out of the contact solve, and its bodies are moved apart, no faster than
-// √(g L), until the crowd has dissolved. They move across gravity and keep their velocities: that gains no energy.
+// Two bodies that overlap part by their contact (methods/). In a crowd, where many bodies are in one place,
+// contacts say nothing of use: the shortest ways out contradict each other, what each pair adds in speed adds
+// up, and n bodies have n²/2 contacts. So the pairs of a crowd are taken out of the contact solve, and its
+// bodies are moved apart, no faster than √(g L), until the crowd has dissolved. They move across gravity and
+// keep their velocities: that gains no energy.
 #pragma once
 
 #include "context.h"
@@ -19,8 +20,12 @@ void find(Context& context);
 /// By body: whether it is part of a crowd.
 std::vector<char> crowdedBodies(const StepStore& step);
 
-/// Moves the bodies of crowds apart, as far as they may go in a step, and hands their overlaps on to the next step.
-/// Warns of deep overlaps in the first step after an edit.
+/// Whether overlaps decide how an island moves, and not forces that an exact solve could find: some of its
+/// bodies are `crowded`, or several of its pairs overlap deeply.
+bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded);
+
+/// Moves the bodies of crowds apart, as far as they may go in a step, and hands their overlaps on to the next
+/// step. Warns of deep overlaps in the first step after an edit.
 void part(Context& context);
 
 }  // namespace rbs::overlaps

@@ -176,4 +176,45 @@ TEST(ImpactOrder, WhatContactsPushIntoEachOtherDoesNotOverlap) {
   }
 }
 
+// One ball meets two others at one instant: the oldest pair is taken first. e = 0 and equal masses: with c = cos 30 deg
+// the first takes c/2 of the speed along its line, and the second what is left of the approach along its own.
+TEST(ImpactOrder, OfTwoAtOneTimeTheOlderPairIsFirst) {
+  for (const bool left_is_older : {true, false}) {
+    SceneDef scene = emptySpace(1.0 / 60.0);
+    const double side = std::sin(kPi / 6.0), ahead = std::cos(kPi / 6.0);
+    const BodyDef left = ball("left", 0.5, Vec3(ahead, side, 0.0)), right = ball("right", 0.5, Vec3(ahead, -side, 0.0));
+    scene.bodies = {left_is_older ? left : right, left_is_older ? right : left, ball("shot", 0.5, Vec3(-0.5, 0.0, 0.0))};
+    for (BodyDef& def : scene.bodies) def.material.friction = 0.0, def.material.restitution = 1.0;
+    scene.bodies[2].twist.v_WB.x() = 6.0;  // meets both after 1/12 s
+    scene.bodies[2].pose.p_WB.x() = -0.5;
+    World world(scene);
+    std::uint32_t impacts = 0;
+    for (int k = 0; k < 30; ++k) impacts += world.step().impacts;
+    EXPECT_EQ(impacts, 2u);
+    const double first = stateOf(world, left_is_older ? "left" : "right").twist.v_WB.norm();
+    const double second = stateOf(world, left_is_older ? "right" : "left").twist.v_WB.norm();
+    EXPECT_NEAR(first, 6.0 * ahead, 1e-9);
+    // The shot goes on at v - (v.n1) n1, whose part along n2 is c v - c v (n1.n2).
+    EXPECT_NEAR(second, 6.0 * ahead * (1.0 - (ahead * ahead - side * side)), 1e-9);
+  }
+}
+
+// The path bulges from the chord between its ends: a ball that is back at its height at the end of a step has been at a
+// ceiling meanwhile.
+TEST(ImpactOrder, WhatTheBulgeOfAPathReachesIsMet) {
+  SceneDef scene = emptySpace(0.5);
+  scene.fidelity = Fidelity::Accurate;  // which leaves no slow impact to the contact solver
+  scene.gravity = Vec3(0.0, 0.0, -kGravity);
+  BodyDef ceiling = box("ceiling", Vec3(2.0, 2.0, 0.1), Vec3(0.0, 0.0, 0.1 + 0.2 + 0.05));
+  ceiling.kind = BodyKind::Static;
+  scene.bodies = {ceiling, ball("ball", 0.1, Vec3::Zero())};
+  for (BodyDef& def : scene.bodies) def.material.restitution = 1.0;
+  scene.bodies[1].twist.v_WB.z() = 0.5 * kGravity * scene.step;  // 0.31 m high
+  for (const SceneDef& one : inBothOrders(scene)) {
+    World world(one);
+    EXPECT_EQ(world.step().impacts, 1u);
+    EXPECT_LT(stateOf(world, "ball").pose.p_WB.z(), -0.1);
+  }
+}
+
 }  // namespace

@@ -121,6 +121,54 @@ void overlapRecovery(Sheet& sheet) {
   }
 }
 
+/// Bodies that an edit has put into a place where others are, all at once, and how they part. What the edit may give is, for
+/// each body, what lifts it by its own size.
+void crowd(Sheet& sheet, const std::string& what, SceneDef scene, const std::vector<BodyDef>& added, double seconds) {
+  scene.fidelity = sheet.setting();
+  World world(scene);
+  world.addBodies(added);
+  double scale = 0.0;
+  for (const BodyDescription& body : *world.snapshot().bodies)
+    if (body.kind == BodyKind::Dynamic) scale += body.mass * kGravity * characteristicLength(body.shape);
+  const auto energyNow = [&] { return static_cast<double>(energyOf(world)); };
+  const double start = energyNow();
+  double most = 0.0;
+  std::size_t told = 0;
+  bool finite = true;
+  for (double t = 0.0; t < seconds; t += kFrame) {
+    for (const Warning& warning : world.step().warnings) told += warning.kind == "overlap";
+    most = std::max(most, energyNow() - start);
+    for (const BodyState& state : world.snapshot().states)
+      finite &= state.pose.p_WB.allFinite() && state.twist.v_WB.allFinite() && state.twist.w_WB.allFinite();
+  }
+  sheet.error("energy gained, of the sum of m g L: " + what, "", std::max(0.0, most / scale - 1.0), every(1e-6));
+  sheet.error("energy gained, as measured: " + what, "of m g L", most / scale, shown());
+  sheet.value("warnings of overlaps: " + what, "", static_cast<double>(told), 1.0, every(0.0));
+  sheet.check("all numbers finite", finite, every(0.0));
+}
+
+void manyInOnePlace(Sheet& sheet) {
+  const int count = sheet.length(60, 40, 200);
+  const double seconds = sheet.length(2.0, 1.0, 15.0);
+  std::vector<BodyDef> boxes, balls, mixed;
+  SplitMix64 random(7);
+  for (int k = 0; k < count; ++k) {
+    boxes.push_back(box("", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+    balls.push_back(ball("", 0.5, Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.5, 1.0))));
+    balls.back().material.restitution = 1.0;
+    const double size = random.uniform(0.3, 1.5);
+    const Shape shapes[] = {Box{Vec3::Constant(size)}, Sphere{0.5 * size}, Cylinder{0.5 * size, 0.5 * size}};
+    mixed.push_back(body("", shapes[k % 3], Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.8, 2.0))));
+    mixed.back().material.restitution = 0.5;
+  }
+  crowd(sheet, "boxes in one place on the floor", onFloor(kFrame, 0.6), boxes, seconds);
+  crowd(sheet, "elastic balls in a heap", onFloor(kFrame, 0.6), balls, seconds);
+  crowd(sheet, "mixed shapes in a heap", onFloor(kFrame, 0.6), mixed, seconds);
+  SceneDef falling = emptySpace(kFrame);
+  falling.gravity = Vec3(0.0, 0.0, -kGravity);
+  crowd(sheet, "boxes in one place in the air", falling, boxes, seconds);
+}
+
 void dragAbout(Sheet& sheet) {
   SceneDef scene = onFloor(kFrame, 0.6);
   scene.bodies.push_back(box("held", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
@@ -347,6 +395,11 @@ std::vector<Case> abuseCases() {
       {"A65", "A pile that overlaps",
        "Ten boxes of 1 m in a pyramid begin with overlaps of 0.25, 0.5 and 1 m (all in one place).",
        overlapRecovery},
+      {"A82", "Many in one place",
+       "200 bodies (40 to 60 in the tests) are spawned into one place: boxes of the same pose on the floor and in the air, "
+       "elastic balls, and boxes, balls and cylinders of 0.3 to 1.5 m at random. They are to gain no more energy than what lifts "
+       "each by its own size, and a warning says that they overlap.",
+       manyInOnePlace},
       {"A66", "Dragged with all force",
        "A box on a spring of 60 Hz is swung through a pile and into the floor at up to 100 m/s for 4 s, "
        "then let go.",

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which islands the default setting hands to the exact step: each bound from both sides.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+namespace rbs::test {
+namespace {
+
+// Whether the island in contact was solved by the exact step in the last of some steps.
+bool isExact(World& world, int steps = 30) {
+  for (int k = 1; k < steps; ++k) world.step();
+  const StepReport& report = world.step();
+  EXPECT_EQ(report.certificates.size(), 1u);
+  return !report.certificates.empty() && std::string(report.certificates[0].method) != "soft_step";
+}
+
+SceneDef stack(int boxes) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  for (int k = 0; k < boxes; ++k)
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k)));
+  return scene;
+}
+
+TEST(ChoiceOfSolver, StacksOfSixAreExact) {
+  for (const int boxes : {2, 5, 6, 7}) {
+    World world(stack(boxes));
+    EXPECT_EQ(isExact(world), boxes >= 6) << boxes;
+  }
+}
+
+TEST(ChoiceOfSolver, MassRatiosOfTenAreExactInBothOrders) {
+  for (const double ratio : {5.0, 9.5, 10.5, 30.0}) {
+    SceneDef scene = stack(2);
+    scene.bodies[1].mass = 100.0, scene.bodies[2].mass = 100.0 * ratio;
+    for (const SceneDef& one : inBothOrders(scene)) {
+      World world(one);
+      EXPECT_EQ(isExact(world), ratio >= 10.0) << ratio;
+    }
+  }
+}
+
+// Slenderness is the diameter of the bounding ball over the smallest extent.
+TEST(ChoiceOfSolver, SlendernessOfTenIsExact) {
+  for (const double length : {5.0, 9.5, 10.5, 30.0}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.bodies.push_back(box("rod", Vec3(0.1 * length, 0.1, 0.1), Vec3(0.0, 0.0, 0.05)));
+    World world(scene);
+    EXPECT_EQ(isExact(world), std::sqrt(length * length + 2.0) >= 10.0) << length;
+  }
+}
+
+// A stack that is exact stays so down to four boxes.
+TEST(ChoiceOfSolver, WhatIsExactStaysSoForAWhile) {
+  World world(stack(6));
+  ASSERT_TRUE(isExact(world));
+  for (const int left : {5, 4, 3}) {
+    world.removeBody(world.find("box_" + std::to_string(left)));
+    EXPECT_EQ(isExact(world, 3), left >= 4) << left;
+  }
+}
+
+TEST(ChoiceOfSolver, WhatMovesIsSoft) {
+  SceneDef scene = stack(6);
+  for (BodyDef& def : scene.bodies) def.material.friction = 0.0;
+  for (std::size_t k = 1; k < scene.bodies.size(); ++k) scene.bodies[k].twist.v_WB.x() = 1.0;
+  World world(scene);
+  EXPECT_FALSE(isExact(world, 5));
+}
+
+// A wall of bricks n wide at its foot has n (n + 1)/2 bricks and n + n (n - 1) pairs.
+TEST(ChoiceOfSolver, ManyPairsAreSoft) {
+  for (const int width : {8, 14}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    for (int row = 0; row < width; ++row)
+      for (int k = 0; k < width - row; ++k)
+        scene.bodies.push_back(
+            box("", Vec3(1.0, 0.5, 0.5), Vec3(1.1 * (k + 0.5 * row), 0.0, 0.25 + 0.5 * row)));
+    World world(scene);
+    EXPECT_EQ(isExact(world, 10), width == 8) << width;
+  }
+}
+
+}  // namespace
+}  // namespace rbs::test

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the soft step reports of itself, against what can be reckoned from the motion alone: impulses,
+// residuals, the depth of its contacts, and that parting adds no speed.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace rbs::test {
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;
+
+class SoftReport : public testing::TestWithParam<Fidelity> {};
+INSTANTIATE_TEST_SUITE_P(Settings, SoftReport, testing::Values(Fidelity::Preview, Fidelity::Interactive),
+                         [](const auto& setting) { return std::string(fidelityName(setting.param)); });
+
+// A column of balls, which cannot turn: normal velocities are differences of vertical ones.
+SceneDef column(int balls) {
+  SceneDef scene = onFloor(kStep, 0.0);
+  for (int k = 0; k < balls; ++k) {
+    scene.bodies.push_back(ball("ball_" + std::to_string(k), 0.5, Vec3(0.0, 0.0, 0.5 + k)));
+    scene.bodies.back().material.friction = 0.0;
+  }
+  return scene;
+}
+
+// The change of momentum in a step is what its loads and its contacts give.
+TEST_P(SoftReport, ImpulsesBalanceTheMomentum) {
+  SceneDef scene = onFloor(kStep, 0.5);
+  BodyDef crate = box("crate", Vec3(0.4, 0.6, 1.0), Vec3(0.0, 0.0, 0.8));
+  crate.pose.q_WB = Quat(Eigen::AngleAxisd(0.5, Vec3(1.0, 2.0, 0.5).normalized()));
+  crate.twist.v_WB.x() = 1.5;
+  crate.mass = 10.0;
+  scene.bodies.push_back(crate);
+  scene.fidelity = GetParam();
+  World world(scene);
+  int steps_in_contact = 0;
+  Vec3 before = stateOf(world, "crate").twist.v_WB;
+  for (int k = 0; k < 180; ++k) {
+    const std::uint32_t impacts = world.step().impacts;
+    const Vec3 after = stateOf(world, "crate").twist.v_WB;
+    if (impacts == 0) {  // which are resolved apart from contacts
+      Vec3 impulse = Vec3::Zero();
+      for (const ContactPoint& point : world.snapshot().contacts)
+        impulse += point.normal_impulse * point.n_W + point.friction_impulse;
+      const Vec3 expected = 10.0 * (after - before + Vec3(0.0, 0.0, kGravity * kStep));
+      ASSERT_LE((impulse - expected).norm(), 1e-9) << "step " << k;
+      steps_in_contact += impulse.norm() > 0.0;
+    }
+    before = after;
+  }
+  EXPECT_GT(steps_in_contact, 100);
+}
+
+// signorini is the largest |u_n| of a loaded point over g h, whatever is unresolved.
+TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
+  SceneDef scene = column(8);
+  scene.fidelity = Fidelity::Preview;  // one sub-step: a point is loaded when its impulse is not zero
+  scene.bodies.back().mass = 4000.0;
+  World world(scene);
+  double largest = 0.0;
+  for (int k = 0; k < 60; ++k) {
+    const StepReport& report = world.step();
+    if (report.impacts > 0 || report.certificates.size() != 1) continue;
+    ASSERT_STREQ(report.certificates[0].method, "soft_step");
+    const Snapshot now = world.snapshot();
+    const auto speedOf = [&](BodyId id) {
+      return now.states[static_cast<std::size_t>(now.find(id))].twist.v_WB;
+    };
+    double expected = 0.0;
+    for (const ContactPoint& point : now.contacts) {
+      const double u_n = point.n_W.dot(speedOf(point.b) - speedOf(point.a));
+      if (point.normal_impulse > 0.0)
+        expected = std::max(expected, std::abs(u_n));
+      else if (point.separation <= 0.0)
+        expected = std::max(expected, -u_n);
+    }
+    EXPECT_NEAR(report.certificates[0].signorini, expected / (kGravity * kStep), 1e-9) << "step " << k;
+    largest = std::max(largest, expected);
+  }
+  EXPECT_GT(largest, 1e-3);  // there was something to tell
+}
+
+// dissipation is the largest slip that friction does not oppose: of a point that sticks, all of its slip.
+TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
+  SceneDef scene = onFloor(kStep, 0.5);
+  for (int k = 0; k < 6; ++k) {
+    scene.bodies.push_back(
+        box("box_" + std::to_string(k), Vec3(1.0, 1.0, 0.2), Vec3(0.02 * k, 0.0, 0.1 + 0.2 * k)));
+    scene.bodies.back().material.friction = 0.5;
+  }
+  scene.fidelity = Fidelity::Preview;
+  World world(scene);
+  advance(world, 0.5);
+  world.applyImpulse(world.find("box_5"), Vec3(100.0, 30.0, 0.0), stateOf(world, "box_5").pose.p_WB);
+  double largest = 0.0, told = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    const StepReport& report = world.step();
+    if (report.impacts > 0 || report.certificates.size() != 1) continue;
+    const Snapshot now = world.snapshot();
+    const auto velocityAt = [&](BodyId id, const Vec3& p_W) -> Vec3 {
+      const BodyState& state = now.states[static_cast<std::size_t>(now.find(id))];
+      return state.twist.v_WB + state.twist.w_WB.cross(p_W - state.pose.p_WB);
+    };
+    double expected = 0.0;
+    for (const ContactPoint& point : now.contacts) {
+      if (!(point.normal_impulse > 0.0)) continue;
+      Vec3 u = velocityAt(point.b, point.p_W) - velocityAt(point.a, point.p_W);
+      u -= point.n_W.dot(u) * point.n_W;
+      const double friction = point.friction_impulse.norm();
+      if (friction >= 0.5 * point.normal_impulse * (1.0 - 1e-9))
+        u += u.norm() / friction * point.friction_impulse;
+      expected = std::max(expected, u.norm());
+    }
+    largest = std::max(largest, expected);
+    told = std::max(told, report.certificates[0].dissipation * kGravity * kStep);
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_NEAR(told / largest, 1.0, 0.3);  // its arms are those of the start of the step
+}
+
+// The relaxing pass takes away the speed that only served to part the bodies.
+TEST_P(SoftReport, PartingAddsNoSpeed) {
+  for (const bool boxes : {false, true}) {
+    SceneDef scene = emptySpace(kStep);
+    for (const double x : {-0.49, 0.49}) {
+      const std::string name = x < 0.0 ? "left" : "right";
+      scene.bodies.push_back(boxes ? box(name, Vec3::Ones(), Vec3(x, 0.0, 0.0))
+                                   : ball(name, 0.5, Vec3(x, 0.0, 0.0)));
+    }
+    scene.fidelity = GetParam();
+    for (const SceneDef& one : inBothOrders(scene)) {
+      World world(one);
+      double fastest = 0.0;
+      for (int k = 0; k < 120; ++k) {
+        world.step();
+        fastest = std::max(fastest, stateOf(world, "right").twist.v_WB.norm());
+      }
+      EXPECT_LE(fastest, boxes ? 0.05 : 1e-9);  // the spring alone would leave them with 0.2 m/s each
+      EXPECT_GT(stateOf(world, "right").pose.p_WB.x() - stateOf(world, "left").pose.p_WB.x(), 0.998) << boxes;
+    }
+  }
+}
+
+// At rest a contact sags by g/w², w = 0.3 pi/h, with h the length of a sub-step: one more or fewer shows.
+TEST(SubSteps, AreAsManyAsTheSettingSays) {
+  for (const std::uint32_t sub_steps : {1u, 4u, 8u}) {
+    SceneDef scene = column(1);
+    scene.fidelity = Fidelity::Preview;
+    scene.fidelity.sub_steps = sub_steps;
+    World world(scene);
+    advance(world, 4.0);
+    const double w = 0.3 * kPi / (kStep / sub_steps);
+    const double sag = 0.5 - stateOf(world, "ball_0").pose.p_WB.z();
+    EXPECT_NEAR(sag * w * w / kGravity, 1.0, 0.02) << sub_steps;
+  }
+}
+
+}  // namespace
+}  // namespace rbs::test
