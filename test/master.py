@@ -17,13 +17,13 @@ class Master:
                 free.bind(('localhost', 0))
                 port = free.getsockname()[1]
             os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
-            self.process = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
+            self.process = subprocess.Popen(['rosmaster', '--core', '-p', str(port)], stdout=subprocess.DEVNULL,
                                             stderr=subprocess.DEVNULL)
             while self.process.poll() is None:
                 if self.answers():
                     return
                 time.sleep(0.1)
-        raise RuntimeError('roscore ended with %d' % self.process.returncode)
+        raise RuntimeError('rosmaster ended with %d' % self.process.returncode)
 
     @staticmethod
     def answers():
