@@ -12,15 +12,18 @@ class Master:
     """On a free port, as a context manager; this process and its children use it."""
 
     def __enter__(self):
-        with socket.socket() as free:
-            free.bind(('localhost', 0))
-            port = free.getsockname()[1]
-        os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
-        self.process = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        while not self.answers():
-            if self.process.poll() is not None:
-                raise RuntimeError('roscore ended with %d' % self.process.returncode)
-            time.sleep(0.1)
+        for _ in range(3):  # somebody else may take the port in between
+            with socket.socket() as free:
+                free.bind(('localhost', 0))
+                port = free.getsockname()[1]
+            os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
+            self.process = subprocess.Popen(['rosmaster', '--core', '-p', str(port)], stdout=subprocess.DEVNULL,
+                                            stderr=subprocess.DEVNULL)
+            while self.process.poll() is None:
+                if self.answers():
+                    return
+                time.sleep(0.1)
+        raise RuntimeError('rosmaster ended with %d' % self.process.returncode)
 
     @staticmethod
     def answers():

@@ -194,10 +194,11 @@ def main():
             told = time.monotonic()
             print(summary(fuzz, told - began), flush=True)
 
-    with tempfile.TemporaryDirectory(prefix='rigid_body_sim_fuzz_') as folder, Master():
+    with tempfile.TemporaryDirectory(prefix='rigid_body_sim_fuzz_') as folder:
         os.environ['ROS_HOME'] = folder
         try:
-            fuzz = run(arguments.count, arguments.seed, folder, progress)
+            with Master():
+                fuzz = run(arguments.count, arguments.seed, folder, progress)
         except Failure as failure:
             print(failure)
             return 1
