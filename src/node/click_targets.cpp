@@ -2,7 +2,6 @@
 #include "click_targets.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "body_markers.h"
 #include "convert.h"
@@ -11,6 +10,9 @@ namespace rbs {
 namespace {
 
 constexpr std::size_t kMostTargets = 300;
+
+/// Whether it only fences others in and is drawn translucent: a click is meant for what one sees through it.
+bool isSeeThrough(const BodyDescription& body) { return body.kind == BodyKind::Static && body.color[3] < 1.0f; }
 
 }  // namespace
 
@@ -40,8 +42,11 @@ void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, BodyId se
 
 // The nearest bodies by their centres, the selected one first of all.
 void ClickTargets::choose(const Snapshot& snapshot, const Vec3& focus, BodyId selected) {
-  chosen_.resize(snapshot.states.size());
-  std::iota(chosen_.begin(), chosen_.end(), 0);
+  chosen_.clear();
+  for (std::size_t i = 0; i < snapshot.states.size(); ++i) {
+    const BodyDescription& body = (*snapshot.bodies)[i];
+    if (!isSeeThrough(body) || body.id == selected) chosen_.push_back(static_cast<int>(i));
+  }
   if (chosen_.size() > kMostTargets) {
     const auto distance = [&](int i) {
       const BodyState& state = snapshot.states[i];

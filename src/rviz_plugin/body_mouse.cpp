@@ -14,6 +14,8 @@
 #include <rviz/view_controller.h>
 #include <rviz/viewport_mouse_event.h>
 
+#include <tuple>
+
 namespace rbs {
 namespace {
 
@@ -57,9 +59,33 @@ void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
     event.panel->getViewController()->handleMouseEvent(event);
 }
 
+std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent& event) {
+  if (isSeeThrough(body_))
+    if (const std::optional<Ogre::Vector3> behind = lookThrough(event)) return behind;
+  Ogre::Vector3 point;
+  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point)) return std::nullopt;
+  return point;
+}
+
+std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEvent& event) {
+  Ogre::Vector3 p_FW;
+  Ogre::Quaternion q_FW;
+  if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW)) return std::nullopt;
+  const Ogre::Ray ray = rayOf(event);
+  const Ogre::Vector3 direction = q_FW.Inverse() * ray.getDirection();
+  geometry_msgs::Vector3 direction_W;
+  direction_W.x = direction.x, direction_W.y = direction.y, direction_W.z = direction.z;
+  const auto met = simulator_->meet(pointMsg(q_FW.Inverse() * (ray.getOrigin() - p_FW)), direction_W);
+  if (!met) return std::nullopt;
+  const auto& [p, q] = std::tie(met->body.pose.position, met->body.pose.orientation);
+  body_ = met->body.description;
+  position_ = q_FW * Ogre::Vector3(p.x, p.y, p.z) + p_FW;
+  orientation_ = q_FW * Ogre::Quaternion(q.w, q.x, q.y, q.z);
+  return q_FW * Ogre::Vector3(met->point.x, met->point.y, met->point.z) + p_FW;
+}
+
 void BodyMouse::press(rviz::ViewportMouseEvent& event) {
-  Ogre::Vector3 hit;
-  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, hit)) hit = position_;
+  const Ogre::Vector3 hit = hitPoint(event).value_or(position_);
   drag_ = Drag{Ogre::Plane(event.viewport->getCamera()->getRealDirection(), hit), hit, Ogre::Vector3::ZERO};
   send(Feedback::MOUSE_DOWN, hit);
   still_there_.start();
@@ -83,9 +109,7 @@ void BodyMouse::letGo() {
 }
 
 void BodyMouse::showMenu(rviz::ViewportMouseEvent& event) {
-  Ogre::Vector3 point;
-  std::optional<Ogre::Vector3> hit;
-  if (context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point)) hit = point;
+  const std::optional<Ogre::Vector3> hit = hitPoint(event);
   menu_.reset(new QMenu);
   for (const auto& [action, title] : menuTitles(body_.shape, body_.kind)) {
     menu_->addAction(title, [this, hit, id = static_cast<std::uint32_t>(action)] {

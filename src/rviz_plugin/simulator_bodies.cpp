@@ -1,11 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulator_bodies.h"
 
+#include <rigid_body_sim/CastRay.h>
+#include <rigid_body_sim/GetBody.h>
+
 #include <algorithm>
+#include <chrono>
+#include <future>
+#include <memory>
+#include <thread>
 
 namespace rbs {
+namespace {
 
-SimulatorBodies::SimulatorBodies(const std::string& node) {
+using Met = SimulatorBodies::Met;
+
+std::optional<Met> ask(const std::string& node, rigid_body_sim::CastRay ray) {
+  if (!ros::service::call(node + "/cast_ray", ray) || ray.response.hits.empty()) return std::nullopt;
+  rigid_body_sim::GetBody body;
+  body.request.name = ray.response.hits.front().body;
+  if (!ros::service::call(node + "/get_body", body) || !body.response.success) return std::nullopt;
+  if (body.response.body.description.shape == "plane") return std::nullopt;
+  return Met{body.response.body, ray.response.hits.front().position};
+}
+
+}  // namespace
+
+bool isSeeThrough(const rigid_body_sim::BodyDescription& body) {
+  return body.kind == "static" && body.color.a < 1.0f;
+}
+
+SimulatorBodies::SimulatorBodies(const std::string& node) : node_(node) {
   constexpr int kQueue = 100;
   const boost::function<void(const rigid_body_sim::BodyDescriptionsConstPtr&)> keep =
       [this](const rigid_body_sim::BodyDescriptionsConstPtr& message) { descriptions_ = *message; };
@@ -23,6 +48,21 @@ const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_i
   const auto it =
       std::find_if(bodies.begin(), bodies.end(), [&](const auto& body) { return (body.id & kLow) == low_id; });
   return it == bodies.end() ? nullptr : &*it;
+}
+
+// A call of a service has no time-out, so it is made on a thread of its own, which owns all that it needs.
+std::optional<Met> SimulatorBodies::meet(const geometry_msgs::Point& origin,
+                                         const geometry_msgs::Vector3& direction) const {
+  constexpr std::chrono::milliseconds kPatience(200);
+  rigid_body_sim::CastRay ray;
+  ray.request.origin = origin;
+  ray.request.direction = direction;
+  for (const auto& body : descriptions_.bodies)
+    if (isSeeThrough(body)) ray.request.ignore.push_back(body.name);
+  auto promise = std::make_shared<std::promise<std::optional<Met>>>();
+  std::future<std::optional<Met>> answer = promise->get_future();
+  std::thread([promise, ray, node = node_] { promise->set_value(ask(node, ray)); }).detach();
+  return answer.wait_for(kPatience) == std::future_status::ready ? answer.get() : std::nullopt;
 }
 
 void SimulatorBodies::send(const Feedback& feedback) {

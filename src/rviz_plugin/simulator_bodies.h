@@ -3,14 +3,20 @@
 #pragma once
 
 #include <rigid_body_sim/BodyDescriptions.h>
+#include <rigid_body_sim/BodyState.h>
 #include <ros/ros.h>
 #include <visualization_msgs/InteractiveMarkerFeedback.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace rbs {
+
+/// Whether it only fences others in and is drawn translucent, like the walls of a box: a click is meant for what one
+/// sees through it.
+bool isSeeThrough(const rigid_body_sim::BodyDescription& body);
 
 /// Lives on the GUI thread, where RViz also handles the messages of subscribers.
 class SimulatorBodies {
@@ -20,6 +26,15 @@ class SimulatorBodies {
 
   /// The body whose id has these lower 31 bits; null for an unknown one, or while no description has come.
   const rigid_body_sim::BodyDescription* find(std::uint64_t low_id) const;
+  /// What a ray meets: the body as it is now, and the point of its surface, in frame().
+  struct Met {
+    rigid_body_sim::BodyState body;
+    geometry_msgs::Point point;
+  };
+  /// The first body on a ray in frame() that hides what lies behind it and can be dragged. Empty where there is none,
+  /// or where the simulator does not answer within 0.2 s.
+  std::optional<Met> meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction) const;
+
   /// The frame of the world.
   const std::string& frame() const { return descriptions_.header.frame_id; }
 
@@ -31,6 +46,7 @@ class SimulatorBodies {
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
 
+  const std::string node_;
   ros::NodeHandle ros_;
   rigid_body_sim::BodyDescriptions descriptions_;
   std::vector<Feedback> unheard_;
