@@ -9,6 +9,7 @@ import process
 
 MOST_GROWTH = 1.25         # of memory from the second quarter of a life to its last
 MOST_DESCRIPTORS = 10      # more at the last quiet point of a life than at its second
+MOST_THREADS = 2           # likewise: those of a connection or a study come and go
 PROGRESS_PERIOD = 30.0     # s
 FEWEST = 8                 # quiet points of a life that are enough to tell growth from noise
 
@@ -71,7 +72,7 @@ class Report:
             if points[-1].descriptors > points[1].descriptors + MOST_DESCRIPTORS:
                 self.problem('descriptors grew from %d to %d in life %d' % (
                     points[1].descriptors, points[-1].descriptors, life))
-            if points[-1].threads > points[1].threads:
+            if points[-1].threads > points[1].threads + MOST_THREADS:
                 self.problem('threads grew from %d to %d in life %d' % (points[1].threads, points[-1].threads, life))
 
     def table(self, actions, *streams):

@@ -23,8 +23,8 @@ class Node:
         self.program = roslib.packages.find_node('rigid_body_sim', 'simulator_node')[0]
         self.status = None
         self.lives = 0
+        self.process = None
         rospy.Subscriber('/sim/status', Status, self._hear)
-        self.start(False)
 
     def _hear(self, status):
         self.status = status
@@ -67,7 +67,7 @@ class Rviz:
 
     def __init__(self, screen, layout):
         self.screen, self.layout = screen, layout
-        self.start()
+        self.window = self.process = None
 
     def start(self):
         """In three attempts: on a busy machine a window may not be there yet where one looks for it."""
@@ -75,12 +75,12 @@ class Rviz:
             self.window = rviz_driver.Rviz(self.screen, self.layout)
             try:
                 self.window.__enter__()
-                break
+                self.process = self.window.process
+                return
             except (subprocess.CalledProcessError, RuntimeError, TimeoutError):
                 self.window.process.kill()
                 if attempt == 2:
                     raise
-        self.process = self.window.process
 
     def kill(self):
         self.process.kill()

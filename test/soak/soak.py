@@ -39,14 +39,19 @@ LONGEST_END = 15.0      # s that roslaunch waits after SIGINT
 
 
 class Soak:
-    def __init__(self, arguments, folder, screen):
+    def __init__(self, arguments, folder, screen, stack):
+        """Starts the node and, where there is a screen, RViz; `stack` ends them."""
         self.random = random.Random(arguments.seed)
         self.end = time.monotonic() + 3600 * arguments.hours
         self.report = Report()
         self.clock, self.tf = Stream('/clock', CLOCK), Stream('/tf', TF)
         self.node = Node(folder)
-        self.actions = Actions(self.random, folder)
         self.rviz = screen and Rviz(screen, str(HERE.parents[1] / 'rviz' / 'sim.rviz'))
+        stack.callback(self.kill)
+        self.node.start(False)
+        if self.rviz:
+            self.rviz.start()
+        self.actions = Actions(self.random, folder)
         self.due = {}
         half = 1800 * arguments.hours
         for what, seconds in ((self.be_quiet, 0.0), (self.kill_rviz, RVIZ_PERIOD), (self.kill_helper, HELPER_PERIOD),
@@ -137,9 +142,9 @@ class Soak:
 
     def kill(self):
         """Leaves nothing behind, whatever has happened."""
-        self.node.process.kill()
-        if self.rviz:
-            self.rviz.kill()
+        for part in self.node, self.rviz:
+            if part and part.process:
+                part.process.kill()
 
     def stop(self):
         status, seconds, orphans = self.node.signal(signal.SIGINT)
@@ -165,13 +170,11 @@ def main():
     with Master(), contextlib.ExitStack() as stack:
         rospy.init_node('soak', disable_signals=True)
         screen = None if arguments.no_rviz else stack.enter_context(rviz_driver.Screen())
-        soak = Soak(arguments, folder, screen)
+        soak = Soak(arguments, folder, screen, stack)
         try:
             soak.run()
         except KeyboardInterrupt:
             soak.report.problem('interrupted')
-        finally:
-            soak.kill()
     report = soak.report
     print(report.table(soak.actions.counts, soak.clock, soak.tf))
     if arguments.picture:
