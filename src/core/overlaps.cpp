@@ -46,11 +46,6 @@ bool shareACentre(const Bodies& bodies, const ContactPair& pair) {
   return inscribedOverlap(bodies, pair) > kInscribed * radii;
 }
 
-bool isDeep(const Context& context, const ContactPair& pair) {
-  const Bodies& bodies = context.scene.bodies;
-  return shareACentre(bodies, pair) || depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair);
-}
-
 bool areMovable(const Bodies& bodies, const ContactPair& pair) {
   return bodies.traits[pair.i].moved_by_forces() && bodies.traits[pair.j].moved_by_forces();
 }
@@ -151,6 +146,11 @@ void warn(Context& context) {
 }
 
 }  // namespace
+
+bool isDeep(const Context& context, const ContactPair& pair) {
+  const Bodies& bodies = context.scene.bodies;
+  return shareACentre(bodies, pair) || depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair);
+}
 
 Need need(const Census& c) {
   if (c.moved_by_forces == 0 || c.collidable < 2) return {false, "no two bodies can overlap"};

@@ -12,6 +12,10 @@
 
 namespace rbs::overlaps {
 
+/// Whether two bodies overlap so deeply that no contact has made it. By the touches of the last step; bodies whose
+/// centres nearly coincide are told without them.
+bool isDeep(const Context& context, const ContactPair& pair);
+
 Need need(const Census& census);
 
 /// Finds the pairs of crowds (Standing::Parting).

@@ -62,7 +62,7 @@ std::string faultOfName(const std::string& name) {
   }
   if (!isLetter(name[0]) && name[0] != '_') return "a letter or '_' first";
   if (name.back() == '/' || name.find("//") != std::string::npos) return "names between '/', not empty ones";
-  if (name == kWorldName || framePrefix() + name == worldFrame()) {
+  if (name == kWorldName || name == worldFrame() || framePrefix() + name == worldFrame()) {
     return "another name than that of the world's frame";
   }
   return "";

@@ -192,14 +192,20 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   return result;
 }
 
-// What is wrong with a file that is no scene is nobody's business: it may hold what the user may not read.
+// Faults are told with what stands in the file. Of a file that is no scene nothing is quoted: it may hold what is not
+// for whoever asked for it.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
   stopIfInterrupted(file);
   const std::string text = readText(file);
-  if (text.find("bodies") == std::string::npos) refuseFile(file, "not a scene", "a scene file: YAML with the key bodies");
-  SceneFile result = parseScene(text, file, seed);
-  if (result.scene.name == SceneDef{}.name) result.scene.name = std::filesystem::path(file).stem().string();
-  return result;
+  try {
+    SceneFile result = parseScene(text, file, seed);
+    if (result.scene.name == SceneDef{}.name) result.scene.name = std::filesystem::path(file).stem().string();
+    return result;
+  } catch (const InvalidInput&) {
+    const bool is_scene = text.find("bodies") != std::string::npos;
+    if (!is_scene) refuseFile(file, "not a scene", "a scene file: YAML with the key bodies");
+    throw;
+  }
 }
 
 }  // namespace rbs

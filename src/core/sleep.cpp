@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sleep.h"
 
+#include "overlaps.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +42,8 @@ void findWoken(Context& context) {
 }
 
 // A group goes to sleep as a whole. What touches a body that is led and moves, or that a hand or a wrench pulls, or
-// that wind blows at, stays awake: what holds it changes.
+// that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it is moved apart without a
+// velocity that tells it.
 void settle(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
@@ -51,13 +54,16 @@ void settle(Context& context) {
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
   for (const Island& island : step.islands) {
+    const bool parts = std::any_of(island.pairs.begin(), island.pairs.end(), [&](Index k) {
+      return overlaps::isDeep(context, step.contacts.pairs[k]);
+    });
     bool ready = island.contact && !blown;
     for (const Index k : island.pairs)
       for (const Index i : {step.contacts.pairs[k].i, step.contacts.pairs[k].j})
         ready = ready && (scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
-      rested = isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
+      rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
       ready = ready && rested >= steps && !pulled[i];
     }
     if (ready) step.to_bed.push_back(island.bodies);

@@ -10,7 +10,8 @@
 
 namespace rbs {
 
-/// Every body that is not see-through is a click target in a world of up to 300. In a larger one those nearest to `focus` are, since
+/// Every body that is not see-through is a click target in a world of up to 300. In a larger one those nearest to
+/// `focus` are, since
 /// every target costs the server and RViz time in each cycle.
 class ClickTargets {
  public:

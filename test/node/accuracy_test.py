@@ -243,7 +243,7 @@ class AccuracyTest(unittest.TestCase):
         self.assertIn('Cheapest within 1 mm a second:', done.stdout)
         self.assertEqual(run('nowhere').returncode, 1)
         for option, value in (('windows', '0'), ('windows', '-4294967295'), ('windows', '1e30'), ('windows', '2.5'),
-                              ('seconds', '-1'), ('seconds', 'nan'), ('window', 'inf'), ('window', '1e300'),
+                              ('seconds', '-1'), ('seconds', 'nan'), ('window', 'inf'), ('window', '1e+300'),
                               ('max-seconds', '0'), ('max-seconds', '-inf'), ('from', '-1'), ('from', 'nan'),
                               ('max-error', '-1'), ('max-step-ms', 'x')):
             done = run(SMALL, '--%s=%s' % (option, value))

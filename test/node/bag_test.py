@@ -37,6 +37,7 @@ class BagTest(unittest.TestCase):
         wait(lambda: (states.all()[-1].header.stamp - begin).to_sec() > 10 * PERIOD, 'enough is recorded')
         recorder.send_signal(signal.SIGINT)
         recorder.wait()
+        wait(lambda: os.path.exists(path), 'the recorder has closed its bag')
 
     def test_a_bag_played_from_the_middle_shows_all(self):
         all_markers = Listener('/sim/visualization_marker_array', MarkerArray)

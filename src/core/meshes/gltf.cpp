@@ -80,7 +80,7 @@ class Gltf {
   }
 
   Points read() {
-    const Json first{{"scene", 0}};
+    const Json first{{"scene", 0u}};
     const Json& scene =
         lookUp(root_, "scenes", root_.contains("scene") ? std::as_const(root_) : first, "scene");
     visited_.assign(root_.contains("nodes") ? root_["nodes"].size() : 0, false);
