@@ -71,7 +71,8 @@ Pose frameNamed(const World& world, const std::string& frame_id) {
 }
 
 const Vec3& finiteVector(const Vec3& v, const std::string& path) {
-  if (!v.allFinite()) throw InvalidInput({{path, inWords(v), "finite numbers"}});
+  if (!v.allFinite())
+    throw InvalidInput({{path, words('[', v.x(), ", ", v.y(), ", ", v.z(), ']'), "finite numbers"}});
   return v;
 }
 

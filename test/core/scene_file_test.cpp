@@ -696,7 +696,7 @@ TEST(NearestName, findsMisspellingsOnly) {
 
 TEST(SceneFile, nothingIsQuotedOfAFileThatIsNoScene) {
   const std::string file = testing::TempDir() + "no_scene_" + std::to_string(getpid()) + ".yaml";
-  for (const char* text : {"root:x:0:0:secret:/root\n", "name: secret\n", "password: secret\n", "gravity: secret",
+  for (const char* text : {"root:x:0:0:secret:/root\n", "password: secret\n", "gravity: secret",
                            "- secret\n", "*secret", "!secret x", "[[secret", "key: [secret\n\x01", "%secret"}) {
     std::ofstream(file) << text;
     try {

@@ -60,7 +60,7 @@ class BagTest(unittest.TestCase):
             self.assertEqual(set(states.ids), set(bodies))
         # The water, too, which never moves.
         self.assertEqual(markers_of(messages['/sim/visualization_marker_array']), markers_of(all_markers.all()))
-        self.assertIn('fluid', {name for name, _ in markers_of(all_markers.all())})
+        self.assertIn('/sim/fluid', {name for name, _ in markers_of(all_markers.all())})
         frames = {t.child_frame_id for message in messages['/tf'] for t in message.transforms}
         self.assertEqual(frames, {body.name for body in bodies.values() if body.kind != 'static'})
 

@@ -62,7 +62,7 @@ class ResumeTest(unittest.TestCase):
         cls.status = StatusListener()
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
+        folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
         self.file = os.path.join(folder.name, 'states', 'sim.yaml')
