@@ -25,7 +25,7 @@ void find(Context& context);
 std::vector<char> crowdedBodies(const StepStore& step);
 
 /// Whether overlaps decide how an island moves, and not forces that an exact solve could find: some of its
-/// bodies are `crowded`, or several of its pairs overlap deeply.
+/// bodies are `crowded`, or many of its pairs overlap deeply.
 bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded);
 
 /// Moves the bodies of crowds apart, as far as they may go in a step, and hands their overlaps on to the next

@@ -47,8 +47,7 @@ void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator, const rig
 }
 
 void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
-  if (event.type == QEvent::FocusIn)
-    return context_.setStatus("<b>Left-Click:</b> Select. <b>Left-Drag:</b> Pull. <b>Right-Click:</b> Menu.");
+  if (event.type == QEvent::FocusIn) return showHints();
   if (event.type == QEvent::FocusOut) return letGo();
   if (event.leftDown()) return press(event);
   if (drags() && event.type == QEvent::MouseMove) return move(event);
@@ -57,6 +56,11 @@ void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
   const bool is_for_menu = event.right();
   if (!drags() && !is_for_menu && event.panel->getViewController())
     event.panel->getViewController()->handleMouseEvent(event);
+  showHints();  // where the view has told its own
+}
+
+void BodyMouse::showHints() {
+  context_.setStatus("<b>Left-Click:</b> Select. <b>Left-Drag:</b> Pull. <b>Right-Click:</b> Menu.");
 }
 
 std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent& event) {
@@ -86,7 +90,12 @@ std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEve
 
 void BodyMouse::press(rviz::ViewportMouseEvent& event) {
   const Ogre::Vector3 hit = hitPoint(event).value_or(position_);
-  drag_ = Drag{Ogre::Plane(event.viewport->getCamera()->getRealDirection(), hit), hit, Ogre::Vector3::ZERO};
+  const Ogre::Plane plane(event.viewport->getCamera()->getRealDirection(), hit);
+  // Where the ray meets the plane, and not the hit, which the depth buffer has rounded: a mouse that does not move then
+  // moves the body by nothing.
+  const Ogre::Ray ray = rayOf(event);
+  const auto [meets, distance] = ray.intersects(plane);
+  drag_ = Drag{plane, meets ? ray.getPoint(distance) : hit, Ogre::Vector3::ZERO};
   send(Feedback::MOUSE_DOWN, hit);
   still_there_.start();
 }

@@ -51,6 +51,7 @@ class BodyMouse : public rviz::InteractiveObject {
     Ogre::Vector3 grip, moved_by;
   };
 
+  void showHints();
   /// The point under the mouse. Behind a see-through body it is that of the body there, for which this stands then.
   std::optional<Ogre::Vector3> hitPoint(const rviz::ViewportMouseEvent& event);
   std::optional<Ogre::Vector3> lookThrough(const rviz::ViewportMouseEvent& event);

@@ -158,7 +158,7 @@ class GuiTest(unittest.TestCase):
         self.addCleanup(show, os.path.join(ROOT, 'test', 'rviz', 'three_boxes.yaml'), VIEW)
         show(MANY, MANY_VIEW)
         self.wait_for_status(lambda s: s.bodies == 5001, 'there are 5,000 boxes')
-        for name in ('box_1', 'box_2550'):
+        for name in ('box_1', 'box_2550', 'box_5000'):
             start = position(name)
             target = self.rviz.pixel_of((0.9 * start[0], 0.8 * start[1], start[2] + 2.0))
             self.rviz.drag(self.rviz.pixel_of(start), target)
