@@ -43,6 +43,7 @@ Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle
 void Drag::hear(const std::optional<Pose>& handle) {
   heard_ = Clock::now();
   if (!handle) return;
+  went_ = went_ || handle->p_WB != handle_.p_WB || handle->q_WB.coeffs() != handle_.q_WB.coeffs();
   handle_ = *handle;
   moved_ = true;
 }
@@ -67,7 +68,7 @@ void Drag::apply(World& world, const Snapshot& now) {
     lead(world);
   } else {
     release(world);
-    put(world, now.states[i].pose);
+    if (went_) put(world, now.states[i].pose);
   }
 }
 

@@ -66,6 +66,7 @@ class Drag {
   Pose handle_;
   Clock::time_point heard_ = Clock::now();
   bool moved_ = true;               ///< since the last apply()
+  bool went_ = false;               ///< the mouse has moved since the press: a click alone leaves a body where it is
   bool applied_to_paused_ = false;  ///< whether the world was paused then
   bool led_ = false;                ///< whether the world leads the body now
 };
