@@ -167,12 +167,20 @@ class CoverTest(unittest.TestCase):
             self.assertEqual(len(Document(unclear).faults), 1, unclear)
 
 
+def add_test(name, check, page):
+    """The runner goes by the name that the function itself carries."""
+    def test(self):
+        check(self, page)
+    test.__name__ = name
+    setattr(CommandsTest, name, test)
+
+
 # The pages with expectations in their order there, since the simulator that one has started serves the next; the README
 # prepares the terminals of all.
 for number, name in enumerate([*EXPECTED, *(page for page in PAGES if page not in EXPECTED)]):
     title = re.sub(r'\W', '_', name)
-    setattr(CommandsTest, 'test_%02d_commands_of_%s' % (number, title), lambda self, page=name: self.check_page(page))
-    setattr(CommandsTest, 'test_99_blocks_of_%s' % title, lambda self, page=name: self.check_blocks(page))
+    add_test('test_%02d_commands_of_%s' % (number, title), CommandsTest.check_page, name)
+    add_test('test_99_blocks_of_%s' % title, CommandsTest.check_blocks, name)
 
 
 if __name__ == '__main__':
