@@ -70,6 +70,10 @@ class CommandsTest(unittest.TestCase):
         cls.staying, cls.preparation = None, []
 
     @classmethod
+    def tearDownClass(cls):
+        cls.doClassCleanups()  # which nose does not
+
+    @classmethod
     def close_staying(cls):
         if cls.staying:
             cls.staying.close()
@@ -167,7 +171,7 @@ class CoverTest(unittest.TestCase):
             self.assertEqual(len(Document(unclear).faults), 1, unclear)
 
 
-def add_test(name, check, page):
+def register(name, check, page):
     """The runner goes by the name that the function itself carries."""
     def test(self):
         check(self, page)
@@ -179,8 +183,8 @@ def add_test(name, check, page):
 # prepares the terminals of all.
 for number, name in enumerate([*EXPECTED, *(page for page in PAGES if page not in EXPECTED)]):
     title = re.sub(r'\W', '_', name)
-    add_test('test_%02d_commands_of_%s' % (number, title), CommandsTest.check_page, name)
-    add_test('test_99_blocks_of_%s' % title, CommandsTest.check_blocks, name)
+    register('test_%02d_commands_of_%s' % (number, title), CommandsTest.check_page, name)
+    register('test_99_blocks_of_%s' % title, CommandsTest.check_blocks, name)
 
 
 if __name__ == '__main__':

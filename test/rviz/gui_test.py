@@ -4,6 +4,7 @@
 
 Nothing here is timed: every check waits, for up to a minute, until what it expects is so.
 """
+import math
 import os
 import subprocess
 import sys
@@ -173,7 +174,8 @@ class GuiTest(unittest.TestCase):
             self.wait_for_selection('middle')
             drop()
             self.wait_for_selection('')
-        self.assertEqual(position('middle'), (0.0, 0.0, 0.4))
+        # RViz's own markers, which stand in front of up to 300 bodies, round where they were hit.
+        self.assertLess(math.dist(position('middle'), (0.0, 0.0, 0.4)), 1e-3)
 
     def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
         self.addCleanup(call, 'reset', Trigger)
