@@ -53,8 +53,8 @@ inline SceneDef onFloor(double step, double friction) {
   return scene;
 }
 
-/// A scene, and the same with its bodies made in the opposite order: what holds of a pair may not depend on which of the two
-/// is the older.
+/// A scene, and the same with its bodies made in the opposite order: what holds of a pair may not depend on
+/// which of the two is the older.
 inline std::array<SceneDef, 2> inBothOrders(const SceneDef& scene) {
   SceneDef reversed = scene;
   std::reverse(reversed.bodies.begin(), reversed.bodies.end());

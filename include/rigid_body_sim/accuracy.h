@@ -31,10 +31,11 @@ struct AccuracyStudy {
   std::uint32_t windows = 0;    ///< measured in which the reference converged
   std::uint32_t shortened = 0;  ///< of these, ended before `window`, where the reference still converged
   std::uint32_t dropped = 0;    ///< measured in which the reference did not converge even for one step
-  ErrorRate uncertainty;        ///< of the reference: what halving its step changes, or a third of what quartering does, the mean
-  std::string trouble;          ///< why there are no errors; empty: there are
-  bool complete = false;      ///< all windows that were asked for; else time ran out or the study was stopped
-  double first_answer = 0.0;  ///< CPU time after which every setting had an error, s; 0: none has
+  ErrorRate uncertainty;  ///< of the reference: what halving its step changes, or a third of what quartering
+                          ///< does, the mean
+  std::string trouble;    ///< why there are no errors; empty: there are
+  bool complete = false;  ///< all windows that were asked for; else time ran out or the study was stopped
+  double first_answer = 0.0;          ///< CPU time after which every setting had an error, s; 0: none has
   std::vector<SettingCost> settings;  ///< in the order they were asked for
 };
 

@@ -14,8 +14,8 @@ struct Difference {
   double distance = 0.0;    ///< of its centre of mass, m
   std::string turned_body;  ///< the one that is turned most against its other self; empty: none turned
   double angle = 0.0;       ///< rad
-  /// Of kinetic and potential energy together, as a share of the kinetic energy and of what it takes to lift every
-  /// body by its bounding radius.
+  /// Of kinetic and potential energy together, as a share of the kinetic energy and of what it takes to lift
+  /// every body by its bounding radius.
   double energy = 0.0;
 };
 

@@ -8,8 +8,8 @@
 
 namespace rbs {
 
-/// What a scene may call for beyond bodies that keep their motion. Each is simulated where the scene's contents
-/// ask for it, unless it is forced on or off.
+/// What a scene may call for beyond bodies that keep their motion. Each is simulated where the scene's
+/// contents ask for it, unless it is forced on or off.
 enum class Effect {
   Gravity,      ///< asked for by a gravity that is not zero
   Buoyancy,     ///< by a fluid
@@ -21,12 +21,15 @@ enum class Effect {
   Restitution,  ///< by bodies with restitution above 0
   Gyroscopic,   ///< by bodies whose principal moments of inertia differ
   Rotation,     ///< by bodies that something can turn: all but balls without friction
-  Sleeping,     ///< by nothing but being forced on: groups at rest for 0.5 s are left out until something comes near
+  Sleeping,  ///< by nothing but being forced on: groups at rest for 0.5 s are left out until something comes
+             ///< near
 };
 
 /// All of them, in the order in which a step meets them.
-inline constexpr std::array kEffects{Effect::Gravity,  Effect::Buoyancy, Effect::Drag,        Effect::Collision, Effect::Impacts,
-                                     Effect::Friction, Effect::Rolling,  Effect::Restitution, Effect::Gyroscopic, Effect::Rotation, Effect::Sleeping};
+inline constexpr std::array kEffects{Effect::Gravity,   Effect::Buoyancy,    Effect::Drag,
+                                     Effect::Collision, Effect::Impacts,     Effect::Friction,
+                                     Effect::Rolling,   Effect::Restitution, Effect::Gyroscopic,
+                                     Effect::Rotation,  Effect::Sleeping};
 
 /// "gravity", "buoyancy", …: the name in lower case.
 const char* effectName(Effect effect);

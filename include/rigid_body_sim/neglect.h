@@ -16,9 +16,10 @@ struct Neglect {
   Difference difference;
 };
 
-/// Runs a scene as its effects are detected and with `effects` forced, each for up to 0.25 s of physics time and
-/// no more than 20,000 steps of bodies, and compares the ends. Empty for a scene too large for one step.
-std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state, const EffectOverrides& effects);
+/// Runs a scene as its effects are detected and with `effects` forced, each for up to 0.25 s of physics time
+/// and no more than 20,000 steps of bodies, and compares the ends. Empty for a scene too large for one step.
+std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state,
+                                      const EffectOverrides& effects);
 
 /// "in 0.25 s it moves 'box' by 0.31 m and turns 'cone' by 12 degrees".
 std::string describe(const Neglect& measured);

@@ -25,10 +25,10 @@ struct Material {
   double restitution = 0.0;
   /// Dimensionless, >= 0. Empty means defaultDragCoefficient(): 0.47 (sphere, capsule) or 1.05.
   std::optional<double> drag_coefficient;
-  /// What resists rolling and spinning on the spot, >= 0, as shares of a lever arm: a pair under the normal force
-  /// N resists rolling with a torque of up to (c_a + c_b) R N and spinning with up to (s_a + s_b) R N, where
-  /// 1/R = 1/R_a + 1/R_b; R_a is the radius of a sphere, capsule, cylinder or cone, and infinite for other
-  /// shapes. A pair without a round body does not roll and feels neither. 0: none.
+  /// What resists rolling and spinning on the spot, >= 0, as shares of a lever arm: a pair under the normal
+  /// force N resists rolling with a torque of up to (c_a + c_b) R N and spinning with up to (s_a + s_b) R N,
+  /// where 1/R = 1/R_a + 1/R_b; R_a is the radius of a sphere, capsule, cylinder or cone, and infinite for
+  /// other shapes. A pair without a round body does not roll and feels neither. 0: none.
   double rolling_resistance = 0.0, torsional_resistance = 0.0;
 };
 
@@ -44,8 +44,8 @@ const char* kindName(BodyKind kind);
 /// The name of the frame W that nothing else may have, whatever nameFrames() says.
 inline constexpr const char* kWorldName = "world";
 
-/// The names that frames have outside of the core, in tf: that of W, and what stands in front of the names of bodies.
-/// To be called before any thread reads a scene. Throws InvalidInput for what tf would not take.
+/// The names that frames have outside of the core, in tf: that of W, and what stands in front of the names of
+/// bodies. To be called before any thread reads a scene. Throws InvalidInput for what tf would not take.
 void nameFrames(const std::string& world, const std::string& prefix);
 const std::string& worldFrame();   ///< "world" unless nameFrames() said otherwise
 const std::string& framePrefix();  ///< "" unless nameFrames() said otherwise
@@ -55,8 +55,9 @@ using Color = std::array<float, 4>;
 
 /// A body to be made.
 struct BodyDef {
-  /// Letters, digits, '_', '-' and '/', at most 64. First a letter or '_'; '/' parts it into names that are not empty.
-  /// Not the name of the world's frame. Unique in the world. Empty: the world names it after its shape ("box_3").
+  /// Letters, digits, '_', '-' and '/', at most 64. First a letter or '_'; '/' parts it into names that are
+  /// not empty. Not the name of the world's frame. Unique in the world. Empty: the world names it after its
+  /// shape ("box_3").
   std::string name;
   Shape shape = Box{};
   Pose pose;
@@ -91,8 +92,8 @@ struct Wind {
   double gust = 0.0;
 };
 
-/// Still water, or any other fluid, that fills all space below a level. Bodies feel its weight (Archimedes) and its
-/// drag; it is not moved by them, and the mass it would add to theirs is neglected.
+/// Still water, or any other fluid, that fills all space below a level. Bodies feel its weight (Archimedes)
+/// and its drag; it is not moved by them, and the mass it would add to theirs is neglected.
 struct Fluid {
   double density = 1000.0;  ///< kg/m³, > 0
   double level = 0.0;       ///< z of its surface in W, m
@@ -118,13 +119,16 @@ Fidelity fidelityNamed(const std::string& name);
 /// Where the dial stands: one of its names, and numbers in the place of those behind the name.
 struct Setting {
   Fidelity preset = Fidelity::Interactive;
-  std::uint32_t divisions = 1;             ///< equal parts that a step is taken in, 1 to 1000
-  std::optional<std::uint32_t> sub_steps;  ///< of the soft step, in each part, 1 to 1000; empty: preview 1, others 8
-  /// Of the exact step: residuals in impulse and velocity that it stops at, as fractions of what gravity gives in a
-  /// step, 1e-15 to 0.1; empty: accurate 1e-6, and on to 1e-9 where that is quick, reference 1e-12, others 1e-9.
+  std::uint32_t divisions = 1;  ///< equal parts that a step is taken in, 1 to 1000
+  std::optional<std::uint32_t>
+      sub_steps;  ///< of the soft step, in each part, 1 to 1000; empty: preview 1, others 8
+  /// Of the exact step: residuals in impulse and velocity that it stops at, as fractions of what gravity
+  /// gives in a step, 1e-15 to 0.1; empty: accurate 1e-6, and on to 1e-9 where that is quick, reference
+  /// 1e-12, others 1e-9.
   std::optional<double> tolerance;
-  /// Wall time for the exact solves of a step, ms, 1e-6 to 1e6; empty: as long as they take. What is not solved by then
-  /// keeps the best impulses found, and its certificate says so. Gives up equal results from run to run.
+  /// Wall time for the exact solves of a step, ms, 1e-6 to 1e6; empty: as long as they take. What is not
+  /// solved by then keeps the best impulses found, and its certificate says so. Gives up equal results from
+  /// run to run.
   std::optional<double> max_solve_ms;
 
   Setting() = default;
@@ -162,10 +166,10 @@ struct SceneDef {
   Vec3 gravity{0.0, 0.0, -9.81};  ///< m/s², in W; zero means no gravity
   double step = 1.0 / 60.0;       ///< s, 1e-6 to 1
   Setting fidelity;
-  std::optional<Goal> goal;  ///< empty: the dial stays where it is put
-  std::uint64_t seed = 1;    ///< of gusts and scattered bodies
-  std::optional<Air> air;    ///< empty: no drag
-  std::optional<Wind> wind;  ///< empty: air at rest; given without air is refused
+  std::optional<Goal> goal;    ///< empty: the dial stays where it is put
+  std::uint64_t seed = 1;      ///< of gusts and scattered bodies
+  std::optional<Air> air;      ///< empty: no drag
+  std::optional<Wind> wind;    ///< empty: air at rest; given without air is refused
   std::optional<Fluid> fluid;  ///< empty: no buoyancy
   EffectOverrides effects;     ///< empty: every effect is detected
   View view;
@@ -179,8 +183,8 @@ struct Limits {
   static constexpr double min_mass = 1e-18, max_mass = 1e18;      ///< kg
   static constexpr double max_position = 1e9;                     ///< m
   static constexpr int max_hull_points = 1'000'000, max_hull_vertices = 4096;
-  static constexpr double max_speed = 1e6;                        ///< m/s
-  static constexpr double max_spin = 1e6;                         ///< rad/s
+  static constexpr double max_speed = 1e6;  ///< m/s
+  static constexpr double max_spin = 1e6;   ///< rad/s
   static constexpr double max_friction = 1e9;
   static constexpr double max_drag = 1e6;
   static constexpr double max_resistance = 1e6;

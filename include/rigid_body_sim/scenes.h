@@ -22,8 +22,8 @@ struct SceneFile {
 SceneFile parseScene(const std::string& text, const std::string& file,
                      std::optional<std::uint64_t> seed = std::nullopt);
 
-/// Reads a scene file. The same errors; a file over 16 MiB, one that cannot be read, and one without the key `bodies`
-/// are refused. Nothing is quoted of a file without that key.
+/// Reads a scene file. The same errors; a file over 16 MiB, one that cannot be read, and one without the key
+/// `bodies` are refused. Nothing is quoted of a file without that key.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed = std::nullopt);
 
 /// The text of a scene, which parseScene() reads back bit for bit.

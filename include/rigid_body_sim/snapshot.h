@@ -24,7 +24,7 @@ struct BodyDescription {
   Material material;
   Color color{};
   std::uint32_t group = 1, mask = 0xffffffffu;  ///< see BodyDef
-  bool frozen = false;  ///< quarantined after it became non-finite
+  bool frozen = false;                          ///< quarantined after it became non-finite
 };
 
 /// What changes with every step.
@@ -46,12 +46,12 @@ struct ContactPoint {
 
 /// One row of the pipeline: a stage, whether it runs, why, and what it costs.
 struct StageInfo {
-  std::string name;      ///< "forces.wind"
-  bool active = false;   ///< whether the scene needs it
-  std::string reason;    ///< in words and numbers, for and against
+  std::string name;         ///< "forces.wind"
+  bool active = false;      ///< whether the scene needs it
+  std::string reason;       ///< in words and numbers, for and against
   std::uint64_t items = 0;  ///< what it worked on in the last step
-  std::string unit;         ///< what its items are: "bodies", "pairs", "points"; empty if they are not counted
-  double seconds = 0.0;     ///< spent in the last step; 0 for one that did not run, or that is part of another
+  std::string unit;      ///< what its items are: "bodies", "pairs", "points"; empty if they are not counted
+  double seconds = 0.0;  ///< spent in the last step; 0 for one that did not run, or that is part of another
 };
 
 /// Trouble at run time, with its remedy.
@@ -60,18 +60,20 @@ struct Warning {
   std::string text;  ///< what happened, to which body, and what to do
 };
 
-/// How a group of bodies that contacts tie together went through the last step, and how well it obeys the law of
-/// contact at the end of its last solve. Speeds are fractions of g h (without gravity 9.81 m/s² stands in for g).
+/// How a group of bodies that contacts tie together went through the last step, and how well it obeys the law
+/// of contact at the end of its last solve. Speeds are fractions of g h (without gravity 9.81 m/s² stands in
+/// for g).
 struct IslandCertificate {
   std::uint32_t bodies = 0, contacts = 0;  ///< dynamic bodies; contact points
   /// What solved it: "soft_step", or of the exact step the dearest solver it took: "guess", "gauss_seidel",
   /// "newton", "interior_point", "admm".
   const char* method = "";
-  std::uint32_t iterations = 0;  ///< of the solver, all solves of the step together; 0: the last forces still held
-  double signorini = 0.0;        ///< closing speed at closed points, and speed at loaded ones
-  double coulomb = 0.0;          ///< friction beyond the cone
-  double dissipation = 0.0;      ///< slip that friction does not oppose, or slip where it sticks
-  bool converged = true;         ///< the exact solvers reached their tolerance; always true for the soft step
+  std::uint32_t iterations =
+      0;                   ///< of the solver, all solves of the step together; 0: the last forces still held
+  double signorini = 0.0;  ///< closing speed at closed points, and speed at loaded ones
+  double coulomb = 0.0;    ///< friction beyond the cone
+  double dissipation = 0.0;  ///< slip that friction does not oppose, or slip where it sticks
+  bool converged = true;     ///< the exact solvers reached their tolerance; always true for the soft step
   double deepest_penetration = 0.0;  ///< m
   double energy_change = 0.0;        ///< kinetic and potential, from the start of the step, J
   double turn = 0.0;                 ///< largest |w| h of its bodies, rad
@@ -88,7 +90,8 @@ struct StepReport {
   std::uint32_t impacts = 0;           ///< impacts located in time and resolved in order
   std::uint32_t deferred_impacts = 0;  ///< impacts left to the contact solver, over budget
   double deepest_penetration = 0;      ///< m, >= 0, at the end of the step
-  std::vector<IslandCertificate> certificates;  ///< of the groups in contact, in the order of their first bodies
+  std::vector<IslandCertificate>
+      certificates;  ///< of the groups in contact, in the order of their first bodies
   std::vector<Warning> warnings;
 };
 
@@ -127,11 +130,11 @@ struct ErrorEstimate {
 
 struct Snapshot {
   std::string scene;
-  double time = 0.0;                                           ///< physics time since the scene began, s
-  std::uint64_t steps = 0;                                     ///< taken since the scene began
-  double step = 0.0;                                           ///< s
-  std::uint64_t edits = 0;                                     ///< grows with every edit, load and reset; the dial does not count
-  std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
+  double time = 0.0;                      ///< physics time since the scene began, s
+  std::uint64_t steps = 0;                ///< taken since the scene began
+  double step = 0.0;                      ///< s
+  std::uint64_t edits = 0;                ///< grows with every edit, load and reset; the dial does not count
+  std::uint64_t description_version = 0;  ///< grows when `bodies` changes
   std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order
   std::vector<BodyState> states;                               ///< same order as `bodies`
   std::vector<ContactPoint> contacts;
@@ -141,7 +144,7 @@ struct Snapshot {
   AirState air;
   std::optional<Fluid> fluid;
   Vec3 gravity = Vec3::Zero();
-  EffectOverrides effects;                                     ///< forced on or off; the others are detected
+  EffectOverrides effects;  ///< forced on or off; the others are detected
   Setting fidelity;
   std::optional<Goal> goal;               ///< that turns the dial
   std::string dial_reason;                ///< why it stands where it does; empty: nothing has turned it
@@ -151,8 +154,8 @@ struct Snapshot {
 
   // What the Simulator adds.
   bool paused = false;
-  std::uint64_t world = 0;  ///< which world it is of: grows with every load and reset
-  double elapsed = 0.0;     ///< physics time simulated in all its worlds, s; never goes back
+  std::uint64_t world = 0;        ///< which world it is of: grows with every load and reset
+  double elapsed = 0.0;           ///< physics time simulated in all its worlds, s; never goes back
   double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it
 
   /// Position of this body in `bodies` and `states`, or -1.

@@ -62,8 +62,8 @@ struct Problem {
   std::string allowed;  ///< what is allowed instead
 };
 
-/// Thrown for bad input, with every problem found, before anything is changed. Long paths and values are cut, and what
-/// is no printable UTF-8 in them is escaped.
+/// Thrown for bad input, with every problem found, before anything is changed. Long paths and values are cut,
+/// and what is no printable UTF-8 in them is escaped.
 class InvalidInput : public std::invalid_argument {
  public:
   explicit InvalidInput(std::vector<Problem> problems);

@@ -27,8 +27,8 @@ struct BodyEdit {
   std::optional<std::uint32_t> group, mask;  ///< see BodyDef
 };
 
-/// A user force, as of a mouse: a spring from a point of a body to a point of the world. It damps turning, too: as
-/// much as lets the body swing to where it hangs, without swinging beyond.
+/// A user force, as of a mouse: a spring from a point of a body to a point of the world. It damps turning,
+/// too: as much as lets the body swing to where it hangs, without swinging beyond.
 struct Grab {
   Vec3 p_B = Vec3::Zero();          ///< where it holds the body, in B, m
   Vec3 p_W = Vec3::Zero();          ///< where it pulls that point, m
@@ -54,9 +54,9 @@ struct SavedState {
   std::vector<Contact> contacts;
   /// Where the attitude of a body is counted from whose spin is constant (see World::snapshot()).
   struct Attitude {
-    std::uint32_t body = 0;              ///< its index in the scene
-    double since = 0.0;                  ///< s
-    Quat q_WB = Quat::Identity();        ///< then
+    std::uint32_t body = 0;        ///< its index in the scene
+    double since = 0.0;            ///< s
+    Quat q_WB = Quat::Identity();  ///< then
   };
   std::vector<Attitude> attitudes;
   /// A body at rest, in a scene whose bodies may sleep.
@@ -96,19 +96,21 @@ class World {
   /// Force at a point and a couple, from now on for `seconds` of physics time (> 0).
   /// Adds to the wrenches that already act.
   void applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
-  /// The same, but in the place of the body's last commanded wrench: a body has one slot for commands, beside whatever
-  /// applyWrench() has added, so a controller may send as often as it likes. `seconds` is its time-out.
-  void commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
+  /// The same, but in the place of the body's last commanded wrench: a body has one slot for commands, beside
+  /// whatever applyWrench() has added, so a controller may send as often as it likes. `seconds` is its
+  /// time-out.
+  void commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                     double seconds);
   void grab(BodyId id, const Grab& grab);    ///< from now on, until release()
   void hold(BodyId id, const Pose& target);  ///< leads the body there as if kinematic, until release()
   void release(BodyId id);                   ///< a grabbed body keeps its velocity; a held one is at rest
 
   // --- surroundings
   void setGravity(const Vec3& gravity_W);
-  void setAir(const std::optional<Air>& air);     ///< taking air away takes the wind with it
-  void setWind(const std::optional<Wind>& wind);  ///< needs air
-  void setFidelity(const Setting& setting);  ///< bodies keep their state, bit for bit
-  void setGoal(const std::optional<Goal>& goal);  ///< for a Governor, which turns the dial by it
+  void setAir(const std::optional<Air>& air);        ///< taking air away takes the wind with it
+  void setWind(const std::optional<Wind>& wind);     ///< needs air
+  void setFidelity(const Setting& setting);          ///< bodies keep their state, bit for bit
+  void setGoal(const std::optional<Goal>& goal);     ///< for a Governor, which turns the dial by it
   void setFluid(const std::optional<Fluid>& fluid);  ///< empty takes it away
   void setEffects(const EffectOverrides& effects);   ///< replaces all overrides; those not in it are detected
 
@@ -119,10 +121,10 @@ class World {
   // --- reading
   double time() const;
   std::uint64_t steps() const;
-  std::uint64_t edits() const;              ///< how often the world has been edited; the dial and its goal do not count
-  const SceneDef& scene() const;            ///< settings as they are now; `bodies` is not kept up
-  SceneDef capture() const;                 ///< the scene as it is now, bodies and velocities included
-  SavedState captureState() const;          ///< what capture() leaves out
+  std::uint64_t edits() const;    ///< how often the world has been edited; the dial and its goal do not count
+  const SceneDef& scene() const;  ///< settings as they are now; `bodies` is not kept up
+  SceneDef capture() const;       ///< the scene as it is now, bodies and velocities included
+  SavedState captureState() const;                                     ///< what capture() leaves out
   std::shared_ptr<const std::vector<BodyDescription>> bodies() const;  ///< in canonical order
   Snapshot snapshot() const;                ///< all but the pacing, and what a Governor adds
   std::vector<StageInfo> pipeline() const;  ///< which stages run, and why

@@ -41,7 +41,8 @@ class AccuracyWindow {
 
   double smallest_;
   std::uint32_t steps_ = 0;
-  std::vector<Run> runs_;  ///< of each setting, and of the reference in a quarter, in half, and in all of its divisions
+  std::vector<Run>
+      runs_;  ///< of each setting, and of the reference in a quarter, in half, and in all of its divisions
 };
 
 /// The sums of several windows.

@@ -27,7 +27,8 @@ inline Quat rotationBy(const Vec3& theta) {
     const double s = square;
     const double c6 = 1.0 - s * (1.0 / 56) * (1.0 - s * (1.0 / 90));
     cosine = 1.0 - s * (1.0 / 2) * (1.0 - s * (1.0 / 12) * (1.0 - s * (1.0 / 30) * c6));
-    half_sinc = 0.5 - s * (1.0 / 12) * (1.0 - s * (1.0 / 20) * (1.0 - s * (1.0 / 42) * (1.0 - s * (1.0 / 72))));
+    half_sinc =
+        0.5 - s * (1.0 / 12) * (1.0 - s * (1.0 / 20) * (1.0 - s * (1.0 / 42) * (1.0 - s * (1.0 / 72))));
   } else {
     const double half = std::sqrt(square);
     cosine = std::cos(half), half_sinc = 0.5 * std::sin(half) / half;

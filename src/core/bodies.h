@@ -56,7 +56,7 @@ struct Traits {
 
 struct Bodies {
   std::vector<BodyId> id;
-  std::vector<Pose> pose;  ///< q_WB of a body that is `unturned`: as it was at `since`
+  std::vector<Pose> pose;     ///< q_WB of a body that is `unturned`: as it was at `since`
   std::vector<double> since;  ///< s
   std::vector<Twist> twist;
   std::vector<Inertia> inertia;
@@ -72,7 +72,8 @@ struct Bodies {
   void erase(Index i);                             ///< keeps the order
   void clear() { *this = Bodies{}; }
 
-  /// To be called when shape, mass, kind, hold or quarantine of body i changed; then the census is to be taken.
+  /// To be called when shape, mass, kind, hold or quarantine of body i changed; then the census is to be
+  /// taken.
   void refresh(Index i);
 
   /// Its pose now, at `time`.

@@ -22,15 +22,15 @@ struct Census {
   Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
   Index led = 0;              ///< kinematic or held
   Index asleep = 0;
-  Index collidable = 0;       ///< with another body that they may meet
+  Index collidable = 0;                                    ///< with another body that they may meet
   std::array<Index, std::variant_size_v<Shape>> shapes{};  ///< of those, by shape
-  Index ballistic = 0;        ///< moved by gravity alone, and never meeting another
-  Index asymmetric = 0;       ///< moved by forces, with principal moments that differ
-  Index rough = 0;            ///< collidable, friction > 0
-  Index bouncy = 0;           ///< collidable, restitution > 0
-  Index rolling = 0;          ///< collidable, with rolling or torsional resistance > 0
-  Index dragged = 0;          ///< moved by forces, with a drag coefficient > 0
-  Index turned = 0;           ///< moved by forces, with something that may turn them
+  Index ballistic = 0;   ///< moved by gravity alone, and never meeting another
+  Index asymmetric = 0;  ///< moved by forces, with principal moments that differ
+  Index rough = 0;       ///< collidable, friction > 0
+  Index bouncy = 0;      ///< collidable, restitution > 0
+  Index rolling = 0;     ///< collidable, with rolling or torsional resistance > 0
+  Index dragged = 0;     ///< moved by forces, with a drag coefficient > 0
+  Index turned = 0;      ///< moved by forces, with something that may turn them
   Index grabs = 0, holds = 0, wrenches = 0;
   double gravity = 0.0;        ///< magnitude, m/s²
   double air_density = 0.0;    ///< kg/m³; 0 without air
@@ -51,7 +51,8 @@ struct Need {
 
 /// What the last census made of each body, so that an edit of one need not look at all.
 struct CensusTally {
-  /// Group, mask, and whether forces move it: bodies of one kind may meet the same others. There are few kinds.
+  /// Group, mask, and whether forces move it: bodies of one kind may meet the same others. There are few
+  /// kinds.
   using Layer = std::tuple<std::uint32_t, std::uint32_t, bool>;
   struct Entry {
     Layer layer{};
@@ -65,11 +66,12 @@ struct CensusTally {
 };
 
 struct SceneStore;
-/// Goes through the bodies once: remakes the dense lists, decides the effects and what each body feels of them.
-/// Returns the census.
+/// Goes through the bodies once: remakes the dense lists, decides the effects and what each body feels of
+/// them. Returns the census.
 Census takeCensus(SceneStore& scene);
-/// The same after an edit of these bodies and of what pulls at them, and of nothing else but that bodies were appended:
-/// looks only at those. Looks at all where what others feel has changed: an effect, or whom they may meet.
+/// The same after an edit of these bodies and of what pulls at them, and of nothing else but that bodies were
+/// appended: looks only at those. Looks at all where what others feel has changed: an effect, or whom they
+/// may meet.
 Census takeCensus(SceneStore& scene, const std::vector<Index>& changed);
 /// Takes a body out of tally and lists, before it is erased.
 void uncountBody(SceneStore& scene, Index i);

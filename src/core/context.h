@@ -76,16 +76,16 @@ struct SceneStore {
   SceneDef settings;  ///< its `bodies` are empty: they live in the store below
   Bodies bodies;
   ActiveEffects effects;
-  Vec3 gravity_W = Vec3::Zero();   ///< as simulated: zero when gravity is off, m/s²
-  double ballistic_until = 0.0;    ///< no ballistic body leaves the limits before this time, s
+  Vec3 gravity_W = Vec3::Zero();  ///< as simulated: zero when gravity is off, m/s²
+  double ballistic_until = 0.0;   ///< no ballistic body leaves the limits before this time, s
   Rosters rosters;
   CensusTally tally;
   std::vector<TimedWrench> wrenches;
   std::vector<HandGrab> grabs;
   std::vector<HandHold> holds;
-  Contacts contacts;  ///< of the last step, and those of bodies asleep
+  Contacts contacts;       ///< of the last step, and those of bodies asleep
   std::vector<Rest> rest;  ///< by body; empty unless some rest
-  Sweep sweep;        ///< of the broad phase
+  Sweep sweep;             ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
   bool just_edited = true;  ///< no step has been taken since the last edit
@@ -159,18 +159,18 @@ struct StepStore {
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
-  std::vector<Index> island;            ///< by body: its place in `islands`; kNone if it is no mover
-  std::vector<double> contact_seconds;  ///< by row of the contact method's table
-  std::vector<Index> woken;               ///< bodies that must not sleep on
+  std::vector<Index> island;               ///< by body: its place in `islands`; kNone if it is no mover
+  std::vector<double> contact_seconds;     ///< by row of the contact method's table
+  std::vector<Index> woken;                ///< bodies that must not sleep on
   std::vector<std::vector<Index>> to_bed;  ///< groups that sleep from the next step on
-  std::vector<Pose> before;             ///< by body: pose at t0, for the body that must be put back
-  std::vector<Twist> twist_before;      ///< by body, at t0
+  std::vector<Pose> before;                ///< by body: pose at t0, for the body that must be put back
+  std::vector<Twist> twist_before;         ///< by body, at t0
   /// When the exact solves of the step are to end, where that is asked for.
   std::optional<std::chrono::steady_clock::time_point> solve_until;
   StepReport report;
 
-  /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene, or
-  /// for none when all that move are ballistic.
+  /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene,
+  /// or for none when all that move are ballistic.
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
   /// Whether the time for exact solves is over, where there is a limit to it.
@@ -187,8 +187,8 @@ struct Context {
   const Census& census;
 };
 
-/// Whether a body's state is within what an edit may ask for: beyond it a body is lost, and a saved state could
-/// not be read.
+/// Whether a body's state is within what an edit may ask for: beyond it a body is lost, and a saved state
+/// could not be read.
 bool withinLimits(const Pose& pose, const Twist& twist);
 /// Puts a body back to where it was at the start of the step and makes it static, with a warning.
 void freeze(Context& context, Index i, const Pose& before, const Twist& twist_before);

@@ -7,10 +7,10 @@
 namespace rbs {
 
 struct FidelitySettings {
-  bool exact;        ///< contacts by the exact step, else by the soft step
-  bool promotes;     ///< hands small islands that the soft step does badly to the exact step
-  std::uint32_t sub_steps;     ///< of the soft step
-  bool all_points;   ///< solves every point of a manifold, else the four that span most of it
+  bool exact;               ///< contacts by the exact step, else by the soft step
+  bool promotes;            ///< hands small islands that the soft step does badly to the exact step
+  std::uint32_t sub_steps;  ///< of the soft step
+  bool all_points;          ///< solves every point of a manifold, else the four that span most of it
   double tolerance;  ///< of the exact step: residuals in impulse and velocity, fractions of their units
   double aim;        ///< likewise: where a few iterations more reach it
   int corrections;   ///< of the exact step: solves that the curvature of a drift may ask for anew

@@ -87,7 +87,8 @@ double slowest(const Context& context, Index i, Index j) {
 }
 
 // What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the
-// difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes that turn.
+// difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes
+// that turn.
 double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
                   double from) {
   const double left = context.step.t1 - from;
@@ -102,9 +103,9 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 
 }  // namespace
 
-// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is left to
-// the contact solver: foretelling how a face rocks on another, to find when it comes back, would cost more than it
-// is worth within a step. Of spheres and planes it is known in closed form.
+// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is
+// left to the contact solver: foretelling how a face rocks on another, to find when it comes back, would cost
+// more than it is worth within a step. Of spheres and planes it is known in closed form.
 Outlook foretell(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
@@ -127,12 +128,12 @@ Outlook foretell(const Context& context, Index i, Index j, double from) {
     const Meeting now(context, i, j, from);
     if (now.manifold.size > 0) return touchAt(now, from);
   }
-  const std::optional<double> time =
-      timeOfImpact(a, course_i, b, course_j, from, step.t1);
+  const std::optional<double> time = timeOfImpact(a, course_i, b, course_j, from, step.t1);
   if (time) return touchAt(Meeting(context, i, j, *time), *time);
   // What overlaps touches, though nothing closes: contacts are to part it.
   Outlook outlook;
-  outlook.touches = gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
+  outlook.touches =
+      gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
   return outlook;
 }
 
@@ -145,7 +146,8 @@ bool isFree(const Context& context, Index i) {
   if (!bodies.traits[i].moved_by_forces()) return true;
   if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
   if (step.island[i] != kNone && step.islands[step.island[i]].contact) return false;
-  return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic || bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
+  return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic ||
+         bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
 }
 
 void find(Context& context) {
@@ -160,7 +162,8 @@ void find(Context& context) {
         step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
     }
   }
-  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
+  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
+  // number.
   const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);

@@ -90,8 +90,9 @@ void openPair(StepStore& step, const Bodies& bodies, Index i, Index j) {
   std::vector<ContactPair>& pairs = step.contacts.pairs;
   ContactPair pair;
   pair.i = i, pair.j = j, pair.id_i = bodies.id[i], pair.id_j = bodies.id[j];
-  const auto place = std::lower_bound(pairs.begin(), pairs.end(), pair,
-                                      [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
+  const auto place =
+      std::lower_bound(pairs.begin(), pairs.end(), pair,
+                       [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
   const std::ptrdiff_t k = place - pairs.begin();
   if (place == pairs.end() || place->key() != pair.key()) {
     pairs.insert(place, pair);
@@ -100,7 +101,8 @@ void openPair(StepStore& step, const Bodies& bodies, Index i, Index j) {
   step.standing[static_cast<std::size_t>(k)] = Standing::Open;
 }
 
-// Puts the step back to where it was before any body moved, but for these pairs, which contacts are to reckon with.
+// Puts the step back to where it was before any body moved, but for these pairs, which contacts are to reckon
+// with.
 void beginAgain(Context& context, const StepStore& begun, const std::vector<std::pair<Index, Index>>& pairs) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
@@ -115,15 +117,19 @@ void beginAgain(Context& context, const StepStore& begun, const std::vector<std:
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayOverlook(const Context& context) {
   const StepStore& step = context.step;
-  if (!settingsOf(context.scene.settings.fidelity).exact || context.scene.rosters.movers.size() < 2) return false;
-  const auto stays = [&](const ContactPair& pair) { return context.scene.restitutionOf(pair.i, pair.j) == 0.0; };
+  if (!settingsOf(context.scene.settings.fidelity).exact || context.scene.rosters.movers.size() < 2)
+    return false;
+  const auto stays = [&](const ContactPair& pair) {
+    return context.scene.restitutionOf(pair.i, pair.j) == 0.0;
+  };
   const auto inContact = [](const Island& island) { return !island.pairs.empty(); };
   return std::any_of(step.islands.begin(), step.islands.end(), inContact) ||
-         (!step.impacts.empty() && std::any_of(step.contacts.pairs.begin(), step.contacts.pairs.end(), stays));
+         (!step.impacts.empty() &&
+          std::any_of(step.contacts.pairs.begin(), step.contacts.pairs.end(), stays));
 }
 
-// Contacts push bodies off the courses on which they were foretold to pass others. Where that makes a pair overlap,
-// the step is taken again with this pair among the contacts.
+// Contacts push bodies off the courses on which they were foretold to pass others. Where that makes a pair
+// overlap, the step is taken again with this pair among the contacts.
 void advanceOverlookingNone(Context& context) {
   constexpr int kMostTimes = 8;  // each push may reach one body further
   StepStore begun = context.step;
@@ -153,7 +159,8 @@ void bringTo(Context& context, Island& island, double time) {
 
 Need need(const Census& c) {
   const Index movers = c.moved_by_forces - c.ballistic;
-  if (movers == 0 && c.led == 0) return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
+  if (movers == 0 && c.led == 0)
+    return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
   return {true, count(movers, "body", "bodies") + " that may meet others or feel more than gravity" +
                     (c.led > 0 ? ", " + count(c.led, "body is", "bodies are") + " led" : "")};
 }
@@ -189,8 +196,9 @@ void link(Context& context) {
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (Island& island : step.islands)
-    island.exact = !overlaps::ruleOver(context, island, crowded) &&
-                   (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
+    island.exact =
+        !overlaps::ruleOver(context, island, crowded) &&
+        (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
 }
 
 void advance(Context& context) {

@@ -9,7 +9,8 @@
 
 namespace rbs {
 
-std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state, const EffectOverrides& effects) {
+std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state,
+                                      const EffectOverrides& effects) {
   constexpr double kSeconds = 0.25;
   constexpr std::size_t kMostWork = 20000;  // bodies times steps
   const std::size_t bodies = std::max<std::size_t>(scene.bodies.size(), 1);
@@ -30,7 +31,8 @@ std::string describe(const Neglect& measured) {
   const Difference& neglect = measured.difference;
   std::string words = "in " + text(measured.seconds) + " s it ";
   if (neglect.moved_body.empty() && neglect.turned_body.empty()) return words + "changes nothing";
-  if (!neglect.moved_body.empty()) words += "moves '" + neglect.moved_body + "' by " + text(neglect.distance) + " m";
+  if (!neglect.moved_body.empty())
+    words += "moves '" + neglect.moved_body + "' by " + text(neglect.distance) + " m";
   if (!neglect.turned_body.empty())
     words += (neglect.moved_body.empty() ? "turns '" : " and turns '") + neglect.turned_body + "' by " +
              text(neglect.angle * 180.0 / kPi) + " degrees";

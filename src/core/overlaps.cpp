@@ -20,8 +20,9 @@ constexpr double kInscribed = 0.5;
 // Bodies that overlap no more others than this are left to the contact solver, which parts them by the
 // shortest way.
 constexpr Index kFew = 3;
-// Deep pairs of an island that the exact settings still solve exactly. A pyramid of ten boxes that overlap by half has 18,
-// and parts best so; what is left of a crowd of 200 boxes has hundreds, and took 12 to 22 s a step.
+// Deep pairs of an island that the exact settings still solve exactly. A pyramid of ten boxes that overlap by
+// half has 18, and parts best so; what is left of a crowd of 200 boxes has hundreds, and took 12 to 22 s a
+// step.
 constexpr Index kFewToSolve = 32;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;

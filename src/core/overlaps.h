@@ -12,8 +12,8 @@
 
 namespace rbs::overlaps {
 
-/// Whether two bodies overlap so deeply that no contact has made it. By the touches of the last step; bodies whose
-/// centres nearly coincide are told without them.
+/// Whether two bodies overlap so deeply that no contact has made it. By the touches of the last step; bodies
+/// whose centres nearly coincide are told without them.
 bool isDeep(const Context& context, const ContactPair& pair);
 
 Need need(const Census& census);

@@ -30,8 +30,8 @@ bool overlap(const Context& context, Index i, Index j) {
   const Bodies& bodies = context.scene.bodies;
   const Traits &a = bodies.traits[i], &b = bodies.traits[j];
   const double t1 = context.step.t1;
-  const Manifold manifold = collide(a.shape, context.step.poseAt(bodies, i, t1), b.shape,
-                                    context.step.poseAt(bodies, j, t1), 0.0);
+  const Manifold manifold =
+      collide(a.shape, context.step.poseAt(bodies, i, t1), b.shape, context.step.poseAt(bodies, j, t1), 0.0);
   for (int p = 0; p < manifold.size; ++p)
     if (manifold.points[p].separation < -kClosed * std::min(a.length, b.length)) return true;
   return false;
@@ -44,7 +44,8 @@ Pairs findOverlooked(const Context& context) {
   const StepStore& step = context.step;
   std::vector<Index> pushed;
   for (const Island& island : step.islands)
-    if (!island.pairs.empty() && island.exact) pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
+    if (!island.pairs.empty() && island.exact)
+      pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
   if (pushed.empty()) return {};
   std::vector<Bounds> bounds = step.bounds;
   Neighbourhood neighbourhood(scene.sweep.order, bounds);
@@ -55,7 +56,8 @@ Pairs findOverlooked(const Context& context) {
   const auto look = [&](Index a, Index b) {
     const Index i = std::min(a, b), j = std::max(a, b);
     if (!sweep_and_prune::mayCollide(scene.bodies.traits[i], scene.bodies.traits[j])) return;
-    if (scene.restitutionOf(i, j) > 0.0 || std::binary_search(known.begin(), known.end(), std::pair(i, j))) return;
+    if (scene.restitutionOf(i, j) > 0.0 || std::binary_search(known.begin(), known.end(), std::pair(i, j)))
+      return;
     if (overlap(context, i, j)) found.emplace_back(i, j);
   };
   for (const Index i : pushed) {

@@ -6,12 +6,12 @@
 namespace rbs {
 namespace {
 
-constexpr double kLargestLag = 0.1;             // wall time beyond which lateness is given up, not made up for, s
-constexpr double kWindow = 1.0;                 // over which the achieved speed is averaged, s
-constexpr double kSampling = 0.02;              // between two samples of it, s
+constexpr double kLargestLag = 0.1;  // wall time beyond which lateness is given up, not made up for, s
+constexpr double kWindow = 1.0;      // over which the achieved speed is averaged, s
+constexpr double kSampling = 0.02;   // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often
-constexpr double kLongestPicture = 0.1;         // likewise: ten pictures a second
-constexpr double kPictureShare = 0.1;           // of the time, that pictures may take
+constexpr double kLongestPicture = 0.1;          // likewise: ten pictures a second
+constexpr double kPictureShare = 0.1;            // of the time, that pictures may take
 
 double seconds(Pacer::Clock::duration d) {
   return std::chrono::duration<double>(d).count();

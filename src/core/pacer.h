@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pacer: when the next step is due and when the next picture (a snapshot for those who look on), by the steady clock,
-// and what pace that came to.
+// Pacer: when the next step is due and when the next picture (a snapshot for those who look on), by the
+// steady clock, and what pace that came to.
 //
-// A simulation whose steps take longer than they may runs slower. It does not freeze: the time that it is behind by
-// is given up and counted, and pictures go on at a steady rate.
+// A simulation whose steps take longer than they may runs slower. It does not freeze: the time that it is
+// behind by is given up and counted, and pictures go on at a steady rate.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,8 @@ class Pacer {
   using Clock = std::chrono::steady_clock;
   using Time = Clock::time_point;
 
-  /// Begins anew: steps of `step` s at `speed` times real time (0: as fast as possible), the first one due now.
+  /// Begins anew: steps of `step` s at `speed` times real time (0: as fast as possible), the first one due
+  /// now.
   void restart(Time now, double speed, double step);
 
   /// When the next step is due; long ago where the speed is 0.
@@ -25,14 +26,14 @@ class Pacer {
   /// A step of `step` s was taken.
   void stepped(Time begin, Time end, double step);
 
-  /// When the next picture is due: 80 a second, fewer where they would take more than a tenth of the time, and never
-  /// so few that another step would leave more than 0.1 s between two.
+  /// When the next picture is due: 80 a second, fewer where they would take more than a tenth of the time,
+  /// and never so few that another step would leave more than 0.1 s between two.
   Time nextPicture() const;
   /// A picture was taken.
   void pictured(Time begin, Time end);
 
-  /// Physics time over wall time in about the last second, up to now. A step that is late counts against it before it
-  /// has ended. The speed that was asked for as long as there is too little to measure.
+  /// Physics time over wall time in about the last second, up to now. A step that is late counts against it
+  /// before it has ended. The speed that was asked for as long as there is too little to measure.
   double achievedSpeed(Time now) const;
   /// Physics time that the speed asked for and that was given up since restart(), s.
   double lostTime() const { return lost_; }
@@ -46,8 +47,8 @@ class Pacer {
   double speed_ = 1.0, interval_ = 0.0;  ///< asked for; wall time from step to step, s
   Time next_step_;
   double lost_ = 0.0;
-  std::deque<Sample> samples_;  ///< of about the last second, the oldest first
-  Sample last_{};               ///< the end of the last step
+  std::deque<Sample> samples_;                         ///< of about the last second, the oldest first
+  Sample last_{};                                      ///< the end of the last step
   double step_seconds_ = 0.0, picture_seconds_ = 0.0;  ///< wall time of the last ones, s
   Time last_picture_;
 };

@@ -104,7 +104,8 @@ constexpr std::array kStages{
 std::string contactLaw(const Setting& setting) {
   const FidelitySettings settings = settingsOf(setting);
   const std::string name = std::string(fidelityName(setting.preset)) +
-                           (setting.divisions > 1 ? " in " + count(setting.divisions, "part", "parts") : "") + ": ";
+                           (setting.divisions > 1 ? " in " + count(setting.divisions, "part", "parts") : "") +
+                           ": ";
   if (settings.exact) return name + "Coulomb's law to " + text(settings.tolerance);
   return name + "soft contacts, " + count(settings.sub_steps, "sub-step", "sub-steps") +
          (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
@@ -222,7 +223,8 @@ void Pipeline::run(Context& context) {
     mark = now;
     if (!context.step.woken.empty()) return;  // to be begun again
   }
-  for (std::size_t row = 0; row < kContactRows; ++row) contact_seconds_[row] += context.step.contact_seconds[row];
+  for (std::size_t row = 0; row < kContactRows; ++row)
+    contact_seconds_[row] += context.step.contact_seconds[row];
   context.step.report.seconds = secondsBetween(begin, mark);
 }
 

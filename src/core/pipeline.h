@@ -13,8 +13,8 @@ namespace rbs {
 class Pipeline {
  public:
   void filter(const Census& census);
-  /// Runs one step and times every stage. It ends early, before anything has moved, when bodies are to be woken
-  /// for it (step.woken).
+  /// Runs one step and times every stage. It ends early, before anything has moved, when bodies are to be
+  /// woken for it (step.woken).
   void run(Context& context);
   /// Times are sums from here on.
   void restartClocks();

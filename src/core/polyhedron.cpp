@@ -62,8 +62,8 @@ Vec3 farthest(const Points& points, Offset offset) {
   return most;
 }
 
-/// Why the points have no inside; empty where they have. The first point, the one farthest from it, the one farthest
-/// from their line, and the one farthest from their plane span a tetrahedron, which may be too thin.
+/// Why the points have no inside; empty where they have. The first point, the one farthest from it, the one
+/// farthest from their line, and the one farthest from their plane span a tetrahedron, which may be too thin.
 std::string flatness(const Points& points) {
   const Vec3 a = farthest(points, [&](const Vec3& p) { return Vec3(p - points[0]); });
   const double length = a.norm();
@@ -172,9 +172,9 @@ std::vector<Triangle> triangulate(const Points& points, const std::string& path)
   return triangles;
 }
 
-/// The points that are vertices of the hull, found in parts: those of a part, with those of the parts before it, at a
-/// time. What is inside the hull of some of the points is inside that of all. So the work is bounded however many
-/// points there are, and can be interrupted. Few points are left as they are.
+/// The points that are vertices of the hull, found in parts: those of a part, with those of the parts before
+/// it, at a time. What is inside the hull of some of the points is inside that of all. So the work is bounded
+/// however many points there are, and can be interrupted. Few points are left as they are.
 Points reduced(const Points& points, const std::string& path) {
   constexpr std::size_t part = 8192, most = 4 * Limits::max_hull_vertices;
   if (points.size() <= 2 * part) return points;

@@ -49,7 +49,8 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
                               std::to_string(Manifold::kPoints) + " points"});
     for (const SavedState::Contact::Point& point : contact.points)
       if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
-        problems.push_back({"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
+        problems.push_back(
+            {"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
   }
   for (const SavedState::Attitude& attitude : saved.attitudes)
     if (attitude.body >= bodies || !(attitude.since >= 0.0 && attitude.since <= saved.time) ||

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a saved state holds beyond the definitions of its bodies: reading it from the store, and putting it back.
+// What a saved state holds beyond the definitions of its bodies: reading it from the store, and putting it
+// back.
 #pragma once
 
 #include "context.h"
@@ -15,8 +16,8 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies);
 /// Puts back the time and the contacts of a sound state; before the census is taken.
 void restoreContacts(const SavedState& saved, SceneStore& scene);
 
-/// Puts back attitudes that are counted from an earlier time, and who sleeps; after the census. Returns whether the
-/// census is to be taken again.
+/// Puts back attitudes that are counted from an earlier time, and who sleeps; after the census. Returns
+/// whether the census is to be taken again.
 bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene);
 
 }  // namespace rbs

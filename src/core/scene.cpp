@@ -52,13 +52,14 @@ bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// What a body's name breaks; empty for a sound one. It is the name of a frame of tf too, where "/" parts levels and
-/// may not come first, and an argument of command lines, where "-" begins an option.
+/// What a body's name breaks; empty for a sound one. It is the name of a frame of tf too, where "/" parts
+/// levels and may not come first, and an argument of command lines, where "-" begins an option.
 std::string faultOfName(const std::string& name) {
   if (name.empty()) return "";
   if (name.size() > kLongestName) return "at most 64 characters, not " + std::to_string(name.size());
   for (const char c : name) {
-    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return "letters, digits, '_', '-' and '/'";
+    if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/')
+      return "letters, digits, '_', '-' and '/'";
   }
   if (!isLetter(name[0]) && name[0] != '_') return "a letter or '_' first";
   if (name.back() == '/' || name.find("//") != std::string::npos) return "names between '/', not empty ones";
@@ -237,7 +238,8 @@ Frames& frames() {
   return names;
 }
 
-/// Whether tf takes it: letters, digits and '_', '-', '/', of which the last neither begins it nor follows itself.
+/// Whether tf takes it: letters, digits and '_', '-', '/', of which the last neither begins it nor follows
+/// itself.
 bool isFrameName(const std::string& name) {
   for (const char c : name)
     if (!isLetter(c) && !isDigit(c) && c != '_' && c != '-' && c != '/') return false;
@@ -356,7 +358,8 @@ std::vector<Problem> validate(const Setting& setting) {
   if (setting.tolerance)
     faults.number("fidelity.tolerance", *setting.tolerance, Limits::min_tolerance, Limits::max_tolerance);
   if (setting.max_solve_ms)
-    faults.number("fidelity.max_solve_ms", *setting.max_solve_ms, Limits::min_solve_ms, Limits::max_solve_ms, "ms");
+    faults.number("fidelity.max_solve_ms", *setting.max_solve_ms, Limits::min_solve_ms, Limits::max_solve_ms,
+                  "ms");
   return faults.take();
 }
 
@@ -366,7 +369,8 @@ std::vector<Problem> validate(const Goal& goal) {
     faults.add("fidelity", "max_error and max_step_ms", "one of them");
   if (goal.max_error)
     faults.number("fidelity.max_error", *goal.max_error, Limits::min_goal, Limits::max_goal, "m per second");
-  if (goal.max_step_ms) faults.number("fidelity.max_step_ms", *goal.max_step_ms, Limits::min_goal, Limits::max_goal, "ms");
+  if (goal.max_step_ms)
+    faults.number("fidelity.max_step_ms", *goal.max_step_ms, Limits::min_goal, Limits::max_goal, "ms");
   return faults.take();
 }
 

@@ -63,7 +63,8 @@ void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   });
   readGroup(top, "effects", problems, [&](Fields& effects) {
     for (const Effect effect : kEffects)
-      if (const auto choice = effects.choose(effectName(effect), {"off", "on", "auto"}); choice && *choice < 2)
+      if (const auto choice = effects.choose(effectName(effect), {"off", "on", "auto"});
+          choice && *choice < 2)
         scene.effects[effect] = *choice == 1;
   });
   readGroup(top, "view", problems, [&](Fields& view) {
@@ -111,7 +112,8 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
   readItems(fields, "attitudes", problems, [&](Fields& item) {
     SavedState::Attitude& attitude = state.attitudes.emplace_back();
     if (item.require("body", "the index of a body", attitude.body) && attitude.body >= bodies)
-      item.report("body", std::to_string(attitude.body), "the index of a body, below " + std::to_string(bodies));
+      item.report("body", std::to_string(attitude.body),
+                  "the index of a body, below " + std::to_string(bodies));
     item.require("since", "the time it holds for", attitude.since);
     item.require("orientation", "the orientation then, [x, y, z, w]", attitude.q_WB);
   });
@@ -121,7 +123,8 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
       item.report("body", std::to_string(rest.body), "the index of a body, below " + std::to_string(bodies));
     item.require("steps", "for how many steps it has rested", rest.steps);
     if (item.read("asleep_with", rest.asleep_with) && *rest.asleep_with >= bodies)
-      item.report("asleep_with", std::to_string(*rest.asleep_with), "the index of a body, below " + std::to_string(bodies));
+      item.report("asleep_with", std::to_string(*rest.asleep_with),
+                  "the index of a body, below " + std::to_string(bodies));
   });
   return state;
 }
@@ -192,8 +195,8 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   return result;
 }
 
-// Faults are told with what stands in the file. Of a file that is no scene nothing is quoted: it may hold what is not
-// for whoever asked for it.
+// Faults are told with what stands in the file. Of a file that is no scene nothing is quoted: it may hold
+// what is not for whoever asked for it.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
   stopIfInterrupted(file);
   const std::string text = readText(file);

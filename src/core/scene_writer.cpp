@@ -115,7 +115,8 @@ std::string bodyText(const BodyDef& body) {
       .addUnless(usual.material.restitution, "restitution", body.material.restitution)
       .addGiven("drag_coefficient", body.material.drag_coefficient)
       .addUnless(usual.material.rolling_resistance, "rolling_resistance", body.material.rolling_resistance)
-      .addUnless(usual.material.torsional_resistance, "torsional_resistance", body.material.torsional_resistance)
+      .addUnless(usual.material.torsional_resistance, "torsional_resistance",
+                 body.material.torsional_resistance)
       .addGiven("color", body.color);
   if (body.group != usual.group) line.add("group", text(body.group));
   if (body.mask != usual.mask) line.add("mask", text(body.mask));
@@ -169,7 +170,8 @@ std::string fidelityText(const SceneDef& scene) {
   if (setting.divisions != 1) line.add("divisions", std::to_string(setting.divisions));
   if (setting.sub_steps) line.add("sub_steps", std::to_string(*setting.sub_steps));
   line.addGiven("tolerance", setting.tolerance).addGiven("max_solve_ms", setting.max_solve_ms);
-  if (scene.goal) line.addGiven("max_error", scene.goal->max_error).addGiven("max_step_ms", scene.goal->max_step_ms);
+  if (scene.goal)
+    line.addGiven("max_error", scene.goal->max_error).addGiven("max_step_ms", scene.goal->max_step_ms);
   return line.close();
 }
 
@@ -184,9 +186,10 @@ std::string headText(const SceneDef& scene) {
               "\n";
   }
   if (scene.fluid) {
-    result += "fluid: " +
-              Line().add("density", text(scene.fluid->density)).add("level", text(scene.fluid->level)).close() +
-              "\n";
+    result +=
+        "fluid: " +
+        Line().add("density", text(scene.fluid->density)).add("level", text(scene.fluid->level)).close() +
+        "\n";
   }
   if (!scene.effects.empty()) {
     Line line;

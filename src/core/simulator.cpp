@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rigid_body_sim/simulator.h"
 
-#include "rigid_body_sim/governor.h"
 #include "pacer.h"
+#include "rigid_body_sim/governor.h"
 #include "text.h"
 
 #include <algorithm>
@@ -49,8 +49,8 @@ struct Simulator::Impl {
   World world;
   Governor governor;
   std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
-  double elapsed_before = 0.0, began_at = 0.0;          // of the worlds before it; its own time when it came, s
-  std::uint64_t worlds = 0;                             // how many came before it
+  double elapsed_before = 0.0, began_at = 0.0;  // of the worlds before it; its own time when it came, s
+  std::uint64_t worlds = 0;                     // how many came before it
   std::optional<StepRequest> request;
   bool stale = false;  // the world has changed since the last snapshot
 

@@ -10,7 +10,8 @@ namespace rbs::sleep {
 
 namespace {
 
-// At rest: no point of its surface is faster than this share of what gravity adds in a step, for this long, s.
+// At rest: no point of its surface is faster than this share of what gravity adds in a step, for this long,
+// s.
 constexpr double kStill = 1e-3, kRest = 0.5;
 
 bool isStill(const SceneStore& scene, Index i, double h) {
@@ -37,13 +38,14 @@ void findWoken(Context& context) {
   if (groups.empty()) return;
   std::sort(groups.begin(), groups.end());
   for (Index i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies.traits[i].asleep && std::binary_search(groups.begin(), groups.end(), scene.rest[i].group))
+    if (scene.bodies.traits[i].asleep &&
+        std::binary_search(groups.begin(), groups.end(), scene.rest[i].group))
       context.step.woken.push_back(i);
 }
 
-// A group goes to sleep as a whole. What touches a body that is led and moves, or that a hand or a wrench pulls, or
-// that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it is moved apart without a
-// velocity that tells it.
+// A group goes to sleep as a whole. What touches a body that is led and moves, or that a hand or a wrench
+// pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it is moved
+// apart without a velocity that tells it.
 void settle(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;

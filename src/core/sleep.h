@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sleep: groups of bodies at rest that are left out of the step until something comes near.
 //
-// Asleep, a body stands still like a static one, and nothing is computed for it but its bounds. What it would still
-// have settled by is lost, so a scene has to ask for it (`effects: {sleeping: on}`).
+// Asleep, a body stands still like a static one, and nothing is computed for it but its bounds. What it would
+// still have settled by is lost, so a scene has to ask for it (`effects: {sleeping: on}`).
 #pragma once
 
 #include "context.h"
 
 namespace rbs::sleep {
 
-/// After the broad phase: finds the groups that a moving body comes near. If there are any, step.woken lists their
-/// bodies, and the step is to be begun again with them awake.
+/// After the broad phase: finds the groups that a moving body comes near. If there are any, step.woken lists
+/// their bodies, and the step is to be begun again with them awake.
 void findWoken(Context& context);
 
 /// After the step: puts groups to sleep that have been at rest for long enough. Lists them in step.to_bed.

@@ -80,7 +80,9 @@ std::uint64_t stateHash(const SceneStore& scene) {
   hash.add(scene.steps);
   for (Index i = 0; i < scene.bodies.size(); ++i) addBody(hash, scene.bodies, i);
   for (Index i = 0; i < scene.rest.size(); ++i)
-    if (scene.rest[i].steps > 0) hash.add(i), hash.add(scene.rest[i].steps), hash.add(scene.bodies.traits[i].asleep), hash.add(scene.rest[i].group);
+    if (scene.rest[i].steps > 0)
+      hash.add(i), hash.add(scene.rest[i].steps), hash.add(scene.bodies.traits[i].asleep),
+          hash.add(scene.rest[i].group);
   for (const TimedWrench& w : scene.wrenches)
     hash.add(scene.bodies.indexOf(w.body)), hash.add(w.force_W), hash.add(w.torque_W), hash.add(w.until),
         hash.add(w.commanded);

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Volume and centre of the part of a shape below a plane up.x <= level.
 //
-// Polyhedra. By Gauss' theorem the volume is the sum of the pyramids over the faces, cut at the plane, with a common
-// apex. With the apex in the plane the new face at the cut has no height, and need not be found.
+// Polyhedra. By Gauss' theorem the volume is the sum of the pyramids over the faces, cut at the plane, with a
+// common apex. With the apex in the plane the new face at the cut has no height, and need not be found.
 //
-// Solids of revolution. A slice across the axis is a disc of radius r(z), cut at the chord e.x = c(z), where e is
-// the direction of `up` across the axis, c = (level - up_z z)/up_r. With t = c/r between -1 and 1
+// Solids of revolution. A slice across the axis is a disc of radius r(z), cut at the chord e.x = c(z), where
+// e is the direction of `up` across the axis, c = (level - up_z z)/up_r. With t = c/r between -1 and 1
 //   area   A = r² (pi - arccos t + t sqrt(1 - t²)),    moment along e   M = -(2/3) r³ (1 - t²)^(3/2).
-// Both are smooth in z but where the chord leaves the disc, (level - up_z z)² = up_r² r², with roots of square
-// roots there and at the tips of the solid. r² is a quadratic in z, so these places are found in closed form, and
-// z = middle - half cos(theta) takes the roots away: Gauss' rule in theta between them converges geometrically.
+// Both are smooth in z but where the chord leaves the disc, (level - up_z z)² = up_r² r², with roots of
+// square roots there and at the tips of the solid. r² is a quadratic in z, so these places are found in
+// closed form, and z = middle - half cos(theta) takes the roots away: Gauss' rule in theta between them
+// converges geometrically.
 #include "submerged.h"
 
 #include "algebra.h"

@@ -7,7 +7,7 @@
 namespace rbs {
 
 struct SubmergedPart {
-  double volume = 0.0;          ///< m³
+  double volume = 0.0;           ///< m³
   Vec3 centre_B = Vec3::Zero();  ///< its centre of volume, m
 };
 

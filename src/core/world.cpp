@@ -12,8 +12,8 @@
 
 namespace rbs {
 
-// Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they are, and
-// drops everything else.
+// Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they
+// are, and drops everything else.
 void World::Impl::keepContacts() {
   Contacts kept;
   const auto keep = [&kept](ContactPair pair, const Contacts& from) {
@@ -26,7 +26,8 @@ void World::Impl::keepContacts() {
     if (pair.size > 0 && pair.first >= step.inherited) keep(pair, step.contacts);
   if (scene.effects[Effect::Sleeping])
     for (ContactPair pair : scene.contacts.pairs) {
-      pair.i = scene.bodies.indexOf(pair.id_i), pair.j = scene.bodies.indexOf(pair.id_j);  // bodies may have gone
+      pair.i = scene.bodies.indexOf(pair.id_i),
+      pair.j = scene.bodies.indexOf(pair.id_j);  // bodies may have gone
       if (pair.size == 0 || pair.i == kNone || pair.j == kNone) continue;
       const Traits &a = scene.bodies.traits[pair.i], &b = scene.bodies.traits[pair.j];
       if ((a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces()) keep(pair, scene.contacts);
@@ -180,7 +181,8 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->forgetContacts(id);
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
                            !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
-                           !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask && !old.frozen;
+                           !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask &&
+                           !old.frozen;
   impl_->edited(!only_motion, std::vector<Index>{i});
 }
 
@@ -316,8 +318,9 @@ const StepReport& World::step() {
   const std::uint32_t parts = w.scene.settings.fidelity.divisions;
   w.step.solve_until.reset();
   if (const auto ms = w.scene.settings.fidelity.max_solve_ms)
-    w.step.solve_until = std::chrono::steady_clock::now() +
-                         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
+    w.step.solve_until =
+        std::chrono::steady_clock::now() +
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
   w.pipeline.restartClocks();
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {

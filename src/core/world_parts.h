@@ -34,8 +34,8 @@ struct World::Impl {
     return i;
   }
 
-  // To be called after every edit; `described` when a description changed. `changed` lists the bodies that the edit was
-  // about, besides those it appended, where it was about nothing else.
+  // To be called after every edit; `described` when a description changed. `changed` lists the bodies that
+  // the edit was about, besides those it appended, where it was about nothing else.
   void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
     ++edits;
     scene.just_edited = true;
@@ -74,7 +74,8 @@ struct World::Impl {
   }
 
   // A wrench about the centre of mass, from now on. Throws InvalidInput.
-  TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds) const;
+  TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                       double seconds) const;
   void keepContacts();
   void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);

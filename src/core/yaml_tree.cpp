@@ -207,7 +207,8 @@ YamlNode parseYaml(const std::string& text, FileProblems& problems) {
     if (parser.HandleNextDocument(builder)) refuse(problems, root.line, "", "two documents", "one document");
     return root;
   } catch (const YAML::Exception& error) {
-    refuse(problems, error.mark.is_null() ? 1 : error.mark.line + 1, "", printable(error.msg), "well-formed YAML");
+    refuse(problems, error.mark.is_null() ? 1 : error.mark.line + 1, "", printable(error.msg),
+           "well-formed YAML");
   }
 }
 

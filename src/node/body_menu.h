@@ -15,9 +15,9 @@ namespace rbs {
 /// What the menu of this body offers.
 std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body);
 
-/// Does what an entry says and says so ("deleted"), save for Resize, which is the view's affair. Nothing, for what
-/// is no entry. `hit_W` is where the mouse met the body. Throws InvalidInput.
+/// Does what an entry says and says so ("deleted"), save for Resize, which is the view's affair. Nothing, for
+/// what is no entry. `hit_W` is where the mouse met the body. Throws InvalidInput.
 const char* runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
-                   const std::optional<Vec3>& hit_W);
+                          const std::optional<Vec3>& hit_W);
 
 }  // namespace rbs

@@ -31,8 +31,8 @@ using std_srvs::Trigger;
 /// What became of a request to spawn, and what it left to the simulator.
 std::string spawnMessage(const SpawnBody::Request& request, const Snapshot& snapshot, std::size_t index) {
   const BodyDescription& body = (*snapshot.bodies)[index];
-  std::string message = words("spawned '", body.name, "' at ", inWords(snapshot.states[index].pose.p_WB), " m: ",
-                              describe(body));
+  std::string message = words("spawned '", body.name, "' at ", inWords(snapshot.states[index].pose.p_WB),
+                              " m: ", describe(body));
   std::string assumed;
   if (isZero(request.pose)) assumed += ", the first free place above the origin";
   if (isZero(request.size) && request.shape != "hull") assumed += ", the size";
@@ -72,7 +72,8 @@ Shape resizedShape(const Shape& shape, const ResizeBody::Request& request) {
   const bool by_size = !isZero(request.size), by_factor = request.factor != 0.0;
   if (by_size == by_factor) throw InvalidInput({{"size and factor", "", "give one of them, and not zero"}});
   if (by_size) return resized(shape, fromMsg(request.size), "body");
-  if (std::holds_alternative<Plane>(shape)) throw InvalidInput({{"shape", "plane", "any other: a plane has no size"}});
+  if (std::holds_alternative<Plane>(shape))
+    throw InvalidInput({{"shape", "plane", "any other: a plane has no size"}});
   if (!(request.factor > 0.0) || !std::isfinite(request.factor)) {
     throw InvalidInput({{"factor", words(request.factor), "a finite number above 0"}});
   }
@@ -100,14 +101,16 @@ std::string move(World& world, const MoveBody::Request& request, MoveBody::Respo
 
 bool isEmpty(const BodyEdit& edit) {
   return !edit.twist && !edit.kind && !edit.mass && !edit.density && !edit.friction && !edit.restitution &&
-         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask;
+         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color &&
+         !edit.group && !edit.mask;
 }
 
 std::string set(World& world, const SetBody::Request& request, SetBody::Response&) {
   const BodyId id = bodyNamed(world, request.name);
   const BodyEdit edit = editFrom(request);
   if (isEmpty(edit)) {
-    throw InvalidInput({{"nothing to change", "", "give mass or density, twist, kind, collision group or mask, material or color"}});
+    throw InvalidInput({{"nothing to change", "",
+                         "give mass or density, twist, kind, collision group or mask, material or color"}});
   }
   world.editBody(id, edit);
   const Snapshot after = world.snapshot();
@@ -124,12 +127,13 @@ void Services::offerBodyEdits() {
     simulator_.edit([&](World& world) { message = spawnOne(world, plan, request, response); });
     return message;
   });
-  offer<SpawnBodies>("spawn_bodies", [this](const SpawnBodies::Request& request, SpawnBodies::Response& response) {
-    const SpawnPlan plan(request.bodies);
-    std::string message;
-    simulator_.edit([&](World& world) { message = spawnMany(world, plan, response); });
-    return message;
-  });
+  offer<SpawnBodies>("spawn_bodies",
+                     [this](const SpawnBodies::Request& request, SpawnBodies::Response& response) {
+                       const SpawnPlan plan(request.bodies);
+                       std::string message;
+                       simulator_.edit([&](World& world) { message = spawnMany(world, plan, response); });
+                       return message;
+                     });
   offerEdit<NamedBody>("delete_body", remove);
   offerEdit<Trigger>("clear", clear);
   offerEdit<ResizeBody>("resize_body", resize);

@@ -56,7 +56,9 @@ PlacedHull hullFrom(const Spec& spec, const std::string& path) {
   return makeHull(points, path + ".points");
 }
 
-Vec3 finiteIn(const geometry_msgs::Vector3& v, const std::string& path) { return finiteVector(fromMsg(v), path); }
+Vec3 finiteIn(const geometry_msgs::Vector3& v, const std::string& path) {
+  return finiteVector(fromMsg(v), path);
+}
 
 /// Pose and twist, from the axes of frame_id to those of W.
 void placeBody(const Spec& spec, const World& world, const std::string& path, BodyDef& body) {
@@ -88,9 +90,8 @@ void setKind(const Spec& spec, const std::string& path, BodyDef& body, std::vect
   collect(problems, [&] {
     body.group = oneOrNone(spec.collision_group, path + ".collision_group").value_or(body.group);
   });
-  collect(problems, [&] {
-    body.mask = oneOrNone(spec.collision_mask, path + ".collision_mask").value_or(body.mask);
-  });
+  collect(problems,
+          [&] { body.mask = oneOrNone(spec.collision_mask, path + ".collision_mask").value_or(body.mask); });
 }
 
 void setMaterial(const rigid_body_sim::Material& msg, const std::string& path, BodyDef& body,
@@ -185,7 +186,8 @@ SpawnPlan::SpawnPlan(std::vector<Spec> specs) : specs_(std::move(specs)) {
   }
 }
 
-SpawnPlan::SpawnPlan(const rigid_body_sim::SpawnBody::Request& request) : specs_{specFrom(request)}, paths_{"body"} {
+SpawnPlan::SpawnPlan(const rigid_body_sim::SpawnBody::Request& request)
+    : specs_{specFrom(request)}, paths_{"body"} {
   shapes_.emplace_back();
   collect(problems_, [&] { shapes_[0] = shapeFrom(specs_[0], paths_[0]); });
 }

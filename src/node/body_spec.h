@@ -14,8 +14,8 @@
 
 namespace rbs {
 
-/// A shape, and its body's frame B seen from the frame P that the pose of a request is about: that of the points of a
-/// hull; of other shapes B itself.
+/// A shape, and its body's frame B seen from the frame P that the pose of a request is about: that of the
+/// points of a hull; of other shapes B itself.
 struct PlacedShape {
   Shape shape;
   std::optional<PlacedHull> hull;
@@ -32,8 +32,8 @@ class SpawnPlan {
   explicit SpawnPlan(std::vector<rigid_body_sim::BodySpec> specs);
   explicit SpawnPlan(const rigid_body_sim::SpawnBody::Request& request);
 
-  /// The bodies to be made, in order; those without a pose at free places above the origin. Throws InvalidInput with
-  /// every problem of every body.
+  /// The bodies to be made, in order; those without a pose at free places above the origin. Throws
+  /// InvalidInput with every problem of every body.
   std::vector<BodyDef> bodiesIn(const World& world) const;
 
  private:

@@ -12,7 +12,9 @@ namespace {
 constexpr std::size_t kMostTargets = 300;
 
 /// Whether it only fences others in and is drawn translucent: a click is meant for what one sees through it.
-bool isSeeThrough(const BodyDescription& body) { return body.kind == BodyKind::Static && body.color[3] < 1.0f; }
+bool isSeeThrough(const BodyDescription& body) {
+  return body.kind == BodyKind::Static && body.color[3] < 1.0f;
+}
 
 }  // namespace
 

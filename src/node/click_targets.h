@@ -10,9 +10,8 @@
 
 namespace rbs {
 
-/// Every body that is not see-through is a click target in a world of up to 300. In a larger one those nearest to
-/// `focus` are, since
-/// every target costs the server and RViz time in each cycle.
+/// Every body that is not see-through is a click target in a world of up to 300. In a larger one those
+/// nearest to `focus` are, since every target costs the server and RViz time in each cycle.
 class ClickTargets {
  public:
   explicit ClickTargets(MarkerBoard& board) : board_(board) {}

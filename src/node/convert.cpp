@@ -15,7 +15,9 @@ double drawable(double coordinate) {
 
 }  // namespace
 
-double finite(double value) { return std::isfinite(value) ? value : 0.0; }
+double finite(double value) {
+  return std::isfinite(value) ? value : 0.0;
+}
 
 geometry_msgs::Vector3 toMsg(const Vec3& v) {
   geometry_msgs::Vector3 msg;
@@ -107,9 +109,13 @@ rigid_body_sim::BodyDescription toMsg(const BodyDescription& body) {
   return msg;
 }
 
-Vec3 fromMsg(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
+Vec3 fromMsg(const geometry_msgs::Vector3& v) {
+  return {v.x, v.y, v.z};
+}
 
-Vec3 fromMsg(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }
+Vec3 fromMsg(const geometry_msgs::Point& p) {
+  return {p.x, p.y, p.z};
+}
 
 Quat fromMsg(const geometry_msgs::Quaternion& q) {
   const Quat given(q.w, q.x, q.y, q.z);
@@ -118,13 +124,21 @@ Quat fromMsg(const geometry_msgs::Quaternion& q) {
   return norm > 1e-3 && norm < 1e3 ? Quat(given.normalized()) : given;
 }
 
-Pose fromMsg(const geometry_msgs::Pose& pose) { return {fromMsg(pose.position), fromMsg(pose.orientation)}; }
+Pose fromMsg(const geometry_msgs::Pose& pose) {
+  return {fromMsg(pose.position), fromMsg(pose.orientation)};
+}
 
-Twist fromMsg(const geometry_msgs::Twist& twist) { return {fromMsg(twist.linear), fromMsg(twist.angular)}; }
+Twist fromMsg(const geometry_msgs::Twist& twist) {
+  return {fromMsg(twist.linear), fromMsg(twist.angular)};
+}
 
-Color fromMsg(const std_msgs::ColorRGBA& color) { return {color.r, color.g, color.b, color.a}; }
+Color fromMsg(const std_msgs::ColorRGBA& color) {
+  return {color.r, color.g, color.b, color.a};
+}
 
-bool isZero(const geometry_msgs::Vector3& v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+bool isZero(const geometry_msgs::Vector3& v) {
+  return v.x == 0.0 && v.y == 0.0 && v.z == 0.0;
+}
 
 bool isZero(const geometry_msgs::Pose& pose) {
   const auto& [p, q] = std::tie(pose.position, pose.orientation);

@@ -39,8 +39,8 @@ class Drag {
 
   /// The client says that it still drags, and where to when it says so.
   void hear(const std::optional<Pose>& handle);
-  /// Whether the client has said nothing for so long (5 s) that it must be gone. An RViz that draws thousands of
-  /// bodies in software may be silent for a second or two.
+  /// Whether the client has said nothing for so long (5 s) that it must be gone. An RViz that draws thousands
+  /// of bodies in software may be silent for a second or two.
   bool silent() const;
 
   /// Has apply() lead the body anew, which somebody else has let go.
@@ -65,8 +65,8 @@ class Drag {
   Grip grip_;
   Pose handle_;
   Clock::time_point heard_ = Clock::now();
-  bool moved_ = true;               ///< since the last apply()
-  bool went_ = false;               ///< the mouse has moved since the press: a click alone leaves a body where it is
+  bool moved_ = true;  ///< since the last apply()
+  bool went_ = false;  ///< the mouse has moved since the press: a click alone leaves a body where it is
   bool applied_to_paused_ = false;  ///< whether the world was paused then
   bool led_ = false;                ///< whether the world leads the body now
 };

@@ -27,8 +27,8 @@
 namespace rbs {
 
 /// Serves ~interactive_bodies. Listens to ~select (the name of a body; "" selects none) and to
-/// ~interactive_bodies/mouse: the same feedback as of interactive markers, of bodies by name. Tells the selected
-/// body's name on ~selection (latched; "" for none), and what became of a click or a drag on
+/// ~interactive_bodies/mouse: the same feedback as of interactive markers, of bodies by name. Tells the
+/// selected body's name on ~selection (latched; "" for none), and what became of a click or a drag on
 /// ~interactive_bodies/answer.
 ///
 /// ROS hands over feedback while it holds the server's lock. It is only put into the inbox there, and
@@ -81,7 +81,7 @@ class InteractiveBodies {
   Inbox inbox_;
   MarkerBoard board_;
   ClickTargets targets_;
-  std::uint64_t world_ = 0;  ///< that drags and the selection belong to
+  std::uint64_t world_ = 0;            ///< that drags and the selection belong to
   std::map<std::string, Drag> drags_;  ///< by client: each has one mouse
   BodyId selected_;
   bool resizes_ = false;         ///< whether the selection has handles in place of the gizmo

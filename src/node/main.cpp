@@ -75,22 +75,25 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   options.publishers.tf = parameters.choice("tf", "all", {"all", "none"}, "transforms to publish") == "all"
                               ? rbs::TfMode::All
                               : rbs::TfMode::None;
-  options.world_frame =
-      parameters.text("world_frame", rbs::kWorldName, "name of the world's frame, the parent of every body's frame");
+  options.world_frame = parameters.text("world_frame", rbs::kWorldName,
+                                        "name of the world's frame, the parent of every body's frame");
   options.publishers.tf_prefix =
       parameters.text("tf_prefix", "", "put before the name of every body's frame");
-  options.publishers.contacts_rate = parameters.number(
-      "contacts_rate", options.publishers.contacts_rate, 0.0, 1e6, "most messages of ~contacts a second; 0: one with every ~body_states");
+  options.publishers.contacts_rate =
+      parameters.number("contacts_rate", options.publishers.contacts_rate, 0.0, 1e6,
+                        "most messages of ~contacts a second; 0: one with every ~body_states");
   options.publishers.repeat_period =
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
                         "after which descriptions and markers are sent again, s; 0: never");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
   options.file_root = parameters.text(
       "file_root", "", "folder that scenes, states and meshes are read and written in; empty: anywhere");
-  options.resume = parameters.flag("resume", false, "go on from the state that was kept when the node last ended");
-  options.state_file = parameters.text("state_file", "",
-                                       "where it is kept, an absolute path; empty: by node name in $ROS_HOME; "
-                                       "none: nowhere");
+  options.resume =
+      parameters.flag("resume", false, "go on from the state that was kept when the node last ended");
+  options.state_file =
+      parameters.text("state_file", "",
+                      "where it is kept, an absolute path; empty: by node name in $ROS_HOME; "
+                      "none: nowhere");
   if (options.state_file == "none") {
     options.state_file.clear();
   } else if (options.state_file.empty()) {

@@ -64,8 +64,8 @@ TriangleMesh meshOf(const MarkerLook& look, Tone tone) {
 }  // namespace
 
 bool operator==(const MarkerLook& a, const MarkerLook& b) {
-  return a.ns == b.ns && a.frame == b.frame && a.is_mesh == b.is_mesh &&
-         sameShape(a.shape, b.shape) && a.plane_side == b.plane_side && a.color == b.color;
+  return a.ns == b.ns && a.frame == b.frame && a.is_mesh == b.is_mesh && sameShape(a.shape, b.shape) &&
+         a.plane_side == b.plane_side && a.color == b.color;
 }
 
 MarkerLook lookOf(const BodyDescription& body, const std::string& ns, const std::string& frame, bool is_mesh,

@@ -29,8 +29,8 @@ MarkerLook lookOf(const BodyDescription& body, const std::string& ns, const std:
 /// Smallest extent that is drawn, m.
 double drawnSize(const MarkerLook& look);
 
-/// The markers of a body at `pose`, one a tone, in the namespaces `look.ns` and `look.ns`_dark; the id is the lower
-/// 31 bits of the body's. Their (ns, id) stay the same while the body lives.
+/// The markers of a body at `pose`, one a tone, in the namespaces `look.ns` and `look.ns`_dark; the id is the
+/// lower 31 bits of the body's. Their (ns, id) stay the same while the body lives.
 std::vector<visualization_msgs::Marker> markersOf(BodyId id, const MarkerLook& look, const Pose& pose);
 
 /// The surface of a fluid, as wide as a scene with this view needs it, in this namespace.

@@ -31,8 +31,9 @@ void append(const std::vector<Marker>& markers, MarkerArray& news) {
 
 }  // namespace
 
-MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group,
-                                 TfMode tf, const std::string& tf_prefix, double repeat_period)
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic,
+                                 const std::string& group, TfMode tf, const std::string& tf_prefix,
+                                 double repeat_period)
     : bodies_ns_(private_node.resolveName(group)),
       fluid_ns_(private_node.resolveName("fluid")),
       tf_(tf),
@@ -41,8 +42,7 @@ MarkerPublisher::MarkerPublisher(ros::NodeHandle& private_node, const std::strin
   constexpr int kQueue = 100;
   std::lock_guard<std::mutex> lock(mutex_);
   publisher_ = private_node.advertise<MarkerArray>(
-      topic, kQueue,
-      [this](const ros::SingleSubscriberPublisher& newcomer) { greet(newcomer); });
+      topic, kQueue, [this](const ros::SingleSubscriberPublisher& newcomer) { greet(newcomer); });
 }
 
 // The first one gets all by the next message, as there is nothing yet to greet him with.
@@ -99,7 +99,8 @@ void MarkerPublisher::flood(const Snapshot& snapshot, MarkerArray& removals, Mar
   std::optional<Marker> water;
   if (snapshot.fluid) water = waterMarker(*snapshot.fluid, fluid_ns_, snapshot.view);
   if (water && water_due_) water_.reset();
-  if (water_ && (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
+  if (water_ &&
+      (!water || water->pose.position.z != water_->pose.position.z || water->scale.x != water_->scale.x)) {
     if (!water) removals.markers.push_back(removalOf(*water_));
     water_.reset();
   }

@@ -22,18 +22,20 @@
 
 namespace rbs {
 
-/// Publishes the bodies of snapshots on a topic. A new subscriber gets every body once; later messages hold what
-/// changed since, and a few of the others in turn: a bag that is played from the middle soon shows all. Thread-safe.
+/// Publishes the bodies of snapshots on a topic. A new subscriber gets every body once; later messages hold
+/// what changed since, and a few of the others in turn: a bag that is played from the middle soon shows all.
+/// Thread-safe.
 class MarkerPublisher {
  public:
-  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes are told apart.
-  /// `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name. Every body is sent again once
-  /// in `repeat_period` s of wall time; 0: never.
-  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group, TfMode tf,
-                  const std::string& tf_prefix, double repeat_period);
+  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes are told
+  /// apart. `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name. Every body
+  /// is sent again once in `repeat_period` s of wall time; 0: never.
+  MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group,
+                  TfMode tf, const std::string& tf_prefix, double repeat_period);
 
-  /// Sends what changed: new looks at once, and up to 333 bodies that moved, in turn where they are more: so the picture
-  /// of a large scene moves in every part, but in no part as often. To be called 30 times a second.
+  /// Sends what changed: new looks at once, and up to 333 bodies that moved, in turn where they are more: so
+  /// the picture of a large scene moves in every part, but in no part as often. To be called 30 times a
+  /// second.
   void publish(const Snapshot& snapshot);
 
  private:
@@ -60,13 +62,13 @@ class MarkerPublisher {
   const std::string tf_prefix_;
   const double repeat_period_;
   std::mutex mutex_;
-  bool begun_ = false;  ///< somebody has subscribed: shown_ is to be kept up
-  std::vector<Shown> shown_;                                       ///< in the order of described_
-  std::size_t moved_ = 0;   ///< the last one looked at for a move
-  ros::WallTime repeated_;  ///< when the last bodies were sent again
-  bool water_due_ = false;  ///< it is to be sent again
-  double repeats_ = 0.0;    ///< share of a body that is to be sent again, carried over
-  std::size_t next_ = 0;    ///< the next one to be sent again
+  bool begun_ = false;        ///< somebody has subscribed: shown_ is to be kept up
+  std::vector<Shown> shown_;  ///< in the order of described_
+  std::size_t moved_ = 0;     ///< the last one looked at for a move
+  ros::WallTime repeated_;    ///< when the last bodies were sent again
+  bool water_due_ = false;    ///< it is to be sent again
+  double repeats_ = 0.0;      ///< share of a body that is to be sent again, carried over
+  std::size_t next_ = 0;      ///< the next one to be sent again
   std::optional<visualization_msgs::Marker> water_;                ///< as the subscribers know it
   std::shared_ptr<const std::vector<BodyDescription>> described_;  ///< what shown_ shows
   ros::Publisher publisher_;

@@ -12,7 +12,8 @@ namespace rbs {
 enum class MenuAction { Delete = 1, Duplicate, MakeStatic, MakeDynamic, Push, Resize };
 
 /// The entries for a body of this shape and kind, as BodyDescription.msg names them, in order.
-inline std::vector<std::pair<MenuAction, const char*>> menuTitles(const std::string& shape, const std::string& kind) {
+inline std::vector<std::pair<MenuAction, const char*>> menuTitles(const std::string& shape,
+                                                                  const std::string& kind) {
   std::vector<std::pair<MenuAction, const char*>> titles = {{MenuAction::Delete, "Delete"}};
   if (shape == "plane") return titles;
   titles.push_back({MenuAction::Duplicate, "Duplicate"});

@@ -25,8 +25,8 @@ Tone toneOf(int parity) {
   return parity % 2 == 0 ? Tone::Light : Tone::Dark;
 }
 
-// A meridian of a capsule, cylinder or cone: distance from the z axis and height, from top to bottom. A ball's
-// end has `rows` edges from its pole to its equator.
+// A meridian of a capsule, cylinder or cone: distance from the z axis and height, from top to bottom. A
+// ball's end has `rows` edges from its pole to its equator.
 using Meridian = std::vector<std::pair<double, double>>;
 
 Meridian meridianOf(const Shape& shape, int rows) {
@@ -89,8 +89,8 @@ TriangleMesh polyhedronMesh(const Polyhedron& polyhedron) {
   return mesh;
 }
 
-// A regular polygon of n sides holds a circle when its corners are 1/cos(pi/n) times as far from the middle. A
-// capsule's meridian is half of such a polygon.
+// A regular polygon of n sides holds a circle when its corners are 1/cos(pi/n) times as far from the middle.
+// A capsule's meridian is half of such a polygon.
 TriangleMesh coarseMesh(const Shape& shape) {
   constexpr int kSectors = 8, kMostVertices = 32;
   const double outward = 1.0 / std::cos(M_PI / kSectors);

@@ -30,8 +30,8 @@ TriangleMesh roundMesh(const Shape& shape, Tone tone);
 
 TriangleMesh polyhedronMesh(const Polyhedron& polyhedron);
 
-/// A mesh of few triangles, at most 64, that holds a capsule, cylinder, cone or hull and not much more; the bounds
-/// of a hull of many vertices.
+/// A mesh of few triangles, at most 64, that holds a capsule, cylinder, cone or hull and not much more; the
+/// bounds of a hull of many vertices.
 TriangleMesh coarseMesh(const Shape& shape);
 
 /// An icosahedron about the origin whose faces touch a sphere from outside. `radius` of the sphere, m.

@@ -54,7 +54,9 @@ std::size_t indexNamed(const Snapshot& snapshot, const std::string& name) {
   return index;
 }
 
-void findFramesBy(FrameLookup lookup) { frameLookup() = std::move(lookup); }
+void findFramesBy(FrameLookup lookup) {
+  frameLookup() = std::move(lookup);
+}
 
 Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id) {
   if (frame_id.empty() || frame_id == worldFrame()) return {};

@@ -22,13 +22,13 @@ using FrameLookup = std::function<Pose(const std::string& frame_id)>;
 /// How frames are found that are neither the world nor a body. To be called before the services are offered.
 void findFramesBy(FrameLookup lookup);
 
-/// Place of a frame in W: "" and worldFrame() are W itself, a body's name, with or without framePrefix(), is its frame
-/// B, and any other is looked up. The same error.
+/// Place of a frame in W: "" and worldFrame() are W itself, a body's name, with or without framePrefix(), is
+/// its frame B, and any other is looked up. The same error.
 Pose frameNamed(const Snapshot& snapshot, const std::string& frame_id);
 Pose frameNamed(const World& world, const std::string& frame_id);
 
-/// The same vector. Throws InvalidInput where it is not finite: before a frame turns it, so that a refusal shows what was
-/// sent.
+/// The same vector. Throws InvalidInput where it is not finite: before a frame turns it, so that a refusal
+/// shows what was sent.
 const Vec3& finiteVector(const Vec3& v, const std::string& path);
 
 /// A pose given in a frame that is at `X_WF` in W, seen from W.

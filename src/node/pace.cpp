@@ -35,7 +35,8 @@ bool fallsBehind(const Pace& pace) {
 }
 
 std::string inWords(const Pace& pace) {
-  if (pace.steps_left > 0) return words("stepping, ", pace.steps_left, pace.steps_left == 1 ? " step" : " steps", " to go");
+  if (pace.steps_left > 0)
+    return words("stepping, ", pace.steps_left, pace.steps_left == 1 ? " step" : " steps", " to go");
   if (pace.paused) return "paused";
   const std::string achieved = threeDigits(pace.achieved_speed);
   if (pace.requested_speed == 0.0) return achieved + " x real time, as fast as possible";
@@ -46,7 +47,9 @@ std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
   if (!fallsBehind(pace)) return "";
   const double step = snapshot.report.seconds, may_take = snapshot.step / pace.requested_speed;
   const double beside = snapshot.estimate ? 1e-3 * snapshot.estimate->beside_ms : 0.0;
-  if (beside > step) return words("estimating errors adds ", threeDigits(1e3 * beside), " ms to a step of ", threeDigits(1e3 * step), " ms");
+  if (beside > step)
+    return words("estimating errors adds ", threeDigits(1e3 * beside), " ms to a step of ",
+                 threeDigits(1e3 * step), " ms");
   if (step + beside < kQuickStep * may_take)
     return words("a step takes ", threeDigits(1e3 * step), " ms of the ", threeDigits(1e3 * may_take),
                  " ms that it may: the processor is busy with other work");
@@ -56,7 +59,8 @@ std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
     const double seconds = ownSeconds(stage, snapshot.pipeline);
     if (seconds > most) most = seconds, slowest = stage.name;
   }
-  return words(slowest, " takes ", std::lround(100.0 * most / step), " % of a step of ", threeDigits(1e3 * step), " ms");
+  return words(slowest, " takes ", std::lround(100.0 * most / step), " % of a step of ",
+               threeDigits(1e3 * step), " ms");
 }
 
 }  // namespace rbs

@@ -14,8 +14,8 @@ bool fallsBehind(const Pace& pace);
 /// "0.3 of 1 x real time", "paused", "stepping, 412 steps to go", "12 x real time, as fast as possible".
 std::string inWords(const Pace& pace);
 
-/// What takes most of a step where the simulation falls behind: "contacts.solve takes 71 % of a step of 23 ms"; empty
-/// where it does not.
+/// What takes most of a step where the simulation falls behind: "contacts.solve takes 71 % of a step of 23
+/// ms"; empty where it does not.
 std::string bottleneck(const Pace& pace, const Snapshot& snapshot);
 
 }  // namespace rbs

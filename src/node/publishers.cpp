@@ -26,7 +26,8 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& gh
       states_(node_, options.contacts_rate, options.repeat_period),
       events_(node_),
       status_(node_, simulator, ghost),
-      markers_(node_, "visualization_marker_array", "bodies", options.tf, options.tf_prefix, options.repeat_period),
+      markers_(node_, "visualization_marker_array", "bodies", options.tf, options.tf_prefix,
+               options.repeat_period),
       interactive_(simulator),
       moment_(timeline.advance(simulator, true)),
       spinner_(1, &queue_),
@@ -42,8 +43,8 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& gh
 }
 
 void Publishers::every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue) {
-  ros::WallTimerOptions timer(ros::WallDuration(seconds), [this, send](const ros::WallTimerEvent&) { (this->*send)(); },
-                              &queue);
+  ros::WallTimerOptions timer(
+      ros::WallDuration(seconds), [this, send](const ros::WallTimerEvent&) { (this->*send)(); }, &queue);
   timers_.push_back(node_.createWallTimer(timer));
 }
 
@@ -61,15 +62,21 @@ void Publishers::sendMotion() {
   clock_.publish(now);
 }
 
-void Publishers::sendMarkers() { markers_.publish(*moment_.snapshot); }
+void Publishers::sendMarkers() {
+  markers_.publish(*moment_.snapshot);
+}
 
-void Publishers::sendInteractive() { interactive_.update(*simulator_.snapshot()); }
+void Publishers::sendInteractive() {
+  interactive_.update(*simulator_.snapshot());
+}
 
 void Publishers::sendStatus() {
   status_.publish(moment_);
   status_.diagnose(moment_);
 }
 
-void Publishers::printStatus() { std::cout << statusLine(*moment_.snapshot, simulator_.pace()) << std::endl; }
+void Publishers::printStatus() {
+  std::cout << statusLine(*moment_.snapshot, simulator_.pace()) << std::endl;
+}
 
 }  // namespace rbs

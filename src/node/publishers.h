@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that the node publishes, each at its own rate, from threads that live on wall time: so pictures and /clock go on
-// while the simulation is paused. What hands do to bodies waits for the simulator, so it has a thread of its own: a slow
-// step holds up no clock and no transform.
+// All that the node publishes, each at its own rate, from threads that live on wall time: so pictures and
+// /clock go on while the simulation is paused. What hands do to bodies waits for the simulator, so it has a
+// thread of its own: a slow step holds up no clock and no transform.
 #pragma once
 
 #include "event_publisher.h"
@@ -24,10 +24,10 @@ namespace rbs {
 class Publishers {
  public:
   struct Options {
-    bool clock = true;        ///< send /clock
-    bool status_line = false; ///< print a line a second to the terminal
+    bool clock = true;         ///< send /clock
+    bool status_line = false;  ///< print a line a second to the terminal
     TfMode tf = TfMode::All;
-    std::string tf_prefix;    ///< in front of the bodies' frames
+    std::string tf_prefix;        ///< in front of the bodies' frames
     double contacts_rate = 10.0;  ///< most messages of ~contacts a second; 0: one with every ~body_states
     double repeat_period = 5.0;   ///< after which descriptions and markers are sent again, s; 0: never
   };
@@ -45,7 +45,8 @@ class Publishers {
   Simulator& simulator_;
   Timeline& timeline_;
   const Options options_;
-  ros::CallbackQueue queue_, hands_queue_;  ///< of the timers alone, so that a long service call holds up nothing
+  ros::CallbackQueue queue_,
+      hands_queue_;  ///< of the timers alone, so that a long service call holds up nothing
   ros::NodeHandle node_;
   ros::Publisher clock_;
   TfPublisher tf_;

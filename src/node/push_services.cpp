@@ -19,7 +19,8 @@ using rigid_body_sim::ApplyWrench;
 /// Where a push acts, in W: the one point given in frame F, or the body's centre of mass.
 Vec3 pointOfPush(const World& world, BodyId id, const Pose& X_WF,
                  const std::vector<geometry_msgs::Point>& points) {
-  if (const auto p_F = oneOrNone(points, "point")) return X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(*p_F), "point");
+  if (const auto p_F = oneOrNone(points, "point"))
+    return X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(*p_F), "point");
   return world.pose(id).p_WB;
 }
 

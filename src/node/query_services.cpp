@@ -15,7 +15,9 @@
 namespace rbs {
 namespace {
 
-std::string nameOf(const Snapshot& snapshot, BodyId id) { return (*snapshot.bodies)[snapshot.find(id)].name; }
+std::string nameOf(const Snapshot& snapshot, BodyId id) {
+  return (*snapshot.bodies)[snapshot.find(id)].name;
+}
 
 BodyId idNamed(const Snapshot& snapshot, const std::string& name) {
   return snapshot.states[indexNamed(snapshot, name)].id;
@@ -60,8 +62,8 @@ std::string closestPoints(const Snapshot& snapshot, const rigid_body_sim::Closes
   response.normal = toMsg(found.n_W);
   const std::string relation = found.distance < 0.0 ? words("overlap by ", -found.distance, " m")
                                                     : words("are ", found.distance, " m apart");
-  return words("'", request.body_a, "' and '", request.body_b, "' ", relation, ", between ", inWords(found.p_WA),
-               " and ", inWords(found.p_WB));
+  return words("'", request.body_a, "' and '", request.body_b, "' ", relation, ", between ",
+               inWords(found.p_WA), " and ", inWords(found.p_WB));
 }
 
 std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::Request& request,

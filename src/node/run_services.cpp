@@ -14,7 +14,8 @@
 namespace rbs {
 namespace {
 
-// A call of step holds a thread until its steps are done: one of its own. Another refuses a second call meanwhile.
+// A call of step holds a thread until its steps are done: one of its own. Another refuses a second call
+// meanwhile.
 constexpr int kStepThreads = 2;
 
 }  // namespace
@@ -23,8 +24,12 @@ using rigid_body_sim::SetSpeed;
 using rigid_body_sim::Step;
 using std_srvs::Trigger;
 
-Services::Services(Session& session, Ghost& ghost) : session_(session), simulator_(session.simulator()),
-      node_("~"), accuracy_(node_, simulator_, session.timeline()), ghost_(ghost),
+Services::Services(Session& session, Ghost& ghost)
+    : session_(session),
+      simulator_(session.simulator()),
+      node_("~"),
+      accuracy_(node_, simulator_, session.timeline()),
+      ghost_(ghost),
       step_spinner_(kStepThreads, &step_queue_) {
   offerBodyEdits();
   offerPushes();
@@ -46,7 +51,8 @@ std::string takeSteps(Simulator& simulator, const Step::Request& request, Step::
   response.taken = taken.steps;
   response.time = simulator.snapshot()->time;
   if (!taken.ended_by.empty())
-    throw std::runtime_error(words(taken.ended_by, " ended it after ", taken.steps, " of ", n, " steps, at ", response.time, " s"));
+    throw std::runtime_error(words(taken.ended_by, " ended it after ", taken.steps, " of ", n, " steps, at ",
+                                   response.time, " s"));
   return words("took ", n, n == 1 ? " step" : " steps", ", now at ", response.time, " s");
 }
 
@@ -73,9 +79,12 @@ void Services::offerRun() {
     simulator_.setSpeed(request.factor);
     return request.factor == 0.0 ? "as fast as possible" : words("speed is ", request.factor, " x real time");
   });
-  offer<Step>("step", [this](const Step::Request& request, Step::Response& response) {
-    return takeSteps(simulator_, request, response);
-  }, &step_queue_);
+  offer<Step>(
+      "step",
+      [this](const Step::Request& request, Step::Response& response) {
+        return takeSteps(simulator_, request, response);
+      },
+      &step_queue_);
   offer<Trigger>("reset", [this](const Trigger::Request&, Trigger::Response&) {
     session_.reset();
     return words("reset '", simulator_.snapshot()->scene, "'");

@@ -35,7 +35,8 @@ class Services {
 
   /// The same for one that only reads.
   template <class Service>
-  using Query = std::string (*)(const Snapshot&, const typename Service::Request&, typename Service::Response&);
+  using Query = std::string (*)(const Snapshot&, const typename Service::Request&,
+                                typename Service::Response&);
 
   /// On this queue of calls, or on that of all nodes.
   template <class Service>

@@ -9,8 +9,9 @@ namespace rbs {
 
 class StatePublisher {
  public:
-  /// Contacts go out at most `contacts_rate` times a second (0: with every state), the last ones always; descriptions
-  /// again every `repeat_period` s of wall time (0: never), for bags that are played from the middle.
+  /// Contacts go out at most `contacts_rate` times a second (0: with every state), the last ones always;
+  /// descriptions again every `repeat_period` s of wall time (0: never), for bags that are played from the
+  /// middle.
   StatePublisher(ros::NodeHandle& node, double contacts_rate, double repeat_period);
 
   /// Whether somebody new listens, who needs all at a stamp of its own.

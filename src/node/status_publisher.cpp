@@ -172,7 +172,8 @@ void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWra
   const Pace pace = simulator_.pace();
   const std::size_t frozen = frozenBodies(snapshot);
   status.summary(Level::OK, inWords(pace));
-  if (fallsBehind(pace)) status.mergeSummary(Level::WARN, "slower than asked for: " + bottleneck(pace, snapshot));
+  if (fallsBehind(pace))
+    status.mergeSummary(Level::WARN, "slower than asked for: " + bottleneck(pace, snapshot));
   for (const Warning& warning : snapshot.report.warnings) status.mergeSummary(Level::WARN, warning.text);
   if (frozen > 0) status.mergeSummary(Level::ERROR, bodyCount(frozen) + " frozen: delete or reset");
   status.add("scene", snapshot.scene);
@@ -187,9 +188,10 @@ void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWra
 
 std::string statusLine(const Snapshot& snapshot, const Pace& pace) {
   const std::string held_up_by = bottleneck(pace, snapshot);
-  return words(snapshot.scene, "  ", snapshot.time, " s  ", inWords(pace), held_up_by.empty() ? "" : " (" + held_up_by + ")",
-               "  ", bodyCount(snapshot.bodies->size()), "  ", snapshot.report.contacts, " contacts  ",
-               1e3 * snapshot.report.seconds, " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
+  return words(snapshot.scene, "  ", snapshot.time, " s  ", inWords(pace),
+               held_up_by.empty() ? "" : " (" + held_up_by + ")", "  ", bodyCount(snapshot.bodies->size()),
+               "  ", snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds,
+               " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
 }
 
 }  // namespace rbs

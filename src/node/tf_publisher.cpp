@@ -8,14 +8,18 @@
 namespace rbs {
 namespace {
 
-bool isFinite(const Pose& pose) { return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite(); }
+bool isFinite(const Pose& pose) {
+  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
+}
 
 }  // namespace
 
 TfPublisher::TfPublisher(ros::NodeHandle& node, TfMode mode, const std::string& prefix)
     : mode_(mode), prefix_(prefix), topic_(Topic::of<tf2_msgs::TFMessage>(node, "/tf", 100)) {}
 
-bool TfPublisher::hasNewcomer() { return mode_ == TfMode::All && topic_.hasNewcomer(); }
+bool TfPublisher::hasNewcomer() {
+  return mode_ == TfMode::All && topic_.hasNewcomer();
+}
 
 void TfPublisher::publish(const Timeline::Moment& moment) {
   if (mode_ == TfMode::None || !moment.changed) return;

@@ -9,7 +9,8 @@
 namespace rbs {
 namespace {
 
-// On the wall clock, others ask tf for where bodies are now, also while they rest: how old the last answer may be.
+// On the wall clock, others ask tf for where bodies are now, also while they rest: how old the last answer
+// may be.
 const ros::Duration kOldest(0.1);
 
 }  // namespace
@@ -22,7 +23,8 @@ Timeline::Moment Timeline::advance(const Simulator& simulator, bool again) {
   moment.snapshot = simulator.snapshot();
   const Snapshot& snapshot = *moment.snapshot;
   const ros::Time now = wall_ ? ros::Time::now() : wireStamp(snapshot.elapsed);
-  moment.changed = again || snapshot.elapsed != elapsed_ || snapshot.edits != edits_ || (wall_ && now - stamp_ >= kOldest);
+  moment.changed =
+      again || snapshot.elapsed != elapsed_ || snapshot.edits != edits_ || (wall_ && now - stamp_ >= kOldest);
   if (moment.changed) stamp_ = std::max(now, stamp_ + ros::Duration(0, 1));
   elapsed_ = snapshot.elapsed;
   edits_ = snapshot.edits;

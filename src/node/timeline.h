@@ -32,12 +32,13 @@ class Timeline {
   struct Moment {
     std::shared_ptr<const Snapshot> snapshot;
     ros::Time stamp;
-    bool changed = false;  ///< whether the stamp is newer than that of the moment before
+    bool changed = false;                   ///< whether the stamp is newer than that of the moment before
     std::vector<Replacement> replacements;  ///< noted since the moment before
   };
 
   /// The newest snapshot with its stamp. The stamp is a new one where time has gone on, where an edit was
-  /// made, or where it is asked for, to send again what has not changed; on the wall clock ten times a second at least.
+  /// made, or where it is asked for, to send again what has not changed; on the wall clock ten times a second
+  /// at least.
   Moment advance(const Simulator& simulator, bool again);
 
   /// The stamp of the last moment.

@@ -6,7 +6,9 @@
 
 namespace rbs {
 
-std::string inWords(const Vec3& v) { return words('(', v.x(), ", ", v.y(), ", ", v.z(), ')'); }
+std::string inWords(const Vec3& v) {
+  return words('(', v.x(), ", ", v.y(), ", ", v.z(), ')');
+}
 
 std::string hexadecimal(std::uint64_t number) {
   char digits[17];
@@ -14,7 +16,9 @@ std::string hexadecimal(std::uint64_t number) {
   return digits;
 }
 
-std::string bodyCount(std::size_t n) { return words(n, n == 1 ? " body" : " bodies"); }
+std::string bodyCount(std::size_t n) {
+  return words(n, n == 1 ? " body" : " bodies");
+}
 
 std::string describe(const BodyDescription& body) {
   std::string text = words(kindName(body.kind), ' ', shapeName(body.shape));
@@ -26,7 +30,8 @@ std::string describe(const BodyDescription& body) {
     text += words(", mass ", body.mass, " kg");
   }
   text += words(", friction ", body.material.friction, ", restitution ", body.material.restitution);
-  if (body.material.rolling_resistance > 0.0) text += words(", rolling resistance ", body.material.rolling_resistance);
+  if (body.material.rolling_resistance > 0.0)
+    text += words(", rolling resistance ", body.material.rolling_resistance);
   if (body.material.torsional_resistance > 0.0)
     text += words(", torsional resistance ", body.material.torsional_resistance);
   return body.frozen ? text + ", frozen" : text;
@@ -38,7 +43,8 @@ std::string describe(const AirState& air) {
   return words("air of ", air.density, " kg/m^3, wind ", inWords(air.mean), " m/s, gust ", air.gust, " m/s");
 }
 
-std::vector<std::string> stageChanges(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after) {
+std::vector<std::string> stageChanges(const std::vector<StageInfo>& before,
+                                      const std::vector<StageInfo>& after) {
   std::vector<std::string> lines;
   for (std::size_t k = 0; k < after.size(); ++k) {
     if (after[k].active == before[k].active && after[k].reason == before[k].reason) continue;

@@ -28,12 +28,13 @@ std::string words(const Values&... values) {
   return stream.str();
 }
 
-std::string inWords(const Vec3& v);           ///< "(1, 0, 2.5)"
-std::string hexadecimal(std::uint64_t number);  ///< 16 digits
-std::string bodyCount(std::size_t n);         ///< "1 body", "3 bodies"
+std::string inWords(const Vec3& v);                 ///< "(1, 0, 2.5)"
+std::string hexadecimal(std::uint64_t number);      ///< 16 digits
+std::string bodyCount(std::size_t n);               ///< "1 body", "3 bodies"
 std::string describe(const BodyDescription& body);  ///< kind, shape, size, mass and material
 std::string describe(const AirState& air);          ///< density, wind and gust
 /// The stages that an edit has switched, or given another reason.
-std::vector<std::string> stageChanges(const std::vector<StageInfo>& before, const std::vector<StageInfo>& after);
+std::vector<std::string> stageChanges(const std::vector<StageInfo>& before,
+                                      const std::vector<StageInfo>& after);
 
 }  // namespace rbs

@@ -83,7 +83,8 @@ EffectOverrides overridden(EffectOverrides effects, const SetEffects::Request& r
     std::vector<Effect> list;
     for (const std::string& name : names) {
       list.push_back(effectNamed(name));
-      if (!named.insert(list.back()).second) throw InvalidInput({{"effect", quoted(name) + " twice", "each effect once"}});
+      if (!named.insert(list.back()).second)
+        throw InvalidInput({{"effect", quoted(name) + " twice", "each effect once"}});
     }
     return list;
   };
@@ -106,7 +107,8 @@ std::string describe(const EffectOverrides& effects) {
 }
 
 // What is neglected is measured on a copy, on the thread of the service: the simulation goes on meanwhile.
-std::string setEffects(Simulator& simulator, const SetEffects::Request& request, SetEffects::Response& response) {
+std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
+                       SetEffects::Response& response) {
   std::string message;
   SceneDef scene;
   SavedState state;
@@ -151,9 +153,10 @@ void Services::offerSurroundings() {
   });
   offerEdit<SetWind>("set_wind", setWind);
   offerEdit<SetGravity>("set_gravity", setGravity);
-  offer<SetEffects>("set_effects", [this](const SetEffects::Request& request, SetEffects::Response& response) {
-    return setEffects(simulator_, request, response);
-  });
+  offer<SetEffects>("set_effects",
+                    [this](const SetEffects::Request& request, SetEffects::Response& response) {
+                      return setEffects(simulator_, request, response);
+                    });
 }
 
 void Services::offerReading() {

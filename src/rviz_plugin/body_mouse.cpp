@@ -21,7 +21,8 @@ namespace {
 
 Ogre::Ray rayOf(const rviz::ViewportMouseEvent& event) {
   const float width = event.viewport->getActualWidth() - 1, height = event.viewport->getActualHeight() - 1;
-  return event.viewport->getCamera()->getCameraToViewportRay((event.x + 0.5f) / width, (event.y + 0.5f) / height);
+  return event.viewport->getCamera()->getCameraToViewportRay((event.x + 0.5f) / width,
+                                                             (event.y + 0.5f) / height);
 }
 
 geometry_msgs::Point pointMsg(const Ogre::Vector3& p) {
@@ -38,8 +39,8 @@ BodyMouse::BodyMouse(rviz::DisplayContext& context) : context_(context) {
   still_there_.setInterval(kPeriod);
 }
 
-void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator, const rigid_body_sim::BodyDescription& body,
-                    const rviz::MarkerSelectionHandler& marker) {
+void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator,
+                    const rigid_body_sim::BodyDescription& body, const rviz::MarkerSelectionHandler& marker) {
   simulator_ = simulator;
   body_ = body;
   position_ = marker.getPosition();
@@ -67,14 +68,16 @@ std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent&
   if (isSeeThrough(body_))
     if (const std::optional<Ogre::Vector3> behind = lookThrough(event)) return behind;
   Ogre::Vector3 point;
-  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point)) return std::nullopt;
+  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point))
+    return std::nullopt;
   return point;
 }
 
 std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEvent& event) {
   Ogre::Vector3 p_FW;
   Ogre::Quaternion q_FW;
-  if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW)) return std::nullopt;
+  if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW))
+    return std::nullopt;
   const Ogre::Ray ray = rayOf(event);
   const Ogre::Vector3 direction = q_FW.Inverse() * ray.getDirection();
   geometry_msgs::Vector3 direction_W;
@@ -91,8 +94,8 @@ std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEve
 void BodyMouse::press(rviz::ViewportMouseEvent& event) {
   const Ogre::Vector3 hit = hitPoint(event).value_or(position_);
   const Ogre::Plane plane(event.viewport->getCamera()->getRealDirection(), hit);
-  // Where the ray meets the plane, and not the hit, which the depth buffer has rounded: a mouse that does not move then
-  // moves the body by nothing.
+  // Where the ray meets the plane, and not the hit, which the depth buffer has rounded: a mouse that does not
+  // move then moves the body by nothing.
   const Ogre::Ray ray = rayOf(event);
   const auto [meets, distance] = ray.intersects(plane);
   drag_ = Drag{plane, meets ? ray.getPoint(distance) : hit, Ogre::Vector3::ZERO};

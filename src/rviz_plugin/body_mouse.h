@@ -23,9 +23,9 @@ class MarkerSelectionHandler;
 
 namespace rbs {
 
-/// One for all bodies: aim() says which one is under the mouse. RViz's Interact tool hands it the mouse like a control
-/// of an interactive marker, and the simulator gets the same feedback. The left button drags in the plane of the
-/// view, the right one opens the menu, all else moves the view.
+/// One for all bodies: aim() says which one is under the mouse. RViz's Interact tool hands it the mouse like
+/// a control of an interactive marker, and the simulator gets the same feedback. The left button drags in the
+/// plane of the view, the right one opens the menu, all else moves the view.
 class BodyMouse : public rviz::InteractiveObject {
  public:
   explicit BodyMouse(rviz::DisplayContext& context);
@@ -52,19 +52,21 @@ class BodyMouse : public rviz::InteractiveObject {
   };
 
   void showHints();
-  /// The point under the mouse. Behind a see-through body it is that of the body there, for which this stands then.
+  /// The point under the mouse. Behind a see-through body it is that of the body there, for which this stands
+  /// then.
   std::optional<Ogre::Vector3> hitPoint(const rviz::ViewportMouseEvent& event);
   std::optional<Ogre::Vector3> lookThrough(const rviz::ViewportMouseEvent& event);
   void press(rviz::ViewportMouseEvent& event);
   void move(const rviz::ViewportMouseEvent& event);
   void showMenu(rviz::ViewportMouseEvent& event);
-  void send(std::uint8_t event_type, const std::optional<Ogre::Vector3>& hit = std::nullopt, std::uint32_t entry = 0);
+  void send(std::uint8_t event_type, const std::optional<Ogre::Vector3>& hit = std::nullopt,
+            std::uint32_t entry = 0);
 
   rviz::DisplayContext& context_;
   const QCursor cursor_{Qt::OpenHandCursor};
   std::shared_ptr<SimulatorBodies> simulator_;
   rigid_body_sim::BodyDescription body_;
-  Ogre::Vector3 position_;         ///< of the body as it is drawn, in the fixed frame
+  Ogre::Vector3 position_;  ///< of the body as it is drawn, in the fixed frame
   Ogre::Quaternion orientation_;
   std::optional<Drag> drag_;
   QTimer still_there_;             ///< tells the simulator that a mouse at rest still drags

@@ -11,9 +11,9 @@ class Light;
 
 namespace rbs {
 
-/// RViz's own light sits on the camera and leaves whatever it grazes black, so that a floor is dark. This is a
-/// sun that stays where it is in the fixed frame, a weak light from across, and light from everywhere. To be
-/// used with the "Default Light" of the global options off.
+/// RViz's own light sits on the camera and leaves whatever it grazes black, so that a floor is dark. This is
+/// a sun that stays where it is in the fixed frame, a weak light from across, and light from everywhere. To
+/// be used with the "Default Light" of the global options off.
 class Daylight : public rviz::Display {
   Q_OBJECT
  public:

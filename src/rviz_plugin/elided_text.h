@@ -7,8 +7,9 @@
 
 namespace rbs {
 
-/// Wraps between words, or within one that is longer than a row, and ends in an ellipsis where there is more than
-/// fits; the tool tip has all of it, and a right click copies it. Its text never changes the size of the widget.
+/// Wraps between words, or within one that is longer than a row, and ends in an ellipsis where there is more
+/// than fits; the tool tip has all of it, and a right click copies it. Its text never changes the size of the
+/// widget.
 class ElidedText : public QWidget {
   Q_OBJECT
  public:

@@ -4,13 +4,13 @@
 #include "picked_marker.h"
 #include "simulation_panel.h"
 
-#include <pluginlib/class_list_macros.hpp>
 #include <rviz/default_plugin/markers/marker_selection_handler.h>
 #include <rviz/display_context.h>
 #include <rviz/load_resource.h>
 #include <rviz/render_panel.h>
 #include <rviz/viewport_mouse_event.h>
 #include <rviz/window_manager_interface.h>
+#include <pluginlib/class_list_macros.hpp>
 
 #include <QApplication>
 #include <QKeyEvent>
@@ -28,8 +28,8 @@ void InteractTool::deactivate() {
   rviz::InteractionTool::deactivate();
 }
 
-// RViz looks for what is under the mouse once a picture. A press looks anew: in a slow picture the mouse may have come
-// from somewhere else since.
+// RViz looks for what is under the mouse once a picture. A press looks anew: in a slow picture the mouse may
+// have come from somewhere else since.
 int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   if (event.panel->contextMenuVisible()) return 0;
   const bool is_press = event.type == QEvent::MouseButtonPress && event.buttons_down == event.acting_button;

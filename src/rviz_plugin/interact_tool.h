@@ -14,9 +14,9 @@
 
 namespace rbs {
 
-/// Where the mouse is at no interactive marker but at a drawn body, it takes that body: any of thousands, since bodies
-/// need no marker. A press on anything else turns the view and says so; a click there, or Escape, drops the
-/// selection, and Delete deletes the selected body.
+/// Where the mouse is at no interactive marker but at a drawn body, it takes that body: any of thousands,
+/// since bodies need no marker. A press on anything else turns the view and says so; a click there, or
+/// Escape, drops the selection, and Delete deletes the selected body.
 class InteractTool : public rviz::InteractionTool {
   Q_OBJECT
  public:
@@ -32,8 +32,8 @@ class InteractTool : public rviz::InteractionTool {
 
   boost::shared_ptr<BodyMouse> mouse_;
   std::map<std::string, std::shared_ptr<SimulatorBodies>> simulators_;  ///< by node
-  QString nothing_there_;  ///< why the mouse is at no body
-  bool missed_ = false;    ///< the last press was at nothing that takes it
+  QString nothing_there_;                                               ///< why the mouse is at no body
+  bool missed_ = false;  ///< the last press was at nothing that takes it
   QPoint pressed_at_;
 };
 

@@ -13,9 +13,11 @@
 namespace rbs {
 namespace {
 
-// A marker tells its namespace and id only by the properties that RViz shows of what is selected. They are made
-// here, read and taken away again. Those of a marker that is selected now are in use: it is deselected first.
-QString titleOf(rviz::SelectionManager& manager, rviz::SelectionHandler& handler, const rviz::Picked& picked) {
+// A marker tells its namespace and id only by the properties that RViz shows of what is selected. They are
+// made here, read and taken away again. Those of a marker that is selected now are in use: it is deselected
+// first.
+QString titleOf(rviz::SelectionManager& manager, rviz::SelectionHandler& handler,
+                const rviz::Picked& picked) {
   const rviz::M_Picked& selected = manager.getSelection();
   if (const auto it = selected.find(picked.handle); it != selected.end()) {
     manager.removeSelection({{it->first, it->second}});

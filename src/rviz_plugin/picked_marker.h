@@ -22,8 +22,8 @@ struct PickedMarker {
   std::uint64_t id;                       ///< lower 31 bits of the body's
 };
 
-/// What is drawn at the event's pixel, if it is the marker of a body, as `simulator_node` publishes them, and not an
-/// interactive marker. Costs a drawing of the scene into one pixel.
+/// What is drawn at the event's pixel, if it is the marker of a body, as `simulator_node` publishes them, and
+/// not an interactive marker. Costs a drawing of the scene into one pixel.
 std::optional<PickedMarker> pickMarker(rviz::DisplayContext& context, const rviz::ViewportMouseEvent& event);
 
 }  // namespace rbs

@@ -8,10 +8,10 @@
 #include <QLabel>
 #include <QVBoxLayout>
 
-#include <pluginlib/class_list_macros.hpp>
 #include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
 #include <rviz/window_manager_interface.h>
+#include <pluginlib/class_list_macros.hpp>
 
 #include <algorithm>
 

@@ -23,8 +23,8 @@ namespace rbs {
 /// Greyed while no simulator is heard. The layout keeps the name of the node as "Node" and the scene that its
 /// view was saved with as "Scene": for any other scene, the view moves to where that asks to be seen from.
 ///
-/// A window may have several panels, each for a simulator of its own. One body is selected among them all, and key 1
-/// goes to the panel that was used last.
+/// A window may have several panels, each for a simulator of its own. One body is selected among them all,
+/// and key 1 goes to the panel that was used last.
 class SimulationPanel : public rviz::Panel {
   Q_OBJECT
  public:

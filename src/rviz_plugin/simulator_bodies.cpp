@@ -37,7 +37,8 @@ SimulatorBodies::SimulatorBodies(const std::string& node) : node_(node) {
   subscriber_ = ros_.subscribe<rigid_body_sim::BodyDescriptions>(node + "/body_descriptions", 1, keep);
   publisher_ = ros_.advertise<Feedback>(node + "/interactive_bodies/mouse", kQueue,
                                         [this](const ros::SingleSubscriberPublisher& newcomer) {
-                                          for (const Feedback& feedback : unheard_) newcomer.publish(feedback);
+                                          for (const Feedback& feedback : unheard_)
+                                            newcomer.publish(feedback);
                                           unheard_.clear();
                                         });
 }
@@ -45,8 +46,8 @@ SimulatorBodies::SimulatorBodies(const std::string& node) : node_(node) {
 const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_id) const {
   constexpr std::uint64_t kLow = 0x7fffffff;
   const auto& bodies = descriptions_.bodies;
-  const auto it =
-      std::find_if(bodies.begin(), bodies.end(), [&](const auto& body) { return (body.id & kLow) == low_id; });
+  const auto it = std::find_if(bodies.begin(), bodies.end(),
+                               [&](const auto& body) { return (body.id & kLow) == low_id; });
   return it == bodies.end() ? nullptr : &*it;
 }
 

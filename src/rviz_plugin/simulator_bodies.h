@@ -14,8 +14,8 @@
 
 namespace rbs {
 
-/// Whether it only fences others in and is drawn translucent, like the walls of a box: a click is meant for what one
-/// sees through it.
+/// Whether it only fences others in and is drawn translucent, like the walls of a box: a click is meant for
+/// what one sees through it.
 bool isSeeThrough(const rigid_body_sim::BodyDescription& body);
 
 /// Lives on the GUI thread, where RViz also handles the messages of subscribers.
@@ -31,8 +31,8 @@ class SimulatorBodies {
     rigid_body_sim::BodyState body;
     geometry_msgs::Point point;
   };
-  /// The first body on a ray in frame() that hides what lies behind it and can be dragged. Empty where there is none,
-  /// or where the simulator does not answer within 0.2 s.
+  /// The first body on a ray in frame() that hides what lies behind it and can be dragged. Empty where there
+  /// is none, or where the simulator does not answer within 0.2 s.
   std::optional<Met> meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction) const;
 
   /// The frame of the world.

@@ -35,10 +35,11 @@ void SimulatorClient::follow(const QString& node) {
   subscribers_.clear();
   select_.shutdown();
   try {
-    subscribers_ = {ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),
-                    ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this),
-                    ros_.subscribe(inNode("selection"), 1, &SimulatorClient::receiveSelection, this),
-                    ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
+    subscribers_ = {
+        ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),
+        ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this),
+        ros_.subscribe(inNode("selection"), 1, &SimulatorClient::receiveSelection, this),
+        ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
     select_ = ros_.advertise<std_msgs::String>(inNode("select"), 10);
   } catch (const ros::InvalidNameException& error) {
     Q_EMIT told(QString::fromStdString(error.what()), true);
@@ -66,7 +67,8 @@ void SimulatorClient::receiveAnswer(const std_msgs::String& text) {
   Q_EMIT told(QString::fromStdString(text.data), false);
 }
 
-// Silence is counted in looks, not in time: an RViz that takes seconds for a picture looks, and hears, as seldom.
+// Silence is counted in looks, not in time: an RViz that takes seconds for a picture looks, and hears, as
+// seldom.
 void SimulatorClient::watch() {
   if (is_heard_ && ++quiet_looks_ > kSilence) setHeard(false);
   const QString service = worker_.overdue(kPatience);

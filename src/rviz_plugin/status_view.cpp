@@ -42,7 +42,8 @@ StatusView::StatusView() : grid_(new QGridLayout(this)) {
   impacts_ = addNumber(2, 2, "Impacts", "Impacts of the last step");
   deepest_ = addNumber(3, 0, "Deepest", "Deepest penetration at the end of the last step");
   step_time_ = addNumber(3, 2, "Step", "Wall time of the last step");
-  slow_ = addNumber(4, 0, "Slowed by", "What holds the simulation up, where it runs slower than it is asked to");
+  slow_ =
+      addNumber(4, 0, "Slowed by", "What holds the simulation up, where it runs slower than it is asked to");
   grid_->addWidget(slow_, 4, 1, 1, 3);
   slow_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // a long text makes no window wider
 }

@@ -5,7 +5,8 @@
 
 namespace rbs {
 
-void lookFrom(rviz::ViewController& view, const geometry_msgs::Point& eye, const geometry_msgs::Point& target) {
+void lookFrom(rviz::ViewController& view, const geometry_msgs::Point& eye,
+              const geometry_msgs::Point& target) {
   const double x = eye.x - target.x, y = eye.y - target.y, z = eye.z - target.z;
   const double distance = std::hypot(x, y, z);
   if (view.getClassId() != "rviz/Orbit" || distance == 0.0) return;

@@ -7,8 +7,9 @@
 
 namespace rbs {
 
-/// Turns an orbit view to look from `eye` at `target`, m, in the view's target frame. Leaves any other kind of
-/// view, and one whose eye is at its target, as it is.
-void lookFrom(rviz::ViewController& view, const geometry_msgs::Point& eye, const geometry_msgs::Point& target);
+/// Turns an orbit view to look from `eye` at `target`, m, in the view's target frame. Leaves any other kind
+/// of view, and one whose eye is at its target, as it is.
+void lookFrom(rviz::ViewController& view, const geometry_msgs::Point& eye,
+              const geometry_msgs::Point& target);
 
 }  // namespace rbs

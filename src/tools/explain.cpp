@@ -115,7 +115,8 @@ Explanation explain(const Request& request) {
     stages = world.pipeline();
     for (std::size_t row = 0; row < stages.size(); ++row) seconds[row] += stages[row].seconds;
   }
-  for (std::size_t row = 0; row < stages.size(); ++row) stages[row].seconds = steps > 0 ? seconds[row] / steps : 0.0;
+  for (std::size_t row = 0; row < stages.size(); ++row)
+    stages[row].seconds = steps > 0 ? seconds[row] / steps : 0.0;
   const double cpu_seconds = steps > 0 && interrupted == 0 ? cpuSecondsOfAStep(begin, steps, progress) : 0.0;
 
   Explanation result{world.snapshot(), std::move(stages), {}, steps, cpu_seconds};
@@ -163,8 +164,11 @@ void print(const Request& request, const Explanation& e) {
   }
   for (const std::string& line : e.neglected) std::printf("%s\n", line.c_str());
   if (request.steps == 0) std::printf("Nothing was run; --steps 100 measures what each part costs.\n");
-  if (e.cpu_seconds > 0.0) std::printf("A step takes %.4g ms of CPU time where nobody looks on.\n", 1e3 * e.cpu_seconds);
-  if (interrupted != 0) std::printf("Interrupted after %lld of %lld steps.\n", static_cast<long long>(e.steps), static_cast<long long>(request.steps));
+  if (e.cpu_seconds > 0.0)
+    std::printf("A step takes %.4g ms of CPU time where nobody looks on.\n", 1e3 * e.cpu_seconds);
+  if (interrupted != 0)
+    std::printf("Interrupted after %lld of %lld steps.\n", static_cast<long long>(e.steps),
+                static_cast<long long>(request.steps));
 }
 
 /// Unsigned numbers would take -1 for a huge one.
@@ -184,16 +188,20 @@ void interrupt(int) {
 int main(int argc, char** argv) {
   namespace po = boost::program_options;
   Request request;
-  po::options_description options("What a scene simulates, why, and what each part costs.\n"
-                                  "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file");
+  po::options_description options(
+      "What a scene simulates, why, and what each part costs.\n"
+      "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file");
   auto add = options.add_options();
   add("help", "print this");
   add("scene", po::value(&request.scene));
-  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)), "the catalogue of scenes");
+  add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)),
+      "the catalogue of scenes");
   add("fidelity", po::value(&request.fidelity), "preview, interactive, accurate or reference");
   add("on", po::value(&request.on)->multitoken()->composing(), "effects to force on");
-  add("off", po::value(&request.off)->multitoken()->composing(), "effects to force off, and what that neglects");
-  add("steps", po::value(&request.steps), "take this many steps, up to 1,000,000, and print the mean cost of one; Ctrl-C ends them early");
+  add("off", po::value(&request.off)->multitoken()->composing(),
+      "effects to force off, and what that neglects");
+  add("steps", po::value(&request.steps),
+      "take this many steps, up to 1,000,000, and print the mean cost of one; Ctrl-C ends them early");
   add("json", po::bool_switch(&request.json), "print JSON");
   po::positional_options_description positions;
   positions.add("scene", 1);

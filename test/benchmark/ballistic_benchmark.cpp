@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a step of a world costs beside the bare arithmetic: 10,000 balls that collide with nothing, under gravity.
+// What a step of a world costs beside the bare arithmetic: 10,000 balls that collide with nothing, under
+// gravity.
 //
-// The hand-written loop does the exact update over arrays of the same layout: poses and twists. The two take turns,
-// each in a burst of steps; the ratio is of the least times, and of the medians.
+// The hand-written loop does the exact update over arrays of the same layout: poses and twists. The two take
+// turns, each in a burst of steps; the ratio is of the least times, and of the medians.
 #include "rigid_body_sim/world.h"
 
 #include <algorithm>
@@ -79,7 +80,9 @@ int main() {
 
   std::printf("%d balls, bursts of %d steps, compiled with %s\n", kBodies, kBurst, RBS_FLAGS);
   std::printf("  for (i) { p[i] += h * (v[i] + h g / 2); v[i] += h g; }\n\n");
-  std::printf("| run | least, ns a body and step | median | least against the loop | median against the loop |\n|---|--:|--:|--:|--:|\n");
+  std::printf(
+      "| run | least, ns a body and step | median | least against the loop | median against the loop "
+      "|\n|---|--:|--:|--:|--:|\n");
   for (std::size_t k = 0; k < runs.size(); ++k) {
     const double least = *std::min_element(times[k].begin(), times[k].end());
     const double first = *std::min_element(times[0].begin(), times[0].end());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The time of a step beside Bullet's, on the same scenes in the same run: turn by turn, in stretches of
-// steps, so that a noisy machine is noisy for all. Also how many contact points there are, how deep bodies overlap at the
-// end of the stretches, found by our narrow phase on the poses of either engine, and how far the highest body has sunk:
-// time without error says little.
+// steps, so that a noisy machine is noisy for all. Also how many contact points there are, how deep bodies
+// overlap at the end of the stretches, found by our narrow phase on the poses of either engine, and how far
+// the highest body has sunk: time without error says little.
 //
 // Usage: beside_bullet_benchmark [NAME]     NAME: only the scenes whose names begin so
 #include "narrowphase/collide.h"
@@ -25,8 +25,8 @@ using namespace rbs;
 
 constexpr int kStretch = 20;
 
-/// So many steps in a row that are summed up together. Before the first of them each body that moves may be given a
-/// velocity, to the side and up, m/s.
+/// So many steps in a row that are summed up together. Before the first of them each body that moves may be
+/// given a velocity, to the side and up, m/s.
 struct Phase {
   std::string name;
   int steps;
@@ -209,7 +209,8 @@ void run(const Race& race) {
       if (phase.kick > 0.0) contestant->kick(phase.kick);
     }
     for (int done = 0; done < phase.steps; done += kStretch) {
-      std::fprintf(stderr, "\r%s, %s: step %d of %d ", race.name.c_str(), phase.name.c_str(), done, phase.steps);
+      std::fprintf(stderr, "\r%s, %s: step %d of %d ", race.name.c_str(), phase.name.c_str(), done,
+                   phase.steps);
       for (const auto& contestant : contestants) {
         for (int k = 0; k < kStretch; ++k) {
           const auto start = std::chrono::steady_clock::now();
@@ -218,16 +219,18 @@ void run(const Race& race) {
               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
         }
         if (done % 100 == 0 || done + kStretch == phase.steps)
-          contestant->deepest = std::max(contestant->deepest, deepestOverlap(race.scene, contestant->poses()));
+          contestant->deepest =
+              std::max(contestant->deepest, deepestOverlap(race.scene, contestant->poses()));
       }
     }
     std::fprintf(stderr, "\r%*s\r", 60, "");
     const double ours = quantile(contestants.front()->seconds, 0.5);
     for (const auto& c : contestants) {
       const double median = quantile(c->seconds, 0.5);
-      std::printf("| %s | %s | %s | %zu | %.2f | %.2f | %.2f | %.1f | %.2f |\n", race.name.c_str(), phase.name.c_str(),
-                  c->name.c_str(), c->contacts(), 1e3 * median, 1e3 * quantile(c->seconds, 0.99), median / ours,
-                  1e3 * c->deepest, top - highest(c->poses()));
+      std::printf("| %s | %s | %s | %zu | %.2f | %.2f | %.2f | %.1f | %.2f |\n", race.name.c_str(),
+                  phase.name.c_str(), c->name.c_str(), c->contacts(), 1e3 * median,
+                  1e3 * quantile(c->seconds, 0.99), median / ours, 1e3 * c->deepest,
+                  top - highest(c->poses()));
       std::fflush(stdout);
     }
   }
@@ -298,7 +301,8 @@ int main(int argc, char** argv) {
       {"wall of 1830", wall(60), stands},
       {"pile of 1000", pile(), {{"settling", 300}, {"", 200}, {"at rest", 100}, {"kicked", 40, 3.0}}}};
   std::printf(
-      "| scene | phase | engine | contacts | median step, ms | 99th percentile, ms | median against ours | deepest "
+      "| scene | phase | engine | contacts | median step, ms | 99th percentile, ms | median against ours | "
+      "deepest "
       "overlap, mm | top sunk by, m |\n");
   std::printf("|---|---|---|--:|--:|--:|--:|--:|--:|\n");
   for (const Race& race : races)

@@ -360,10 +360,13 @@ void raceHard() {
 
 }  // namespace
 
-/// beside_fcl_benchmark [gap | meets | hard]: one of the tables, or all. libccd takes minutes on the hard pairs.
+/// beside_fcl_benchmark [gap | meets | hard]: one of the tables, or all. libccd takes minutes on the hard
+/// pairs.
 int main(int count, char** arguments) {
   const std::string table = count > 1 ? arguments[1] : "";
-  if (table.empty() || table == "gap") std::printf("The gap and its direction:\n\n"), raceOrdinary(askedForTheGap);
-  if (table.empty() || table == "meets") std::printf("\nWhether they meet:\n\n"), raceOrdinary(askedWhetherTheyMeet);
+  if (table.empty() || table == "gap")
+    std::printf("The gap and its direction:\n\n"), raceOrdinary(askedForTheGap);
+  if (table.empty() || table == "meets")
+    std::printf("\nWhether they meet:\n\n"), raceOrdinary(askedWhetherTheyMeet);
   if (table.empty() || table == "hard") std::printf("\nThe gap of hard pairs:\n\n"), raceHard();
 }

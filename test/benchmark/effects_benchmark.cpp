@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What each effect costs, alone and in pairs: nanoseconds a body and step beyond the scene without it.
 //
-// Two families of 1,000 bodies, so that each effect has something to work on: balls in the air, and balls that rest on
-// a floor. An effect is added to the scene by its data, as a user would. All scenes take turns; the least time of each
-// counts. Prints CSV: family, effect, second effect (or nothing), cost.
+// Two families of 1,000 bodies, so that each effect has something to work on: balls in the air, and balls
+// that rest on a floor. An effect is added to the scene by its data, as a user would. All scenes take turns;
+// the least time of each counts. Prints CSV: family, effect, second effect (or nothing), cost.
 #include "rigid_body_sim/world.h"
 
 #include <algorithm>
@@ -61,9 +61,14 @@ SceneDef onTheFloor() {
 const std::vector<Addition> kInTheAir{
     {"gravity", [](SceneDef& s) { s.gravity.z() = -9.81; }},
     {"drag", [](SceneDef& s) { s.air = Air{}; }},
-    {"buoyancy", [](SceneDef& s) { s.fluid = Fluid{1000.0, 5.0}, forAll(s, [](BodyDef& b) { b.material.drag_coefficient = 0.0; }); }},
+    {"buoyancy",
+     [](SceneDef& s) {
+       s.fluid = Fluid{1000.0, 5.0}, forAll(s, [](BodyDef& b) { b.material.drag_coefficient = 0.0; });
+     }},
     {"rotation", [](SceneDef& s) { s.effects[Effect::Rotation] = true; }},
-    {"gyroscopic", [](SceneDef& s) { forAll(s, [](BodyDef& b) { b.shape = Box{{0.1, 0.15, 0.2}}; }); }},
+    {"gyroscopic", [](SceneDef& s) { forAll(s, [](BodyDef& b) {
+                                       b.shape = Box{{0.1, 0.15, 0.2}};
+                                     }); }},
     {"collision", [](SceneDef& s) { forAll(s, [](BodyDef& b) { b.mask = 1; }); }},
 };
 const std::vector<Addition> kOnTheFloor{

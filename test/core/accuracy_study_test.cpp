@@ -217,8 +217,8 @@ TEST(AccuracyStudy, EveryStepOfTheScheduleRefinesAnAnswerThatIsThereFromTheFirst
   }
 }
 
-// Which could not be measured: collisions part the reference from its own half step within a quarter of a second. Where
-// that is so, the window ends earlier, or the error is told as a bound.
+// Which could not be measured: collisions part the reference from its own half step within a quarter of a
+// second. Where that is so, the window ends earlier, or the error is told as a bound.
 TEST(AccuracyStudy, MeasuresTheDemosOwnScene) {
   const World world(readScene(std::string(RBS_SCENES) + "/playground.yaml").scene);
   AccuracyOptions options;

@@ -34,7 +34,10 @@ TEST(Census, AnEditLooksAtTheBodiesItIsAbout) {
   EXPECT_EQ(looks([&] { world.applyImpulse(added, {0.1, 0.0, 0.0}, Vec3::Zero()); }), 0u);
   EXPECT_EQ(looks([&] { world.grab(added, Grab{}); }), 2u);  // lets go of what else holds it, and pulls
   EXPECT_EQ(looks([&] { world.release(added); }), 1u);
-  EXPECT_EQ(looks([&] { world.addBodies({ball("", 0.1, {0, 0, 6}), ball("", 0.1, {0, 0, 7}), ball("", 0.1, {0, 0, 8})}); }), 3u);
+  EXPECT_EQ(looks([&] {
+              world.addBodies({ball("", 0.1, {0, 0, 6}), ball("", 0.1, {0, 0, 7}), ball("", 0.1, {0, 0, 8})});
+            }),
+            3u);
   EXPECT_EQ(looks([&] { world.removeBody(world.find("ball_50")); }), 0u);
   EXPECT_EQ(looks([&] { world.setGravity({0.0, 0.0, -5.0}); }), kBodies + 3u);
 }
@@ -43,8 +46,10 @@ BodyDef randomBody(SplitMix64& random) {
   const Vec3 p(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0), random.uniform(0.5, 4.0));
   BodyDef def = body("", Sphere{0.2}, p);
   if (random.below(2) == 0) def.shape = Box{{0.2, 0.3, random.below(2) ? 0.2 : 0.3}};
-  if (random.below(8) == 0) def.shape = Plane{}, def.kind = BodyKind::Static, def.pose.p_WB.setZero();
-  else if (random.below(6) == 0) def.kind = random.below(2) ? BodyKind::Static : BodyKind::Kinematic;
+  if (random.below(8) == 0)
+    def.shape = Plane{}, def.kind = BodyKind::Static, def.pose.p_WB.setZero();
+  else if (random.below(6) == 0)
+    def.kind = random.below(2) ? BodyKind::Static : BodyKind::Kinematic;
   if (random.below(3) == 0) def.group = 2;
   if (random.below(3) == 0) def.mask = static_cast<std::uint32_t>(random.below(4));
   def.material.friction = random.below(2) ? 0.5 : 0.0;
@@ -63,7 +68,8 @@ void editAtRandom(World& world, SplitMix64& random) {
   }
   const std::size_t k = random.below(now.states.size());
   const BodyId id = now.states[k].id;
-  const bool dynamic = (*now.bodies)[k].kind == BodyKind::Dynamic, plane = std::holds_alternative<Plane>((*now.bodies)[k].shape);
+  const bool dynamic = (*now.bodies)[k].kind == BodyKind::Dynamic,
+             plane = std::holds_alternative<Plane>((*now.bodies)[k].shape);
   BodyEdit edit;
   switch (random.below(9)) {
     case 0:
@@ -109,9 +115,12 @@ TEST(Census, OfAnEditIsWhatALookAtAllWouldFind) {
       anew.setFidelity(anew.scene().fidelity);  // takes the census of all
       const std::vector<StageInfo> found = world.pipeline(), wanted = anew.pipeline();
       for (std::size_t row = 0; row < wanted.size(); ++row) {
-        ASSERT_EQ(found[row].active, wanted[row].active) << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
-        ASSERT_EQ(found[row].reason, wanted[row].reason) << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
-        ASSERT_EQ(found[row].items, wanted[row].items) << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
+        ASSERT_EQ(found[row].active, wanted[row].active)
+            << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
+        ASSERT_EQ(found[row].reason, wanted[row].reason)
+            << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
+        ASSERT_EQ(found[row].items, wanted[row].items)
+            << "seed " << seed << ", edit " << k << ": " << wanted[row].name;
       }
       world.step(), anew.step();
       ASSERT_EQ(world.stateHash(), anew.stateHash()) << "seed " << seed << ", edit " << k;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and gone
-// through in the pairs' own order, with responses from whole matrices.
+// Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and
+// gone through in the pairs' own order, with responses from whole matrices.
 #include "methods/contact_lanes.h"
 
 #include "algebra.h"
@@ -30,8 +30,8 @@ class Heap {
     const auto vector = [&](auto& from) { return Vec3(from(random), from(random), from(random)); };
     for (int k = 0; k < 60; ++k) {
       const std::string name = "body_" + std::to_string(k);
-      BodyDef def = k % 2 ? ball(name, 0.5 * size(random), vector(place))
-                          : box(name, vector(size), vector(place));
+      BodyDef def =
+          k % 2 ? ball(name, 0.5 * size(random), vector(place)) : box(name, vector(size), vector(place));
       if (k == 0) def = floor_();
       if (k == 1) def.kind = BodyKind::Static;
       if (k > 0) def.pose.q_WB = rotationBy(vector(speed));
@@ -71,7 +71,8 @@ class Heap {
   IslandBatch batch_;
 };
 
-void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point, const Vec3& impulse_W) {
+void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point,
+          const Vec3& impulse_W) {
   SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
   i.v -= i.inv_mass * impulse_W;
   i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
@@ -83,7 +84,8 @@ void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint&
 Mat3 responseAt(const SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point) {
   const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
   const Mat3 r_i = crossMatrix(point.r_i), r_j = crossMatrix(point.r_j);
-  return (i.inv_mass + j.inv_mass) * Mat3::Identity() - r_i * i.inv_inertia_W * r_i - r_j * j.inv_inertia_W * r_j;
+  return (i.inv_mass + j.inv_mass) * Mat3::Identity() - r_i * i.inv_inertia_W * r_i -
+         r_j * j.inv_inertia_W * r_j;
 }
 
 void passInOrder(SolverContacts& contacts, bool soft) {

@@ -24,8 +24,12 @@ std::size_t allocations = 0;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace {
 
@@ -115,14 +119,17 @@ TEST(Detection, ForcedOffSaysWhatIsNeglectedAndForcedOnWhatItWouldNotNeed) {
 // What is forced off does nothing: the run is that of the scene that never asked for it, bit for bit.
 TEST(Detection, WhatIsForcedOffIsAsIfItHadNeverBeenMentioned) {
   for (const Need& need : needs()) {
-    if (need.effect == Effect::Gyroscopic || need.effect == Effect::Rotation) continue;  // asked for by a shape
+    if (need.effect == Effect::Gyroscopic || need.effect == Effect::Rotation)
+      continue;  // asked for by a shape
     SceneDef plain = twoBalls(), forced = twoBalls();
     if (need.effect == Effect::Buoyancy) plain.gravity.z() = -1.0;
     need.ask(forced);
     forced.effects[need.effect] = false;
     // A ball with friction may be turned, and its attitude is then carried along.
-    if (need.effect == Effect::Friction || need.effect == Effect::Rolling) plain.effects[Effect::Rotation] = true;
-    if (need.effect == Effect::Friction || need.effect == Effect::Rolling) forced.effects[Effect::Rotation] = true;
+    if (need.effect == Effect::Friction || need.effect == Effect::Rolling)
+      plain.effects[Effect::Rotation] = true;
+    if (need.effect == Effect::Friction || need.effect == Effect::Rolling)
+      forced.effects[Effect::Rotation] = true;
     World a(plain), b(forced);
     for (int k = 0; k < 120; ++k) {
       a.step(), b.step();
@@ -243,16 +250,50 @@ TEST(Attitude, SurvivesSavingBitForBit) {
 TEST(Switching, MakesNoJumpInTheStateOfAnyBody) {
   using Edit = std::function<void(World&)>;
   const std::vector<std::pair<std::string, Edit>> edits{
-      {"friction", [](World& w) { BodyEdit e; e.friction = 0.4; w.editBody(w.find("left"), e); w.editBody(w.find("right"), e); }},
-      {"a box", [](World& w) { w.addBody(box("new", {0.2, 0.3, 0.4}, {0.0, 5.0, 0.0})); }},
-      {"wind", [](World& w) { w.setAir(Air{}); w.setWind(Wind{}); }},
+      {"friction",
+       [](World& w) {
+         BodyEdit e;
+         e.friction = 0.4;
+         w.editBody(w.find("left"), e);
+         w.editBody(w.find("right"), e);
+       }},
+      {"a box",
+       [](World& w) {
+         w.addBody(box("new", {0.2, 0.3, 0.4}, {0.0, 5.0, 0.0}));
+       }},
+      {"wind",
+       [](World& w) {
+         w.setAir(Air{});
+         w.setWind(Wind{});
+       }},
       {"a fluid", [](World& w) { w.setFluid(Fluid{}); }},
-      {"gravity", [](World& w) { w.setGravity({0.0, 0.0, -9.81}); }},
+      {"gravity",
+       [](World& w) {
+         w.setGravity({0.0, 0.0, -9.81});
+       }},
       {"a hand", [](World& w) { w.grab(w.find("left"), Grab{}); }},
-      {"a wrench", [](World& w) { w.applyWrench(w.find("left"), {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, 1.0); }},
-      {"a size", [](World& w) { BodyEdit e; e.shape = Sphere{0.2}; w.editBody(w.find("left"), e); }},
-      {"effects on", [](World& w) { EffectOverrides all; for (const Effect e : kEffects) all[e] = true; w.setEffects(all); }},
-      {"effects off", [](World& w) { EffectOverrides all; for (const Effect e : kEffects) all[e] = false; w.setEffects(all); }},
+      {"a wrench",
+       [](World& w) {
+         w.applyWrench(w.find("left"), {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, 1.0);
+       }},
+      {"a size",
+       [](World& w) {
+         BodyEdit e;
+         e.shape = Sphere{0.2};
+         w.editBody(w.find("left"), e);
+       }},
+      {"effects on",
+       [](World& w) {
+         EffectOverrides all;
+         for (const Effect e : kEffects) all[e] = true;
+         w.setEffects(all);
+       }},
+      {"effects off",
+       [](World& w) {
+         EffectOverrides all;
+         for (const Effect e : kEffects) all[e] = false;
+         w.setEffects(all);
+       }},
   };
   for (const Fidelity fidelity : kFidelities) {
     for (const auto& [name, edit] : edits) {
@@ -262,7 +303,8 @@ TEST(Switching, MakesNoJumpInTheStateOfAnyBody) {
       advance(world, 0.5);
       const BodyState left = stateOf(world, "left"), right = stateOf(world, "right");
       edit(world);
-      for (const auto& [before, now] : {std::pair(left, stateOf(world, "left")), std::pair(right, stateOf(world, "right"))}) {
+      for (const auto& [before, now] :
+           {std::pair(left, stateOf(world, "left")), std::pair(right, stateOf(world, "right"))}) {
         EXPECT_EQ(before.pose.p_WB, now.pose.p_WB) << name;
         EXPECT_EQ(before.pose.q_WB.coeffs(), now.pose.q_WB.coeffs()) << name;
         EXPECT_EQ(before.twist.v_WB, now.twist.v_WB) << name;

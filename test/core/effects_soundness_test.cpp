@@ -62,7 +62,8 @@ SceneDef randomScene(std::uint64_t seed) {
     BodyDef def = body("body_" + std::to_string(k), randomShape(random),
                        {0.7 * (k % 3), 0.7 * (k / 3), random.uniform(0.3, 0.6)});
     def.twist.v_WB = Vec3(random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0), random.uniform(-1.0, 1.0));
-    if (chance(0.5)) def.twist.w_WB = Vec3(random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0));
+    if (chance(0.5))
+      def.twist.w_WB = Vec3(random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0), random.uniform(-3.0, 3.0));
     def.material.friction = rough ? random.uniform(0.1, 0.9) : 0.0;
     def.material.restitution = bouncy ? random.uniform(0.0, 1.0) : 0.0;
     if (sticky) def.material.rolling_resistance = random.uniform(0.0, 0.05);
@@ -73,7 +74,8 @@ SceneDef randomScene(std::uint64_t seed) {
   return scene;
 }
 
-// The effects that add something to what is there already. Collision and impacts are on wherever bodies may meet.
+// The effects that add something to what is there already. Collision and impacts are on wherever bodies may
+// meet.
 EffectOverrides allAdditive() {
   EffectOverrides on;
   for (const Effect effect : kEffects) on[effect] = true;

@@ -13,14 +13,15 @@ namespace {
 
 // A simulation whose steps and pictures take as long as they are told to.
 struct Rig {
-  double step = 1.0 / 60.0, speed = 1.0;            // s, times real time
+  double step = 1.0 / 60.0, speed = 1.0;             // s, times real time
   double step_seconds = 0.0, picture_seconds = 0.0;  // of wall time
   Pacer pacer{};
   double now = 0.0, simulated = 0.0;
   std::vector<double> pictures{};  // when they were taken
 
   Pacer::Time at(double s) const {
-    return Pacer::Time{} + std::chrono::duration_cast<Pacer::Clock::duration>(std::chrono::duration<double>(s));
+    return Pacer::Time{} +
+           std::chrono::duration_cast<Pacer::Clock::duration>(std::chrono::duration<double>(s));
   }
   // As the simulator does: a step when one is due, a picture of it when that is due.
   void until(double end) {
@@ -50,7 +51,8 @@ struct Rig {
   double achieved() const { return pacer.achievedSpeed(at(now)); }
   double longestGap() const {
     double longest = 0.0;
-    for (std::size_t k = 1; k < pictures.size(); ++k) longest = std::max(longest, pictures[k] - pictures[k - 1]);
+    for (std::size_t k = 1; k < pictures.size(); ++k)
+      longest = std::max(longest, pictures[k] - pictures[k - 1]);
     return longest;
   }
 };

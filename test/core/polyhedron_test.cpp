@@ -427,7 +427,8 @@ TEST(Polyhedron, hullOfManyPointsHoldsThemAllAndHasItsVerticesAmongThem) {
   for (const Vec3& p : points) {
     const Vec3 p_B = inB(p);
     for (const Polyhedron::Face& face : solid.faces) ASSERT_LE(face.normal.dot(p_B), face.offset + 1e-5);
-    for (std::size_t v = 0; v < solid.vertices.size(); ++v) found[v] |= (solid.vertices[v] - p_B).norm() < 1e-12;
+    for (std::size_t v = 0; v < solid.vertices.size(); ++v)
+      found[v] |= (solid.vertices[v] - p_B).norm() < 1e-12;
   }
   EXPECT_EQ(std::count(found.begin(), found.end(), 1), static_cast<std::ptrdiff_t>(found.size()));
   std::reverse(points.begin(), points.end());

@@ -146,7 +146,8 @@ TEST(Queries, NoBodyOnTheRayIsMissed) {
       ASSERT_EQ(first.has_value(), expected > 0);
       if (!first) continue;
       ++hits;
-      ASSERT_NEAR(first->distance, nearest, 1e-14 * (10.0 + nearest)) << "seed " << seed << ", world " << world << ", ray " << k;
+      ASSERT_NEAR(first->distance, nearest, 1e-14 * (10.0 + nearest))
+          << "seed " << seed << ", world " << world << ", ray " << k;
       ASSERT_EQ(first->body, all.front().body);
     }
   }

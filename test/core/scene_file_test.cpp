@@ -184,18 +184,19 @@ TEST(SceneFile, fidelityIsANameOrANameWithNumbers) {
 }
 
 TEST(SceneFile, badNumbersOfAFidelityAreRefusedAtTheirLine) {
-  const char* const lines[] = {"preset: exact",     "divisions: 0",   "divisions: 1001", "divisions: -1",
-                               "divisions: 1.5",    "sub_steps: 0",   "sub_steps: 1001", "tolerance: 0",
-                               "tolerance: -1e-6",  "tolerance: .nan", "tolerance: 1",   "max_error: 0",
-                               "max_error: -1",     "max_error: .inf", "max_step_ms: 0", "max_step_ms: .nan",
-                               "max_solve_ms: 0", "max_solve_ms: -1", "iterations: 3"};
+  const char* const lines[] = {"preset: exact",    "divisions: 0",     "divisions: 1001", "divisions: -1",
+                               "divisions: 1.5",   "sub_steps: 0",     "sub_steps: 1001", "tolerance: 0",
+                               "tolerance: -1e-6", "tolerance: .nan",  "tolerance: 1",    "max_error: 0",
+                               "max_error: -1",    "max_error: .inf",  "max_step_ms: 0",  "max_step_ms: .nan",
+                               "max_solve_ms: 0",  "max_solve_ms: -1", "iterations: 3"};
   for (const std::string line : lines) {
     const std::string key = "fidelity." + line.substr(0, line.find(':'));
     try {
       parse("step: 0.01\nfidelity:\n  " + line + "\n");
       ADD_FAILURE() << line;
     } catch (const InvalidInput& error) {
-      EXPECT_NE(std::string(error.what()).find("f.yaml:3: fidelity."), std::string::npos) << line << ": " << error.what();
+      EXPECT_NE(std::string(error.what()).find("f.yaml:3: fidelity."), std::string::npos)
+          << line << ": " << error.what();
     }
   }
   EXPECT_THROW(parse("fidelity: {max_error: 1, max_step_ms: 1}"), InvalidInput);
@@ -696,8 +697,8 @@ TEST(NearestName, findsMisspellingsOnly) {
 
 TEST(SceneFile, nothingIsQuotedOfAFileThatIsNoScene) {
   const std::string file = testing::TempDir() + "no_scene_" + std::to_string(getpid()) + ".yaml";
-  for (const char* text : {"root:x:0:0:secret:/root\n", "password: secret\n", "gravity: secret",
-                           "- secret\n", "*secret", "!secret x", "[[secret", "key: [secret\n\x01", "%secret"}) {
+  for (const char* text : {"root:x:0:0:secret:/root\n", "password: secret\n", "gravity: secret", "- secret\n",
+                           "*secret", "!secret x", "[[secret", "key: [secret\n\x01", "%secret"}) {
     std::ofstream(file) << text;
     try {
       readScene(file);
@@ -712,16 +713,18 @@ TEST(SceneFile, nothingIsQuotedOfAFileThatIsNoScene) {
 
 TEST(SceneFile, refusalsStayShortAndPrintable) {
   const std::string word(100'000, 'x');
-  for (const std::string& text : {"bodies: [{name: " + word + "}]", "bodies: [{" + word + ": 1}]", word + ": 1\nbodies: []",
-                                  "bodies: [{shape: " + word + "}]", "bodies: [{mass: " + word + "}]",
-                                  "bodies: [{repeat: {shapes: [" + word + "]}}]", "bodies: !" + word + " []",
-                                  "bodies: [{shape: hull, mesh: " + word + "}]"}) {
+  for (const std::string& text :
+       {"bodies: [{name: " + word + "}]", "bodies: [{" + word + ": 1}]", word + ": 1\nbodies: []",
+        "bodies: [{shape: " + word + "}]", "bodies: [{mass: " + word + "}]",
+        "bodies: [{repeat: {shapes: [" + word + "]}}]", "bodies: !" + word + " []",
+        "bodies: [{shape: hull, mesh: " + word + "}]"}) {
     try {
       parseScene(text, "scene.yaml");
       ADD_FAILURE() << text.substr(0, 40);
     } catch (const InvalidInput& refusal) {
       EXPECT_LT(std::string(refusal.what()).size(), 2500u) << text.substr(0, 40);
-      EXPECT_EQ(std::string(refusal.what()).find(std::string(300, 'x')), std::string::npos) << text.substr(0, 40);
+      EXPECT_EQ(std::string(refusal.what()).find(std::string(300, 'x')), std::string::npos)
+          << text.substr(0, 40);
     }
   }
 }
@@ -734,7 +737,8 @@ TEST(SceneFile, meshesOfASceneAreLimitedTogether) {
   std::ofstream(folder + "many.obj") << mesh;
   std::string text = "bodies:\n";
   for (int k = 0; k < 200; ++k)
-    text += "  - {shape: hull, mesh: many.obj, scale: " + std::to_string(1 + k) + ", position: [0, 0, " + std::to_string(100 * k) + "]}\n";
+    text += "  - {shape: hull, mesh: many.obj, scale: " + std::to_string(1 + k) + ", position: [0, 0, " +
+            std::to_string(100 * k) + "]}\n";
   try {
     parseScene(text, folder + "scene.yaml");
     ADD_FAILURE();

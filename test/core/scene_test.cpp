@@ -53,7 +53,8 @@ TEST(Scene, bodyNamesFollowTheRule) {
   };
   for (const char* good : {"", "a", "box_1", "left/arm-2", "_x", "worlds", "a/world", "World"})
     EXPECT_EQ(faults(good), 0u) << good;
-  for (const char* bad : {"1box", "a b", "caf\xc3\xa9", "a.b", "a\n", "world", "/a", "a/", "/", "a//b", "-x", "--json", "\xff"})
+  for (const char* bad :
+       {"1box", "a b", "caf\xc3\xa9", "a.b", "a\n", "world", "/a", "a/", "/", "a//b", "-x", "--json", "\xff"})
     EXPECT_EQ(faults(bad), 1u) << bad;
   EXPECT_EQ(faults(std::string("a\0b", 3)), 1u);
   EXPECT_EQ(faults(std::string(64, 'a')), 0u);
@@ -74,7 +75,8 @@ TEST(Scene, noBodyHasTheNameOfTheWorldsFrame) {
   EXPECT_EQ(paths(validate(body, "b")), Paths{"b.name"});
   for (const char* bad : {"", "/map", "map/", "a//b", "a b", "\xff"})
     EXPECT_THROW(nameFrames(bad, ""), InvalidInput) << bad;
-  for (const char* bad : {"/sim/", "a//", "a b", "\n"}) EXPECT_THROW(nameFrames("map", bad), InvalidInput) << bad;
+  for (const char* bad : {"/sim/", "a//", "a b", "\n"})
+    EXPECT_THROW(nameFrames("map", bad), InvalidInput) << bad;
   EXPECT_EQ(worldFrame(), "map");  // what was refused changed nothing
   nameFrames("world", "");
 }
@@ -96,7 +98,9 @@ TEST(Scene, messagesQuoteLittleAndOnlyText) {
   EXPECT_EQ(printable("a" + many).find("\xc3..."), std::string::npos) << "half a character";
   for (const char* bad : {"\xc0\xaf", "\xed\xa0\x80", "\xf5\x80\x80\x80", "\xe2\x82", "\x80"})
     EXPECT_EQ(printable(bad).substr(0, 2), "\\x") << bad;
-  EXPECT_LT(std::string(InvalidInput({{std::string(9999, 'p'), std::string(9999, 'v'), "less"}}).what()).size(), 1200u);
+  EXPECT_LT(
+      std::string(InvalidInput({{std::string(9999, 'p'), std::string(9999, 'v'), "less"}}).what()).size(),
+      1200u);
 }
 
 TEST(Scene, numbersThatAreNoneAreToldAsSuch) {

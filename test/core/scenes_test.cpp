@@ -76,10 +76,11 @@ TEST_P(Catalogue, isWrittenAndReadBack) {
 TEST(Scenes, catalogueHoldsTheDocumentedScenes) {
   EXPECT_EQ(names(),
             (std::vector<std::string>{
-                "ball_hits_wall", "balls_666", "bouncing_49", "boxes_on_slope", "bullet_and_paper",
-                "card_house", "domino_ring", "dominoes", "elastic_666", "gas", "harbour", "heavy_on_light",
-                "jenga", "kapla", "marbles", "mixed_rain", "newtons_cradle", "playground", "pyramid",
-                "rolling_balls", "shapes", "sphere_column", "sphere_rain", "spinning_box", "tower",
+                "ball_hits_wall", "balls_666",      "bouncing_49", "boxes_on_slope", "bullet_and_paper",
+                "card_house",     "domino_ring",    "dominoes",    "elastic_666",    "gas",
+                "harbour",        "heavy_on_light", "jenga",       "kapla",          "marbles",
+                "mixed_rain",     "newtons_cradle", "playground",  "pyramid",        "rolling_balls",
+                "shapes",         "sphere_column",  "sphere_rain", "spinning_box",   "tower",
                 "windy_day"}));
 }
 

@@ -74,7 +74,8 @@ TEST(Simulator, ResetComesBackToTheSceneAsItWasLoaded) {
 
 TEST(Simulator, TheCountersOfChangesGrowOnResetAndLoad) {
   Simulator simulator(fallingBall(), paused());
-  const std::vector<std::function<void()>> changes = {[&] { simulator.reset(); }, [&] { simulator.load(fallingBall()); }};
+  const std::vector<std::function<void()>> changes = {[&] { simulator.reset(); },
+                                                      [&] { simulator.load(fallingBall()); }};
   for (const auto& change : changes) {
     const auto before = simulator.snapshot();
     change();
@@ -204,7 +205,8 @@ TEST(Simulator, SnapshotsComeHoweverFarItFallsBehind) {
 TEST(Simulator, WhatIsSentRunsInOrderAndIsSeenWithoutAStep) {
   Simulator simulator(fallingBall(), paused());
   for (int k = 0; k < 100; ++k)
-    simulator.send([k](World& world) { world.addBody(ball("b" + std::to_string(k), 0.1, Vec3(3.0, 3.0 * k, 0.0))); });
+    simulator.send(
+        [k](World& world) { world.addBody(ball("b" + std::to_string(k), 0.1, Vec3(3.0, 3.0 * k, 0.0))); });
   while (simulator.snapshot()->bodies->size() < 101) std::this_thread::yield();
   EXPECT_EQ(simulator.snapshot()->bodies->back().name, "b99");
 }
@@ -213,7 +215,8 @@ TEST(Simulator, WhatIsSentRunsInOrderAndIsSeenWithoutAStep) {
 TEST(Simulator, ALoadHoldsUpNothing) {
   Simulator simulator(fallingBall(), paused());
   SceneDef large;
-  for (int k = 0; k < 50000; ++k) large.bodies.push_back(ball("b" + std::to_string(k), 0.1, Vec3(k % 300, k / 300, 0.0)));
+  for (int k = 0; k < 50000; ++k)
+    large.bodies.push_back(ball("b" + std::to_string(k), 0.1, Vec3(k % 300, k / 300, 0.0)));
   std::atomic<bool> loaded{false};
   std::thread loader([&] {
     simulator.load(std::move(large));

@@ -55,7 +55,8 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
-// A blow wakes the whole group before it lands: the bodies go where they would have gone had they never slept.
+// A blow wakes the whole group before it lands: the bodies go where they would have gone had they never
+// slept.
 TEST(Sleep, ABlowFindsThemAwake) {
   const auto strike = [](bool sleeping) {
     World world(crates(sleeping));
@@ -131,7 +132,8 @@ TEST(Sleep, SurvivesSavingBitForBitAndARefusedEdit) {
     EXPECT_EQ(restored.stateHash(), going.stateHash());
   }
   const std::uint64_t hash = world.stateHash();
-  EXPECT_THROW(world.applyImpulse(world.find("crate_0"), Vec3::Constant(std::nan("")), Vec3::Zero()), InvalidInput);
+  EXPECT_THROW(world.applyImpulse(world.find("crate_0"), Vec3::Constant(std::nan("")), Vec3::Zero()),
+               InvalidInput);
   EXPECT_EQ(world.stateHash(), hash);
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of a shape below a plane, against closed forms and brute force.
+#include "submerged.h"
 #include "algebra.h"
 #include "random.h"
-#include "submerged.h"
 
 #include <gtest/gtest.h>
 
@@ -18,9 +18,10 @@ Vec3 randomDirection(SplitMix64& random) {
 }
 
 std::vector<Shape> shapes() {
-  const std::vector<Vec3> points{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.3, 0.0}, {0.0, 0.0, 0.7}, {0.8, 0.9, 0.6}};
-  return {Sphere{0.4}, Box{{0.3, 0.7, 1.1}}, Capsule{0.2, 0.5}, Cylinder{0.3, 0.6}, Cone{0.5, 1.2},
-          makeHull(points, "points").hull};
+  const std::vector<Vec3> points{
+      {0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.3, 0.0}, {0.0, 0.0, 0.7}, {0.8, 0.9, 0.6}};
+  return {Sphere{0.4},        Box{{0.3, 0.7, 1.1}}, Capsule{0.2, 0.5},
+          Cylinder{0.3, 0.6}, Cone{0.5, 1.2},       makeHull(points, "points").hull};
 }
 
 bool contains(const Shape& shape, const Vec3& x) {
@@ -29,7 +30,8 @@ bool contains(const Shape& shape, const Vec3& x) {
   if (const auto* box = std::get_if<Box>(&shape)) return (x.cwiseAbs() - 0.5 * box->size).maxCoeff() <= 0.0;
   if (const auto* c = std::get_if<Capsule>(&shape))
     return (x - std::clamp(x.z(), -c->half_length, c->half_length) * Vec3::UnitZ()).norm() <= c->radius;
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return r <= c->radius && std::abs(x.z()) <= c->half_length;
+  if (const auto* c = std::get_if<Cylinder>(&shape))
+    return r <= c->radius && std::abs(x.z()) <= c->half_length;
   if (const auto* c = std::get_if<Cone>(&shape)) {
     const double share = 0.75 - x.z() / c->height;
     return share >= 0.0 && share <= 1.0 && r <= c->radius * share;
@@ -66,8 +68,8 @@ TEST(Submerged, BothSidesOfThePlaneMakeTheWhole) {
   }
 }
 
-// The volume grows with the level by the area of the cut; the moment along `up` by the level times that area. So a
-// fine sum of the slices must give the moment: an oracle that knows only the volumes.
+// The volume grows with the level by the area of the cut; the moment along `up` by the level times that area.
+// So a fine sum of the slices must give the moment: an oracle that knows only the volumes.
 TEST(Submerged, TheMomentAlongUpFollowsFromTheVolumes) {
   SplitMix64 random(3);
   for (const Shape& shape : shapes()) {

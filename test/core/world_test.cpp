@@ -113,7 +113,8 @@ TEST(Tolerance, IsWhatTheExactStepStopsAt) {
 World heap(std::optional<double> max_solve_ms) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.6);
   for (int k = 0; k < 12; ++k) {
-    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0.1 * (k % 3), 0.07 * (k % 4), 0.5 + 0.7 * k)));
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3),
+                               Vec3(0.1 * (k % 3), 0.07 * (k % 4), 0.5 + 0.7 * k)));
     scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.3 * k, Vec3(1.0, k, 0.5).normalized()));
   }
   scene.fidelity = Fidelity::Accurate;
@@ -133,7 +134,8 @@ TEST(TimeForSolves, EndsThemWithTheBestTheyHaveAndSaysSo) {
       for (const IslandCertificate& island : report.certificates) {
         unsolved += !island.converged;
         iterations[limited] += island.iterations;
-        if (!island.converged) worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
+        if (!island.converged)
+          worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
       }
     }
     EXPECT_EQ(unsolved > 0, limited);
@@ -155,7 +157,8 @@ TEST(Settings, FaultyOnesAreRefusedAndChangeNothing) {
   number.tolerance = kNaN;
   for (const Setting& setting : {divisions, sub_steps, tolerance, number, time})
     EXPECT_THROW(world.setFidelity(setting), InvalidInput);
-  for (const Goal& goal : {Goal{}, Goal{1.0, 1.0}, Goal{-1.0, {}}, Goal{{}, kNaN}, Goal{kInfinite, {}}, Goal{{}, 0.0}})
+  for (const Goal& goal :
+       {Goal{}, Goal{1.0, 1.0}, Goal{-1.0, {}}, Goal{{}, kNaN}, Goal{kInfinite, {}}, Goal{{}, 0.0}})
     EXPECT_THROW(world.setGoal(goal), InvalidInput);
   EXPECT_EQ(world.stateHash(), before);
   EXPECT_FALSE(world.scene().goal);

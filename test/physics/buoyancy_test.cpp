@@ -41,7 +41,8 @@ TEST(Buoyancy, ABoxBobsAtItsFrequencyAndKeepsItsAmplitude) {
   const double side = 1.0, density = 400.0, draught = 0.4, amplitude = 0.05;
   for (const double h : {1.0 / 60.0, 1.0 / 240.0}) {
     SceneDef scene = harbour(h);
-    scene.bodies.push_back(cork(Box{{2.0, 2.0, side}}, density, {0.0, 0.0, 0.5 * side - draught + amplitude}));
+    scene.bodies.push_back(
+        cork(Box{{2.0, 2.0, side}}, density, {0.0, 0.0, 0.5 * side - draught + amplitude}));
     World world(scene);
     const double omega = std::acos(1.0 - 0.5 * kGravity / draught * h * h) / h;
     EXPECT_NEAR(omega, std::sqrt(kGravity / draught), 0.1 * h);
@@ -53,8 +54,8 @@ TEST(Buoyancy, ABoxBobsAtItsFrequencyAndKeepsItsAmplitude) {
   }
 }
 
-// A box floats upright where its metacentre is above its centre of mass: for a square section of density ratio s,
-// beam b and height t that is b²/(12 s t) > (t - s t)/2 (P. Bouguer, 1746).
+// A box floats upright where its metacentre is above its centre of mass: for a square section of density
+// ratio s, beam b and height t that is b²/(12 s t) > (t - s t)/2 (P. Bouguer, 1746).
 TEST(Buoyancy, ABoxCapsizesWhereItsMetacentreIsTooLow) {
   for (const double height : {0.7, 1.6}) {
     const double s = 0.5, beam = 1.0;

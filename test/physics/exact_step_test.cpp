@@ -135,7 +135,8 @@ TEST_P(ExactStep, AtRestNothingIsSolvedAndASmallPushIsAnswered) {
   EXPECT_NEAR(stateOf(world, "box").twist.v_WB.x(), push / 1000.0, 1e-6 * push / 1000.0);
 }
 
-// Ten boxes pass on what is wrong with each other's forces: without knowing what of it lasts, each step mends it anew.
+// Ten boxes pass on what is wrong with each other's forces: without knowing what of it lasts, each step mends
+// it anew.
 TEST_P(ExactStep, ATowerAtRestIsNotSolved) {
   SceneDef scene = floor(0.5);
   for (int k = 0; k < 10; ++k) {

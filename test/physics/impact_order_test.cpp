@@ -140,8 +140,9 @@ TEST(ImpactOrder, ImpactsDoNotDisturbWhoTakesNoPart) {
   }
 }
 
-// A ball strikes a row of others that lean on each other and on a kerb; the end of the row strikes a ball that falls
-// past it, and that one another. Only the solve of the contacts knows that the end of the row will move.
+// A ball strikes a row of others that lean on each other and on a kerb; the end of the row strikes a ball
+// that falls past it, and that one another. Only the solve of the contacts knows that the end of the row will
+// move.
 TEST(ImpactOrder, WhatContactsPushIntoEachOtherDoesNotOverlap) {
   for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference}) {
     SceneDef scene = onFloor(1.0 / 60.0, 0.0);
@@ -176,14 +177,17 @@ TEST(ImpactOrder, WhatContactsPushIntoEachOtherDoesNotOverlap) {
   }
 }
 
-// One ball meets two others at one instant: the oldest pair is taken first. e = 0 and equal masses: with c = cos 30 deg
-// the first takes c/2 of the speed along its line, and the second what is left of the approach along its own.
+// One ball meets two others at one instant: the oldest pair is taken first. e = 0 and equal masses: with c =
+// cos 30 deg the first takes c/2 of the speed along its line, and the second what is left of the approach
+// along its own.
 TEST(ImpactOrder, OfTwoAtOneTimeTheOlderPairIsFirst) {
   for (const bool left_is_older : {true, false}) {
     SceneDef scene = emptySpace(1.0 / 60.0);
     const double side = std::sin(kPi / 6.0), ahead = std::cos(kPi / 6.0);
-    const BodyDef left = ball("left", 0.5, Vec3(ahead, side, 0.0)), right = ball("right", 0.5, Vec3(ahead, -side, 0.0));
-    scene.bodies = {left_is_older ? left : right, left_is_older ? right : left, ball("shot", 0.5, Vec3(-0.5, 0.0, 0.0))};
+    const BodyDef left = ball("left", 0.5, Vec3(ahead, side, 0.0)),
+                  right = ball("right", 0.5, Vec3(ahead, -side, 0.0));
+    scene.bodies = {left_is_older ? left : right, left_is_older ? right : left,
+                    ball("shot", 0.5, Vec3(-0.5, 0.0, 0.0))};
     for (BodyDef& def : scene.bodies) def.material.friction = 0.0, def.material.restitution = 1.0;
     scene.bodies[2].twist.v_WB.x() = 6.0;  // meets both after 1/12 s
     scene.bodies[2].pose.p_WB.x() = -0.5;
@@ -199,8 +203,8 @@ TEST(ImpactOrder, OfTwoAtOneTimeTheOlderPairIsFirst) {
   }
 }
 
-// The path bulges from the chord between its ends: a ball that is back at its height at the end of a step has been at a
-// ceiling meanwhile.
+// The path bulges from the chord between its ends: a ball that is back at its height at the end of a step has
+// been at a ceiling meanwhile.
 TEST(ImpactOrder, WhatTheBulgeOfAPathReachesIsMet) {
   SceneDef scene = emptySpace(0.5);
   scene.fidelity = Fidelity::Accurate;  // which leaves no slow impact to the contact solver

@@ -50,15 +50,17 @@ TEST_P(Load, ABodyThatIsMadeLightUnderALoadIsNotShotAway) {
   EXPECT_LT(fastest, 10.0);
 }
 
-// A ball deep between two walls that lean apart by 2 degrees: to part from both at v it would leave at 57 v. What it
-// gains in a step is the speed at which an overlap may part, that of a fall of its size, and what it falls.
+// A ball deep between two walls that lean apart by 2 degrees: to part from both at v it would leave at 57 v.
+// What it gains in a step is the speed at which an overlap may part, that of a fall of its size, and what it
+// falls.
 TEST_P(Load, WhatIsWedgedInDoesNotShootOut) {
   SceneDef scene = emptySpace(1.0 / 60.0);
   scene.gravity = Vec3(0.0, 0.0, -kGravity);
   scene.fidelity = GetParam();
   const double radius = 0.1, depth = 0.06;
   for (const double side : {-1.0, 1.0}) {
-    scene.bodies.push_back(box(side < 0.0 ? "left" : "right", Vec3(1.0, 1.0, 2.0), Vec3(side * (0.5 + radius - depth), 0.0, 0.0)));
+    scene.bodies.push_back(box(side < 0.0 ? "left" : "right", Vec3(1.0, 1.0, 2.0),
+                               Vec3(side * (0.5 + radius - depth), 0.0, 0.0)));
     scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(side * kPi / 180.0, Vec3::UnitY()));
     scene.bodies.back().kind = BodyKind::Static;
   }

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kRadius = 0.1;
 
-// By how much a soft contact lets the ball sink in, as a share of its radius: the lever arm of its friction is
-// shorter by that. g/w² with w = 0.3 pi over a sub-step.
+// By how much a soft contact lets the ball sink in, as a share of its radius: the lever arm of its friction
+// is shorter by that. g/w² with w = 0.3 pi over a sub-step.
 double sagOf(Fidelity fidelity) {
   const double w = 0.3 * kPi * 60.0 * (fidelity == Fidelity::Preview ? 1 : 8);
   return kGravity / (w * w) / kRadius;
@@ -40,11 +40,14 @@ TEST_P(Rolling, AMarbleComesToRestWhereItShould) {
     const double t = world.time();
     const double speed = stateOf(world, "marble").twist.v_WB.x();
     EXPECT_NEAR(speed, std::max(v - a * t, 0.0), (0.002 + sagOf(GetParam())) * v) << t;
-    EXPECT_NEAR(stateOf(world, "marble").twist.w_WB.y() * kRadius, speed, (0.002 + 2.0 * sagOf(GetParam())) * v) << t;
+    EXPECT_NEAR(stateOf(world, "marble").twist.w_WB.y() * kRadius, speed,
+                (0.002 + 2.0 * sagOf(GetParam())) * v)
+        << t;
   }
   advance(world, v / a - 3.0 + 0.1);
   EXPECT_LE(stateOf(world, "marble").twist.v_WB.norm(), 1e-6);
-  EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), v * v / (2.0 * a), (0.005 + sagOf(GetParam())) * v * v / (2.0 * a));
+  EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), v * v / (2.0 * a),
+              (0.005 + sagOf(GetParam())) * v * v / (2.0 * a));
 }
 
 TEST_P(Rolling, AMarbleStaysOnASlopeUpToItsResistance) {
@@ -62,7 +65,8 @@ TEST_P(Rolling, AMarbleStaysOnASlopeUpToItsResistance) {
       EXPECT_LE(std::abs(x), 0.3 * sagOf(GetParam()) * kRadius);  // until the contact carries it
       EXPECT_LE(std::abs(stateOf(world, "marble").pose.p_WB.x() - x), 1e-6 * kRadius);
     } else {
-      EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), rolled, (0.05 + 2.0 * sagOf(GetParam()) / near) * rolled);
+      EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), rolled,
+                  (0.05 + 2.0 * sagOf(GetParam()) / near) * rolled);
     }
   }
 }
@@ -203,8 +207,8 @@ TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
 INSTANTIATE_TEST_SUITE_P(Settings, ExactRolling, ::testing::Values(Fidelity::Accurate, Fidelity::Reference),
                          [](const auto& info) { return std::string(fidelityName(info.param)); });
 
-// 1/R = 1/R_a + 1/R_b and c_a + c_b: a ball in the middle of a larger static one's top is slowed by the smaller
-// lever arm. A box has no radius and feels nothing.
+// 1/R = 1/R_a + 1/R_b and c_a + c_b: a ball in the middle of a larger static one's top is slowed by the
+// smaller lever arm. A box has no radius and feels nothing.
 TEST(RollingPairs, ABoxFeelsNoRollingResistance) {
   const auto slide = [](double resistance) {
     SceneDef scene = onFloor(1.0 / 60.0, 0.3);

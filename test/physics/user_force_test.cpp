@@ -59,7 +59,8 @@ TEST_P(UserForce, AHeldBodyHangsAtRest) {
       EXPECT_LE(stateOf(world, "body").twist.w_WB.norm(), 0.2) << what.name << ", step " << step;
       advance(world, 6.0);
       const BodyState state = stateOf(world, "body");
-      if (what.p_B.norm() < 0.01 * boundingRadius(what.shape)) continue;  // nearly balanced: it hangs at its leisure
+      if (what.p_B.norm() < 0.01 * boundingRadius(what.shape))
+        continue;  // nearly balanced: it hangs at its leisure
       EXPECT_LE(state.twist.w_WB.norm(), 2e-3) << what.name << ", step " << step;
       EXPECT_LE(state.twist.v_WB.norm(), 2e-3) << what.name << ", step " << step;
       const Vec3 down_W = -(state.pose.q_WB * what.p_B).normalized();

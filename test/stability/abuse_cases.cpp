@@ -121,9 +121,10 @@ void overlapRecovery(Sheet& sheet) {
   }
 }
 
-/// Bodies that an edit has put into a place where others are, all at once, and how they part. What the edit may give is, for
-/// each body, what lifts it by its own size.
-void crowd(Sheet& sheet, const std::string& what, SceneDef scene, const std::vector<BodyDef>& added, double seconds) {
+/// Bodies that an edit has put into a place where others are, all at once, and how they part. What the edit
+/// may give is, for each body, what lifts it by its own size.
+void crowd(Sheet& sheet, const std::string& what, SceneDef scene, const std::vector<BodyDef>& added,
+           double seconds) {
   scene.fidelity = sheet.setting();
   World world(scene);
   world.addBodies(added);
@@ -141,7 +142,8 @@ void crowd(Sheet& sheet, const std::string& what, SceneDef scene, const std::vec
     for (const BodyState& state : world.snapshot().states)
       finite &= state.pose.p_WB.allFinite() && state.twist.v_WB.allFinite() && state.twist.w_WB.allFinite();
   }
-  sheet.error("energy gained, of the sum of m g L: " + what, "", std::max(0.0, most / scale - 1.0), every(1e-6));
+  sheet.error("energy gained, of the sum of m g L: " + what, "", std::max(0.0, most / scale - 1.0),
+              every(1e-6));
   sheet.error("energy gained, as measured: " + what, "of m g L", most / scale, shown());
   sheet.value("warnings of overlaps: " + what, "", static_cast<double>(told), 1.0, every(0.0));
   sheet.check("all numbers finite", finite, every(0.0));
@@ -154,11 +156,14 @@ void manyInOnePlace(Sheet& sheet) {
   SplitMix64 random(7);
   for (int k = 0; k < count; ++k) {
     boxes.push_back(box("", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
-    balls.push_back(ball("", 0.5, Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.5, 1.0))));
+    balls.push_back(
+        ball("", 0.5, Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.5, 1.0))));
     balls.back().material.restitution = 1.0;
     const double size = random.uniform(0.3, 1.5);
     const Shape shapes[] = {Box{Vec3::Constant(size)}, Sphere{0.5 * size}, Cylinder{0.5 * size, 0.5 * size}};
-    mixed.push_back(body("", shapes[k % 3], Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.8, 2.0))));
+    mixed.push_back(
+        body("", shapes[k % 3],
+             Vec3(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(0.8, 2.0))));
     mixed.back().material.restitution = 0.5;
   }
   crowd(sheet, "boxes in one place on the floor", onFloor(kFrame, 0.6), boxes, seconds);
@@ -396,8 +401,10 @@ std::vector<Case> abuseCases() {
        "Ten boxes of 1 m in a pyramid begin with overlaps of 0.25, 0.5 and 1 m (all in one place).",
        overlapRecovery},
       {"A82", "Many in one place",
-       "200 bodies (40 to 60 in the tests) are spawned into one place: boxes of the same pose on the floor and in the air, "
-       "elastic balls, and boxes, balls and cylinders of 0.3 to 1.5 m at random. They are to gain no more energy than what lifts "
+       "200 bodies (40 to 60 in the tests) are spawned into one place: boxes of the same pose on the floor "
+       "and in the air, "
+       "elastic balls, and boxes, balls and cylinders of 0.3 to 1.5 m at random. They are to gain no more "
+       "energy than what lifts "
        "each by its own size, and a warning says that they overlap.",
        manyInOnePlace},
       {"A66", "Dragged with all force",

@@ -132,7 +132,8 @@ void inheritTouches(const Contacts& last, StepStore& step) {
 }  // namespace
 
 bool mayCollide(const Traits& a, const Traits& b) {
-  const bool moving = a.moved_by_forces() || b.moved_by_forces() || (a.asleep && b.led()) || (b.asleep && a.led());
+  const bool moving =
+      a.moved_by_forces() || b.moved_by_forces() || (a.asleep && b.led()) || (b.asleep && a.led());
   return moving && (a.group & b.mask) && (b.group & a.mask);
 }
 

@@ -2,8 +2,9 @@
 // Buoyancy: the fluid pushes a body up with the weight of what it displaces, at the centre of that part
 // (Archimedes). The surface of the fluid is the plane z = level of W, and stays so.
 //
-// In time. A floating body is a spring. Its force is taken for the whole step where the body will be in the middle
-// of it, at x + h v/2; with x'= x + h v + h² a/2 and v' = v + h a, and a = -W (x + h v/2)/h², the map of a step
+// In time. A floating body is a spring. Its force is taken for the whole step where the body will be in the
+// middle of it, at x + h v/2; with x'= x + h v + h² a/2 and v' = v + h a, and a = -W (x + h v/2)/h², the map
+// of a step
 //   | 1 - W/2    h (1 - W/4) |
 //   | -W/h       1 - W/2     |
 // has determinant 1: bobbing neither grows nor decays, up to W = (omega h)² = 4. The same for rocking.

@@ -15,8 +15,13 @@ namespace {
 
 std::string shapesThatMeet(const Census& c) {
   static constexpr std::array<std::pair<const char*, const char*>, std::variant_size_v<Shape>> kNames{
-      {{"sphere", "spheres"}, {"box", "boxes"}, {"capsule", "capsules"}, {"cylinder", "cylinders"},
-       {"cone", "cones"}, {"hull", "hulls"}, {"plane", "planes"}}};
+      {{"sphere", "spheres"},
+       {"box", "boxes"},
+       {"capsule", "capsules"},
+       {"cylinder", "cylinders"},
+       {"cone", "cones"},
+       {"hull", "hulls"},
+       {"plane", "planes"}}};
   std::string list;
   for (std::size_t k = 0; k < kNames.size(); ++k)
     if (c.shapes[k] > 0)
@@ -109,15 +114,18 @@ static_assert(isInOrder());
 Need need(Effect effect, const Census& census) {
   const Row& row = kRows[static_cast<std::size_t>(effect)];
   const Need detected = row.detect(census);
-  if (!row.built) return {false, "left out of this build" + (detected.active ? ", neglecting: " + detected.reason : "")};
+  if (!row.built)
+    return {false, "left out of this build" + (detected.active ? ", neglecting: " + detected.reason : "")};
   const auto forced = census.overrides.find(effect);
   if (forced == census.overrides.end() || forced->second == detected.active) return detected;
-  return {forced->second, (forced->second ? "forced on, although " : "forced off, neglecting: ") + detected.reason};
+  return {forced->second,
+          (forced->second ? "forced on, although " : "forced off, neglecting: ") + detected.reason};
 }
 
 bool isNeglected(Effect effect, const Census& census) {
   const auto forced = census.overrides.find(effect);
-  return !kRows[static_cast<std::size_t>(effect)].built || (forced != census.overrides.end() && !forced->second);
+  return !kRows[static_cast<std::size_t>(effect)].built ||
+         (forced != census.overrides.end() && !forced->second);
 }
 
 }  // namespace rbs::effects

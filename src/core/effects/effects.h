@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The effects: when a scene needs each, and those that are stages of their own.
 //
-// To add one: a row in Effect and in the table of effects.cpp, its file here with need() and run(), a row in the
-// table of stages (pipeline.cpp), its data in scene.h, and its name in the list of CMakeLists.txt.
+// To add one: a row in Effect and in the table of effects.cpp, its file here with need() and run(), a row in
+// the table of stages (pipeline.cpp), its data in scene.h, and its name in the list of CMakeLists.txt.
 #pragma once
 
 #include "context.h"

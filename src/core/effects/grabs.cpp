@@ -19,11 +19,12 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665, kWeightless = 1.0;  // m/s²
 
-// What damps the turning of a body that hangs by a point at r from its centre of mass. It swings about each principal
-// axis of its inertia about the point, I_P, against the stiffness m g |r| of its weight; a mode of damping ratio z
-// loses speed as 2 z sqrt(I m g |r|), so that the damping matrix is 2 z sqrt(m g |r|) sqrt(I_P). z = 0.8 comes to
-// rest soonest: the swing goes 1.5 % beyond. Held nearer to its centre than its mean distance k, k² = trace(I) / 2 m, a
-// body hardly swings, but may still spin: it counts as held at k. Where nothing weighs, as on Earth.
+// What damps the turning of a body that hangs by a point at r from its centre of mass. It swings about each
+// principal axis of its inertia about the point, I_P, against the stiffness m g |r| of its weight; a mode of
+// damping ratio z loses speed as 2 z sqrt(I m g |r|), so that the damping matrix is 2 z sqrt(m g |r|)
+// sqrt(I_P). z = 0.8 comes to rest soonest: the swing goes 1.5 % beyond. Held nearer to its centre than its
+// mean distance k, k² = trace(I) / 2 m, a body hardly swings, but may still spin: it counts as held at k.
+// Where nothing weighs, as on Earth.
 Mat3 turnDamping(const Vec3& r_W, double mass, const Mat3& inertia_W, const Vec3& gravity_W) {
   constexpr double kRatio = 0.8;
   const double g = gravity_W.norm() > kWeightless ? gravity_W.norm() : kStandardGravity;
@@ -37,15 +38,15 @@ Mat3 turnDamping(const Vec3& r_W, double mass, const Mat3& inertia_W, const Vec3
 
 }  // namespace
 
-// A user force: a spring and damper between a point of the body and the mouse, and a couple that damps turning.
-// Both are taken implicitly over the step h, so that any stiffness is stable.
+// A user force: a spring and damper between a point of the body and the mouse, and a couple that damps
+// turning. Both are taken implicitly over the step h, so that any stiffness is stable.
 //
 // The couple is T = -D w_end, D = h turnDamping(). It only takes from the turning, and so needs no cap. With
-// M = (1 + I^-1 D)^-1 the body answers an impulse P at the point by w_end = M (w + I^-1 (r x P)): as a body of
-// inverse inertia M I^-1 that turns at M w.
+// M = (1 + I^-1 D)^-1 the body answers an impulse P at the point by w_end = M (w + I^-1 (r x P)): as a body
+// of inverse inertia M I^-1 that turns at M w.
 //
-// With C the offset of the point from the mouse, u its velocity at the end of the step were there no spring, K the
-// response of the point to an impulse there,
+// With C the offset of the point from the mouse, u its velocity at the end of the step were there no spring,
+// K the response of the point to an impulse there,
 //   K = 1/m - [r] M I^-1 [r],
 // and w = 2 pi f, critical damping (ratio 1), implicit Euler of  C'' = -w² C - 2 w C'  gives the impulse
 //   P = -K^-1 s (u + b C),   b = w/(2 + h w),   s = h w (2 + h w)/(1 + h w (2 + h w))

@@ -28,8 +28,8 @@ namespace rbs::rolling {
 
 namespace {
 
-// Curvature of the surface of a body towards n_W, 1/m. A cylinder or cone has that of its side, and none where it
-// stands on its base.
+// Curvature of the surface of a body towards n_W, 1/m. A cylinder or cone has that of its side, and none
+// where it stands on its base.
 double curvature(const Bodies& bodies, Index i, const Vec3& n_W) {
   const Shape& shape = bodies.traits[i].shape;
   const auto side = [&](double radius) {

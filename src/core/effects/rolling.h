@@ -26,9 +26,9 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 
 /// The resistance of one pair in the soft step.
 struct Row {
-  std::size_t block;           ///< in SolverContacts::blocks
-  double roll, spin;           ///< lever arms, m: torque over normal force
-  Vec3 l_W = Vec3::Zero();     ///< impulse of its torque in this sub-step, on j, N m s
+  std::size_t block;        ///< in SolverContacts::blocks
+  double roll, spin;        ///< lever arms, m: torque over normal force
+  Vec3 l_W = Vec3::Zero();  ///< impulse of its torque in this sub-step, on j, N m s
 };
 
 std::vector<Row> find(const SceneStore& scene, const SolverContacts& contacts);

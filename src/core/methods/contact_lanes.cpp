@@ -15,15 +15,17 @@ namespace {
 
 // All of these are part of the loops that call them: vectors are not passed about.
 #define RBS_INLINE [[gnu::always_inline]] inline
-// Compiled twice, for processors with AVX2 and without; which to take is found out when the program starts. Both give
-// the same bits: they differ in how many lanes an instruction has.
+// Compiled twice, for processors with AVX2 and without; which to take is found out when the program starts.
+// Both give the same bits: they differ in how many lanes an instruction has.
 #ifdef __x86_64__
 #define RBS_WIDE [[gnu::target_clones("avx2", "default")]]
 #else
 #define RBS_WIDE
 #endif
 
-RBS_INLINE void fill(Lanes& to, double value) { to = Lanes{value, value, value, value}; }
+RBS_INLINE void fill(Lanes& to, double value) {
+  to = Lanes{value, value, value, value};
+}
 
 RBS_INLINE void set(Lanes* to, int lane, const Vec3& from) {
   for (int c = 0; c < 3; ++c) to[c][lane] = from[c];
@@ -36,7 +38,8 @@ RBS_INLINE void gather(const std::array<SolverBody*, kLanes>& from, Vec3 SolverB
   to[2] = Lanes{a.z(), b.z(), c.z(), d.z()};
 }
 
-RBS_INLINE void scatter(const Lanes* from, Vec3 SolverBody::*what, const std::array<SolverBody*, kLanes>& to) {
+RBS_INLINE void scatter(const Lanes* from, Vec3 SolverBody::*what,
+                        const std::array<SolverBody*, kLanes>& to) {
   for (int k = 0; k < kLanes; ++k)
     for (int c = 0; c < 3; ++c) (to[k]->*what)[c] = from[c][k];
 }
@@ -78,7 +81,8 @@ void ContactLanes::schedule() {
     for (const Index body : {block.i, block.j})
       if (contacts_.bodies[body].inv_mass > 0.0) level_of_body[body] = level + 1;
     levels = std::max(levels, level + 1);
-    key[k] = (2 * level + (block.rough ? 0 : 1)) * kSizes + static_cast<Index>(kSizes - std::min(block.size, kSizes));
+    key[k] = (2 * level + (block.rough ? 0 : 1)) * kSizes +
+             static_cast<Index>(kSizes - std::min(block.size, kSizes));
   }
   std::vector<Index> first(2 * kSizes * levels + 1, 0), ordered;
   for (const Index one : key)
@@ -129,7 +133,8 @@ bool ContactLanes::accepts(const Bundle& bundle, const SolverBlock& block) const
     const SolverBody* s = &contacts_.bodies[body];
     if (s->inv_mass == 0.0) continue;
     for (const Index other : bundle.block)
-      if (other != kNone && (contacts_.blocks[other].i == body || contacts_.blocks[other].j == body)) return false;
+      if (other != kNone && (contacts_.blocks[other].i == body || contacts_.blocks[other].j == body))
+        return false;
   }
   return true;
 }
@@ -217,8 +222,8 @@ void ContactLanes::refresh(double now, double left) {
   for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
 
-// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay what they were
-// when their points were found, whoever stands beside them.
+// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay
+// what they were when their points were found, whoever stands beside them.
 RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
     cross(d, row.arm_i, turning.lever);
@@ -256,19 +261,23 @@ RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
   }
 }
 
-// The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix S, and rho
-// the inverse of its largest eigenvalue.
+// The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix
+// S, and rho the inverse of its largest eigenvalue.
 RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
-  const Lanes fresh = {found[0] ? 1.0 : 0.0, found[1] ? 1.0 : 0.0, found[2] ? 1.0 : 0.0, found[3] ? 1.0 : 0.0};
+  const Lanes fresh = {found[0] ? 1.0 : 0.0, found[1] ? 1.0 : 0.0, found[2] ? 1.0 : 0.0,
+                       found[3] ? 1.0 : 0.0};
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     Lanes response;
     add6(inv_mass, row.turning.lever, row.turning.turn, response);
     Lanes present;
     for (int lane = 0; lane < kLanes; ++lane)
-      present[lane] = bundle.block[lane] != kNone && k < contacts_.blocks[bundle.block[lane]].size ? 1.0 : 0.0;
-    const auto set = [&](Lanes& to, const Lanes& mass) { to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to; };
+      present[lane] =
+          bundle.block[lane] != kNone && k < contacts_.blocks[bundle.block[lane]].size ? 1.0 : 0.0;
+    const auto set = [&](Lanes& to, const Lanes& mass) {
+      to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to;
+    };
     set(row.mass, 1.0 / response);
     if (!bundle.rough) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
@@ -304,7 +313,8 @@ void ContactLanes::giveBackBlock(Index which) {
     point.sum_n = row.sum[lane];
     if (!bundle.rough) continue;
     const FrictionRow& friction = friction_[bundle.friction + k];
-    point.mass_t << friction.mass11[lane], friction.mass12[lane], friction.mass12[lane], friction.mass22[lane];
+    point.mass_t << friction.mass11[lane], friction.mass12[lane], friction.mass12[lane],
+        friction.mass22[lane];
     point.l_t << friction.impulse1[lane], friction.impulse2[lane];
     point.sum_t << friction.sum1[lane], friction.sum2[lane];
   }
@@ -344,8 +354,9 @@ RBS_WIDE void ContactLanes::warmStart() {
   }
 }
 
-// Along the normal and the tangents the linear velocities of a pair change by (1/m_i + 1/m_j) times the impulses, for
-// all of its points: within a bundle it is enough to keep what they are against each other in that frame.
+// Along the normal and the tangents the linear velocities of a pair change by (1/m_i + 1/m_j) times the
+// impulses, for all of its points: within a bundle it is enough to keep what they are against each other in
+// that frame.
 template <ContactLanes::Pass kPass, bool kRough>
 RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
   Lanes zero, per_second, bias, soft_mass, soft_impulse;
@@ -453,11 +464,12 @@ RBS_WIDE void ContactLanes::addUp() {
 RBS_WIDE void ContactLanes::follow() {
   for (const Bundle& bundle : bundles_) {
     const auto turned = [](const SolverBody* body) { return body->turned_axes; };
-    if (std::any_of(bundle.i.begin(), bundle.i.end(), turned) || std::any_of(bundle.j.begin(), bundle.j.end(), turned))
+    if (std::any_of(bundle.i.begin(), bundle.i.end(), turned) ||
+        std::any_of(bundle.j.begin(), bundle.j.end(), turned))
       findTurns(bundle);
     // c, with n . (theta x r + theta x (theta x r)/2) = c . r
-    const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then, const Lanes& turns,
-                             Lanes* c) {
+    const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then,
+                             const Lanes& turns, Lanes* c) {
       Lanes theta[3];
       gather(bodies, &SolverBody::turned, theta);
       for (int k = 0; k < 3; ++k) theta[k] = turns * (theta[k] - then[k]);

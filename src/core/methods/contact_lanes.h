@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The contact points of the soft step, four pairs at a time.
 //
-// Gauss-Seidel takes pair after pair, each with the velocities that the one before has left, so that a processor which
-// could reckon with several numbers at once waits for one. But two pairs without a common body that can be moved do
-// not heed each other. So each pair gets a level: one more than the highest of those before it that share such a body.
-// To take level after level gives every pair the velocities that it would have in the pairs' own order, and within a
-// level four of them go side by side (level scheduling, as of triangular systems: Y. Saad, "Iterative Methods for
-// Sparse Linear Systems", 2nd ed. 2003, 11.6).
+// Gauss-Seidel takes pair after pair, each with the velocities that the one before has left, so that a
+// processor which could reckon with several numbers at once waits for one. But two pairs without a common
+// body that can be moved do not heed each other. So each pair gets a level: one more than the highest of
+// those before it that share such a body. To take level after level gives every pair the velocities that it
+// would have in the pairs' own order, and within a level four of them go side by side (level scheduling, as
+// of triangular systems: Y. Saad, "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
 #pragma once
 
 #include "methods/solver_contacts.h"
@@ -36,15 +36,16 @@ class ContactLanes {
 
   /// Takes over the points of the contacts, when they have been found.
   void take();
-  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more of them
-  /// than its lane has room for goes behind all others.
+  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more
+  /// of them than its lane has room for goes behind all others.
   void refresh(double now, double left);
   /// Gives the points their impulses, their gaps and what resists there.
   void giveBack();
 
   /// Gives the bodies the impulses of the last sub-step again.
   void warmStart();
-  /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses then.
+  /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
+  /// then.
   enum class Pass {
     Soft,   ///< contacts are soft and close their gaps
     Relax,  ///< points that push are to be at rest
@@ -54,8 +55,8 @@ class ContactLanes {
   void addUp();
   /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned.
   ///
-  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r, to second
-  /// order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
+  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
   void follow();
 
  private:
@@ -83,8 +84,8 @@ class ContactLanes {
     std::array<Index, kLanes> block;  // in the contacts; kNone: this lane is empty
     Lanes n[3], t1[3], t2[3];
     Lanes turned_i[3], turned_j[3];  // of the bodies when the points were found
-    Lanes turns_i, turns_j;                    // 1 where their surface turns with them, 0 for spheres
-    Lanes shift;                               // along n, of j against i then, m
+    Lanes turns_i, turns_j;          // 1 where their surface turns with them, 0 for spheres
+    Lanes shift;                     // along n, of j against i then, m
     Lanes mu, push, inv_mass_i, inv_mass_j;
     int size;
     std::size_t normal, friction;  // its first rows
@@ -110,7 +111,7 @@ class ContactLanes {
   void solveBundles(const Softness& soft, double h);
 
   SolverContacts& contacts_;
-  SolverBody nobody_{};  // in empty lanes
+  SolverBody nobody_{};        // in empty lanes
   std::vector<Place> places_;  // by block
   std::vector<Bundle> bundles_;
   std::vector<NormalRow> normal_;

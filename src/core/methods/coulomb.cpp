@@ -120,7 +120,8 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     }
   }
 
-  if (!best.within(tolerance) && system.isLate()) consider(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 10));
+  if (!best.within(tolerance) && system.isLate())
+    consider(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 10));
 
   system.store(best.r, problem);
   return {solver,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The impulses of a segment: what its two kicks solve, how far their answers are from the law, and what one kick
-// expects of the next.
+// The impulses of a segment: what its two kicks solve, how far their answers are from the law, and what one
+// kick expects of the next.
 #include "methods/exact_stepper.h"
 
 #include "certificate.h"
@@ -14,9 +14,9 @@ namespace rbs::exact_step {
 
 namespace {
 
-// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushed, which is more than the
-// curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what kicks leave that are
-// right to ten times the aim; curvature beyond kCurved is given back to the first kick.
+// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushed, which is more
+// than the curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what
+// kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
 constexpr double kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
@@ -211,13 +211,13 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
   return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
 }
 
-// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near rest
-// a solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of speed or of
-// a gap, because their guesses were right enough to pass. Were all of it expected again, the next kick would overdo
-// it, and the one after that undo it, for ever; were none, forces that are a little wrong would have to be mended
-// for ever. With u the velocities of the points that push, along their normals and, where they stick, across, at the
-// start of the kick, as guessed, and as solved, the forces are wrong by what the guess did to them, and all is
-// mended that the solve does to the guess:
+// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near
+// rest a solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of
+// speed or of a gap, because their guesses were right enough to pass. Were all of it expected again, the next
+// kick would overdo it, and the one after that undo it, for ever; were none, forces that are a little wrong
+// would have to be mended for ever. With u the velocities of the points that push, along their normals and,
+// where they stick, across, at the start of the kick, as guessed, and as solved, the forces are wrong by what
+// the guess did to them, and all is mended that the solve does to the guess:
 //   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
 double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,

@@ -40,13 +40,14 @@ namespace {
 
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
-// What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at rest
-// to rounding needs no solve in the next step.
+// What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
+// rest to rounding needs no solve in the next step.
 constexpr double kLoneAim = 1e-12;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
-// Overlaps beyond this share are not left to the next step: so many corrections may go into them at any setting.
+// Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
+// setting.
 constexpr double kDeep = 1e-6;
 constexpr int kMostCorrections = 4;
 // Of the margin at which pairs are looked at: where to stop widening it.
@@ -146,8 +147,9 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Touching& later = segment.touching;
-  aimSecondKick(kick, lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies), tau, friction,
-                later);
+  aimSecondKick(kick,
+                lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies),
+                tau, friction, later);
   start_movers = island_.movers();
   Movers after = start_movers;
   island_.addLoad(after, 0.5 * tau);

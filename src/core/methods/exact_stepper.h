@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make up the
-// way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
+// One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make
+// up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
 #pragma once
 
 #include "methods/island_motion.h"
@@ -20,8 +20,8 @@ using Vec2 = Eigen::Vector2d;
 /// A gap below this share of the smaller length of its pair is closed.
 inline constexpr double kTouch = 1e-7;
 
-/// The force to expect of a point when `share` of what was found beyond the one expected lasts; the one expected to the
-/// last bit for none.
+/// The force to expect of a point when `share` of what was found beyond the one expected lasts; the one
+/// expected to the last bit for none.
 inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double share) {
   if (share == 0.0) return expected_W;
   return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
@@ -68,9 +68,11 @@ class Stepper {
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                         std::vector<double>& curvature) const;
-  double lastingShare(const CoulombResult& result, const Touching& touching, const std::vector<CoulombPoint>& laws,
-                      double seconds, const Movers& start, const Movers& solved) const;
-  void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction, Touching& later) const;
+  double lastingShare(const CoulombResult& result, const Touching& touching,
+                      const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
+                      const Movers& solved) const;
+  void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
+                     Touching& later) const;
   void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
                   Touching& later) const;
   CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
@@ -91,9 +93,9 @@ class Stepper {
   double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, aim_;
   int corrections_, cuts_;
-  bool promoted_;      // by a setting that has another method for it
-  double slow_;        // a slip below is none
-  Touching touching_;  // now
+  bool promoted_;            // by a setting that has another method for it
+  double slow_;              // a slip below is none
+  Touching touching_;        // now
   std::vector<Stop> stops_;  // at which segments have been cut
 };
 

@@ -9,7 +9,8 @@ namespace rbs::exact_step {
 
 namespace {
 
-// In a heap that comes to rest a point may stop and slide again without end. It cuts a step no more often than this.
+// In a heap that comes to rest a point may stop and slide again without end. It cuts a step no more often
+// than this.
 constexpr int kMostStops = 2;
 
 }  // namespace
@@ -41,7 +42,7 @@ Stepper::Slip Stepper::slipNow() const {
 }
 
 Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& movers,
-                         Friction friction) const {
+                                Friction friction) const {
   Left least;
   const auto keeps = [&](const Vec3& left_W, const Vec3& before_W, const Stop& of) {
     const double share = left_W.dot(before_W) / before_W.squaredNorm();

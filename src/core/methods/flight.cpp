@@ -13,7 +13,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   for (const Index i : batch.bodies) {
     const Load& load = context.step.load[i];
     std::optional<Course> course;
-    if constexpr (built::drag) course = drag::fly(context, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, t1 - t0);
+    if constexpr (built::drag)
+      course = drag::fly(context, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, t1 - t0);
     fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, t1 - t0);
     if (course) bodies.pose[i].p_WB = course->p_WB, bodies.twist[i].v_WB = course->v_WB;
   }

@@ -221,13 +221,15 @@ void Solver<kRolling>::rebound() {
 template <bool kRolling>
 double Solver<kRolling>::kineticEnergy(const SolverBody& s) const {
   const Vec3 w_B = context_.scene.bodies.pose[s.body].q_WB.conjugate() * s.w;
-  return 0.5 * (s.v.squaredNorm() / s.inv_mass + w_B.dot(context_.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B)));
+  return 0.5 * (s.v.squaredNorm() / s.inv_mass +
+                w_B.dot(context_.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B)));
 }
 
-// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v / sin(alpha) to
-// part from both at v, if their sides are alpha from parallel (a light body between heavy ones left at 2 km/s), and in a
-// chain or a crowd the speeds of the pairs add up. So an island in which bodies overlap deeply gains no energy: it ends the
-// step with what it had, what its loads did, and what bodies that are led may give it.
+// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v /
+// sin(alpha) to part from both at v, if their sides are alpha from parallel (a light body between heavy ones
+// left at 2 km/s), and in a chain or a crowd the speeds of the pairs add up. So an island in which bodies
+// overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what bodies that
+// are led may give it.
 template <bool kRolling>
 void Solver<kRolling>::findWedged() {
   const StepStore& step = context_.step;

@@ -18,15 +18,15 @@ struct SolverBody {
   Mat3 inv_inertia_W;
   double inv_mass;
   bool turned_axes;  // inv_inertia_W has changed in this sub-step
-  bool still;    // nothing moves it: neither impulses nor a motion of its own
-  bool round;    // its surface does not turn with it: a sphere
-  double reach;  // of the points that turning moves, m: 0 for a sphere and a plane
+  bool still;        // nothing moves it: neither impulses nor a motion of its own
+  bool round;        // its surface does not turn with it: a sphere
+  double reach;      // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
-  SolverPoint() {}  // not "= default": a vector would clear what is about to be filled in
+  SolverPoint() {}         // not "= default": a vector would clear what is about to be filled in
   Vec3 r_i, r_j;           // from the centres, m
   double gap;              // when it was found, m
   double u_0;              // normal velocity of j against i when it was found, m/s

@@ -89,8 +89,8 @@ int run(int argc, char** argv) {
       "problem", po::value(&problem_name), "which problem")(
       "engine", po::value(&engine_name)->default_value("ours"), "ours, or another that is built in")(
       "setting", po::value(&setting),
-      "of the engine: a fidelity of ours, as it is or \"preview, 4 sub-steps\"; default or better of another")(
-      "step", po::value(&request.step), "s, 1e-6 to 1")(
+      "of the engine: a fidelity of ours, as it is or \"preview, 4 sub-steps\"; default or better of "
+      "another")("step", po::value(&request.step), "s, 1e-6 to 1")(
       "repetitions", po::value(&request.repetitions)->default_value(3), "of the timed run, 1 to 1000")(
       "max-seconds", po::value(&request.max_seconds)->default_value(60.0),
       "CPU seconds that one run may take, > 0");
