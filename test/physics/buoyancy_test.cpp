@@ -29,7 +29,7 @@ TEST(Buoyancy, ABodyOfTheDensityOfTheFluidStaysWhereItIs) {
     SceneDef scene = harbour(1.0 / 60.0);
     scene.bodies.push_back(cork(shape, 1000.0, {0.0, 0.0, -5.0}));
     scene.bodies.back().pose.q_WB = rotationBy({0.4, 0.3, 0.2});
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 10.0);
     EXPECT_LE((stateOf(world, "cork").pose.p_WB - Vec3(0.0, 0.0, -5.0)).norm(), 1e-9) << shapeName(shape);
     EXPECT_LE(stateOf(world, "cork").twist.w_WB.norm(), 1e-9) << shapeName(shape);
@@ -43,7 +43,7 @@ TEST(Buoyancy, ABoxBobsAtItsFrequencyAndKeepsItsAmplitude) {
     SceneDef scene = harbour(h);
     scene.bodies.push_back(
         cork(Box{{2.0, 2.0, side}}, density, {0.0, 0.0, 0.5 * side - draught + amplitude}));
-    World world(scene);
+    World world(ordered(scene));
     const double omega = std::acos(1.0 - 0.5 * kGravity / draught * h * h) / h;
     EXPECT_NEAR(omega, std::sqrt(kGravity / draught), 0.1 * h);
     for (int k = 0; k < 60.0 / h; ++k) {
@@ -63,7 +63,7 @@ TEST(Buoyancy, ABoxCapsizesWhereItsMetacentreIsTooLow) {
     SceneDef scene = harbour(1.0 / 60.0);
     scene.bodies.push_back(cork(Box{{beam, 3.0, height}}, 500.0, {0.0, 0.0, 0.0}));
     scene.bodies.back().pose.q_WB = rotationBy({0.0, 0.02, 0.0});
-    World world(scene);
+    World world(ordered(scene));
     double least = 1.0;
     for (int k = 0; k < 60 * 20; ++k) {
       world.step();
@@ -77,7 +77,7 @@ TEST(Buoyancy, DragOfTheFluidBringsABodyToRestAtItsDraught) {
   SceneDef scene = harbour(1.0 / 60.0);
   scene.bodies.push_back(cork(Box{{2.0, 2.0, 1.0}}, 300.0, {0.0, 0.0, 3.0}));
   scene.bodies.back().material.drag_coefficient.reset();
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 120.0);
   const BodyState state = stateOf(world, "cork");
   EXPECT_LE(state.twist.v_WB.norm(), 0.05);
@@ -88,7 +88,7 @@ TEST(Buoyancy, WithoutGravityAFluidHasNoWeight) {
   SceneDef scene = harbour(1.0 / 60.0);
   scene.gravity.setZero();
   scene.bodies.push_back(cork(Sphere{0.2}, 100.0, {0.0, 0.0, -1.0}));
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 1.0);
   EXPECT_EQ(stateOf(world, "cork").pose.p_WB, Vec3(0.0, 0.0, -1.0));
 }

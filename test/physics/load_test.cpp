@@ -19,7 +19,7 @@ TEST_P(Load, ABoxThatIsPressedOnTheFloorStaysOnIt) {
     scene.fidelity = GetParam();
     scene.bodies.push_back(box("box", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
     scene.bodies.back().mass = 1.0;
-    World world(scene);
+    World world(ordered(scene));
     world.applyWrench(world.find("box"), Vec3(0.0, 0.0, -a), Vec3::Zero(), Vec3(0.0, 0.0, 0.5), 1.0);
     double sunk = 0.0;
     for (int k = 0; k < 60; ++k) {
@@ -37,7 +37,7 @@ TEST_P(Load, ABodyThatIsMadeLightUnderALoadIsNotShotAway) {
   scene.bodies.push_back(box("over", Vec3(1.0, 1.0, 1.0), Vec3(0.6, 0.0, 0.9)));
   scene.bodies[1].mass = 100.0;
   scene.bodies[2].mass = 5000.0;
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 0.3);  // the upper box tips, and the lower one rises at its other end
   BodyEdit edit;
   edit.mass = 0.1;
@@ -66,7 +66,7 @@ TEST_P(Load, WhatIsWedgedInDoesNotShootOut) {
   }
   scene.bodies.push_back(ball("ball", radius, Vec3::Zero()));
   for (BodyDef& def : scene.bodies) def.material.friction = 0.0;
-  World world(scene);
+  World world(ordered(scene));
   const double most = std::sqrt(kGravity * 2.0 * radius) + kGravity * scene.step;
   double before = 0.0;
   for (int k = 0; k < 120; ++k) {
@@ -85,7 +85,7 @@ TEST_P(Load, BallsInEachOtherPartThoughTheyFlyAlike) {
     scene.bodies.push_back(ball(x == 0.0 ? "one" : "two", 0.5, Vec3(x, 0.0, 0.0)));
     scene.bodies.back().twist.v_WB = Vec3(0.0, 1.0, 2.0);
   }
-  World world(scene);
+  World world(ordered(scene));
   advance(world, 2.0);
   EXPECT_GT((stateOf(world, "two").pose.p_WB - stateOf(world, "one").pose.p_WB).norm(), 0.99);
 }

@@ -34,7 +34,7 @@ TEST_P(Rolling, AMarbleComesToRestWhereItShould) {
   const double c = 0.02, v = 0.5, a = 5.0 / 7.0 * c * kGravity;
   SceneDef scene = marble(GetParam(), c, 0.0);
   scene.bodies.back().twist = {{v, 0.0, 0.0}, {0.0, v / kRadius, 0.0}};
-  World world(scene);
+  World world(ordered(scene));
   for (int k = 0; k < 60 * 3; ++k) {
     world.step();
     const double t = world.time();
@@ -56,7 +56,7 @@ TEST_P(Rolling, AMarbleStaysOnASlopeUpToItsResistance) {
   for (const double share : {1.0 - near, 1.0 + near}) {
     SceneDef scene = marble(GetParam(), c, 0.0);
     scene.gravity = slopeGravity(std::atan(share * c));
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 1.5);
     const double x = stateOf(world, "marble").pose.p_WB.x();
     advance(world, 0.5);
@@ -76,7 +76,7 @@ TEST_P(Rolling, ASpinningMarbleStopsAtTheRightInstant) {
   const double s = 0.01, w = 5.0;
   SceneDef scene = marble(GetParam(), 0.0, s);
   scene.bodies.back().twist.w_WB = {0.0, 0.0, w};
-  World world(scene);
+  World world(ordered(scene));
   const double rate = 2.5 * s * kGravity / kRadius;
   while (world.time() < w / rate + 0.2) {
     world.step();
@@ -96,7 +96,7 @@ class ExactRolling : public ::testing::TestWithParam<Fidelity> {
 
   // Runs until it should stand for a while, and compares it with a motion that is slowed by `a` from `v` on.
   void expectSlowed(const SceneDef& scene, const std::string& name, const Vec3& v, double a) const {
-    World world(scene);
+    World world(ordered(scene));
     const Vec3 start = stateOf(world, name).pose.p_WB;
     const double stop = v.norm() / a;
     while (world.time() < stop + 0.2) {
@@ -160,7 +160,7 @@ TEST_P(ExactRolling, AMarbleStaysOnASlopeUpToItsResistanceAndNoFurther) {
     const double angle = std::atan((1.0 + beyond) * c);
     SceneDef scene = marble(GetParam(), c, 0.0);
     scene.gravity = slopeGravity(angle);
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 2.0);
     const double a = 5.0 / 7.0 * kGravity * (std::sin(angle) - c * std::cos(angle));
     EXPECT_NEAR(stateOf(world, "marble").pose.p_WB.x(), beyond < 0.0 ? 0.0 : 0.5 * a * 4.0,
@@ -172,7 +172,7 @@ TEST_P(ExactRolling, ASpinningMarbleStopsAtTheRightInstant) {
   const double s = 0.01, w = 5.0, rate = 2.5 * s * kGravity / kRadius;
   SceneDef scene = marble(GetParam(), 0.02, s);
   scene.bodies.back().twist.w_WB = {0.0, 0.0, w};
-  World world(scene);
+  World world(ordered(scene));
   while (world.time() < w / rate + 0.2) {
     world.step();
     const BodyState state = stateOf(world, "marble");
@@ -195,7 +195,7 @@ TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
     scene.bodies.back().material.rolling_resistance = 0.05;
     scene.bodies.back().material.torsional_resistance = 0.02;
   }
-  World world(scene);
+  World world(ordered(scene));
   int solved = 0, failed = 0;
   for (int k = 0; k < 60 * 4; ++k)
     for (const IslandCertificate& certificate : world.step().certificates)
@@ -216,7 +216,7 @@ TEST(RollingPairs, ABoxFeelsNoRollingResistance) {
     scene.bodies.back().twist.v_WB.x() = 2.0;
     scene.bodies.back().material.rolling_resistance = resistance;
     scene.bodies.back().material.torsional_resistance = resistance;
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 1.0);
     return stateOf(world, "box");
   };
@@ -228,7 +228,7 @@ TEST(RollingPairs, TheResistancesOfTheTwoAddUp) {
     SceneDef scene = marble(Fidelity::Interactive, of_ball, 0.0);
     scene.bodies.front().material.rolling_resistance = of_floor;
     scene.bodies.back().twist = {{0.5, 0.0, 0.0}, {0.0, 0.5 / kRadius, 0.0}};
-    World world(scene);
+    World world(ordered(scene));
     advance(world, 1.0);
     return stateOf(world, "marble").pose.p_WB;
   };
