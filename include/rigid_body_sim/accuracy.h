@@ -11,63 +11,80 @@
 
 namespace rbs {
 
-/// What a setting costs, and what it gives.
+/// Error and CPU time of one choice of solver settings, as an AccuracyStudy measures them.
 struct SettingCost {
-  Setting setting;
-  double step_ms = 0.0;    ///< CPU time of a step of the scene with all its divisions, the mean, ms
-  ErrorRate error, worst;  ///< mean over the windowed time, and largest of the windows
-  bool at_most =
-      false;  ///< both are upper bounds: the reference is not known well enough to measure the error
-  std::uint64_t steps = 0;  ///< steps that were timed
+  Setting setting;  ///< the solver settings
+  /// Mean CPU time of a step of the scene with all its divisions, ms; 0: not timed yet.
+  double step_ms = 0.0;
+  ErrorRate error,  ///< mean error over the time of all windows
+      worst;        ///< largest error of a single window
+  /// Whether `error` and `worst` are upper bounds: the reference is not known well enough to measure the
+  /// error.
+  bool at_most = false;
+  std::uint64_t steps = 0;  ///< steps of the scene that were timed
 };
 
+/// What measureAccuracy() has found. A window is a stretch of physics time in which every choice of settings
+/// and the reference run from a common state and are compared at the end.
 struct AccuracyStudy {
-  std::string scene;
+  std::string scene;            ///< name of the scene
   double time = 0.0;            ///< physics time that the study starts from, s
-  double step = 0.0;            ///< of the scene, s
-  double window = 0.0;          ///< length asked for, in whole steps, s
+  double step = 0.0;            ///< length of a step of the scene, s
+  double window = 0.0;          ///< length of a window that was asked for, in whole steps, s
   double shortest = 0.0;        ///< length of the shortest window measured, s; 0: none was
-  double seconds = 0.0;         ///< of physics time over which the windows begin
-  std::uint32_t windows = 0;    ///< measured in which the reference converged
-  std::uint32_t shortened = 0;  ///< of these, ended before `window`, where the reference still converged
-  std::uint32_t dropped = 0;    ///< measured in which the reference did not converge even for one step
-  ErrorRate uncertainty;  ///< of the reference: what halving its step changes, or a third of what quartering
-                          ///< does, the mean
-  std::string trouble;    ///< why there are no errors; empty: there are
-  bool complete = false;  ///< all windows that were asked for; else time ran out or the study was stopped
-  double first_answer = 0.0;          ///< CPU time after which every setting had an error, s; 0: none has
-  std::vector<SettingCost> settings;  ///< in the order they were asked for
+  double seconds = 0.0;         ///< physics time over which the windows begin, s
+  std::uint32_t windows = 0;    ///< measured windows in which the reference converged
+  std::uint32_t shortened = 0;  ///< of `windows`: shorter than `window`, for convergence or for CPU time
+  std::uint32_t dropped = 0;    ///< windows in which the reference did not converge even for one step
+  /// Uncertainty of the reference, the mean over the windows. It is what halving its step changes, or a third
+  /// of what quartering its step changes, whichever is larger.
+  ErrorRate uncertainty;
+  std::string trouble;  ///< why there are no errors; empty: there are
+  /// Whether all windows that were asked for were measured, none of them cut short for CPU time. Else the
+  /// time ran out or the study was stopped.
+  bool complete = false;
+  double first_answer = 0.0;  ///< CPU time after which all settings had an error, s; 0: they have none
+  std::vector<SettingCost> settings;  ///< in the order in which the options list them
 };
 
+/// What measureAccuracy() is to measure.
 struct AccuracyOptions {
-  double seconds = 2.0;        ///< of physics time to look ahead, 1e-6 to 1000
-  double window = 0.25;        ///< s, 1e-6 to 1000; rounded to whole steps, at most 1000 of them
-  std::uint32_t windows = 16;  ///< 1 to 1000, begun at equal distances along `seconds`
-  double max_cpu_seconds =
-      60.0;  ///< in which the study must be done, 1e-3 to 1e6; a step that has begun ends
-  std::vector<Setting> settings;  ///< empty: usualSettings()
+  double seconds = 2.0;  ///< physics time to look ahead, s, 1e-6 to 1000
+  double window = 0.25;  ///< length of a window, s, 1e-6 to 1000; rounded to whole steps, 1 to 1000 of them
+  std::uint32_t windows = 16;  ///< number of windows, 1 to 1000; evenly spaced along `seconds`
+  /// CPU time of the calling thread that the study may take, s, 1e-3 to 1e6. A step that has begun is still
+  /// finished.
+  double max_cpu_seconds = 60.0;
+  std::vector<Setting> settings;  ///< solver settings to measure; empty: usualSettings()
 };
 
-/// Those that a user may want to know of, from fast to exact.
+/// The solver settings that a user may want to compare, from fast to exact.
 std::vector<Setting> usualSettings();
 
-/// Every fault of what is asked for; empty when it is sound.
+/// Every fault of the options. Empty when they are sound.
 std::vector<Problem> validate(const AccuracyOptions& options);
 
-/// Measures settings against a reference: Fidelity::Reference in eighths of a step. All begin each window
-/// with the same state, one of a run at Fidelity::Reference from the state of `world`, so that the growth of
-/// errors in a chaotic scene over a long run does not count. A window ends early where the reference stops
-/// converging. Where it does not converge even for one step, the window is dropped; if all are, errors are
-/// given as bounds from these. The first answer takes one step of every setting, and is refined until all
-/// windows are measured or the time is up. `goOn(share, study)` is called after each step with the share that
-/// is done and what is known so far, and ends the study by returning false. Throws InvalidInput for faulty
-/// options.
+/// Measures solver settings against a reference, which is Fidelity::Reference with 8 divisions. `world`
+/// itself does not change.
+///
+/// All runs of a window begin with the same state, that of a run at Fidelity::Reference from the state of
+/// `world`. So the growth of errors in a chaotic scene over a long run does not count. A window ends early
+/// where the reference stops converging, and where it would take too large a part of the CPU time. A window
+/// in which the reference does not converge even for one step is dropped. Where all are dropped, they give
+/// upper bounds of the errors.
+///
+/// The first answer takes one step of every choice of settings. It is refined until all windows are measured
+/// or the time is up. `goOn(share, study)` is called after each step with the fraction that is done, 0 to 1,
+/// and what is known so far. It ends the study by returning false. It must not be empty. Throws InvalidInput
+/// for faulty options.
 AccuracyStudy measureAccuracy(const World& world, const AccuracyOptions& options,
                               const std::function<bool(double, const AccuracyStudy&)>& goOn);
 
-/// The cheapest setting with an error of at most this, m/s; null if there is none.
+/// The cheapest settings with a mean error of at most `max_error`, m/s, where an upper bound counts as the
+/// error. Null where there are none. The pointer is into `study`.
 const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error);
-/// The most accurate setting with a time of at most this, ms a step; null if there is none.
+/// The most accurate settings with a time of at most `max_step_ms`, ms a step. Of errors too small to be
+/// measured the cheaper settings win. Null where there are none. The pointer is into `study`.
 const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms);
 
 }  // namespace rbs

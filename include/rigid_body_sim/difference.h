@@ -8,18 +8,20 @@
 
 namespace rbs {
 
-/// Of the dynamic bodies of two snapshots.
+/// Deviation of one run from another run of the same scene. It covers the dynamic bodies.
 struct Difference {
-  std::string moved_body;   ///< the one that is farthest from its other self; empty: none moved
-  double distance = 0.0;    ///< of its centre of mass, m
-  std::string turned_body;  ///< the one that is turned most against its other self; empty: none turned
-  double angle = 0.0;       ///< rad
-  /// Of kinetic and potential energy together, as a share of the kinetic energy and of what it takes to lift
-  /// every body by its bounding radius.
+  std::string moved_body;   ///< body with the largest distance between the runs; empty: no position differs
+  double distance = 0.0;    ///< distance between the two centres of mass of that body, m
+  std::string turned_body;  ///< body with the largest angle between the runs; empty: no orientation differs
+  double angle = 0.0;       ///< angle between the two orientations of that body, rad
+  /// Difference of the total energy (kinetic and potential), >= 0, dimensionless. It is a fraction of the
+  /// kinetic energy of `truth` and of the energy that lifts every dynamic body by its bounding radius,
+  /// together. 0 where both are zero.
   double energy = 0.0;
 };
 
-/// Of two snapshots with the same bodies.
+/// Compares the dynamic bodies of two snapshots. Both must hold the same bodies in the same order, which is
+/// not checked.
 Difference differenceOf(const Snapshot& run, const Snapshot& truth);
 
 }  // namespace rbs

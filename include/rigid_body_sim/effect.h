@@ -8,35 +8,40 @@
 
 namespace rbs {
 
-/// What a scene may call for beyond bodies that keep their motion. Each is simulated where the scene's
-/// contents ask for it, unless it is forced on or off.
+/// A physical effect that a scene may need, or a way to save time. Each is simulated where the scene's
+/// contents ask for it, unless EffectOverrides force it on or off.
 enum class Effect {
-  Gravity,      ///< asked for by a gravity that is not zero
-  Buoyancy,     ///< by a fluid
-  Drag,         ///< by air or a fluid, and bodies with a drag coefficient above 0; wind included
-  Collision,    ///< by two bodies that may meet: broad phase, narrow phase, contacts
-  Impacts,      ///< by the same: impacts are located in time, so that nothing passes through anything
-  Friction,     ///< by two bodies with friction above 0
-  Rolling,      ///< by bodies with rolling or torsional resistance above 0
-  Restitution,  ///< by bodies with restitution above 0
-  Gyroscopic,   ///< by bodies whose principal moments of inertia differ
-  Rotation,     ///< by bodies that something can turn: all but balls without friction
-  Sleeping,  ///< by nothing but being forced on: groups at rest for 0.5 s are left out until something comes
-             ///< near
+  Gravity,    ///< detected where gravity is not zero
+  Buoyancy,   ///< detected where there is a fluid
+  Drag,       ///< detected where there is air or a fluid, and a drag coefficient above 0; includes wind
+  Collision,  ///< detected where two bodies may meet and forces move one: broad phase, narrow phase, contacts
+  Impacts,    ///< detected with Collision: impacts are located in time (continuous collision detection)
+  Friction,   ///< detected where two bodies that may meet have friction above 0
+  Rolling,    ///< detected where a body that may meet another has rolling or torsional resistance above 0
+  Restitution,  ///< detected where a body that may meet another has restitution above 0
+  Gyroscopic,   ///< detected where the principal moments of inertia of a body differ
+  /// Detected where something can change the angular velocity of a body: a contact (of a sphere only with
+  /// friction or rolling resistance), the gyroscopic torque, a wrench, a grab, drag on a box, or buoyancy on
+  /// anything but a sphere. Other bodies keep their angular velocity.
+  Rotation,
+  /// Never detected, only forced on. An island at rest for 0.5 s is left out of the step until a moving body
+  /// comes near or the world is edited. It saves time and loses what the bodies would still have settled by.
+  Sleeping,
 };
 
-/// All of them, in the order in which a step meets them.
+/// All effects, in the order in which a step meets them.
 inline constexpr std::array kEffects{Effect::Gravity,   Effect::Buoyancy,    Effect::Drag,
                                      Effect::Collision, Effect::Impacts,     Effect::Friction,
                                      Effect::Rolling,   Effect::Restitution, Effect::Gyroscopic,
                                      Effect::Rotation,  Effect::Sleeping};
 
-/// "gravity", "buoyancy", …: the name in lower case.
+/// The name of the enumerator in lower case: "gravity", "buoyancy", …
 const char* effectName(Effect effect);
-/// The effect of this name; throws InvalidInput for any other name.
+/// The effect of this name. Throws InvalidInput for any other name.
 Effect effectNamed(const std::string& name);
 
-/// Effects forced on (true) or off (false); the others are detected.
+/// Effects forced on (true) or off (false). The others are detected. An effect that the build leaves out
+/// stays off.
 using EffectOverrides = std::map<Effect, bool>;
 
 }  // namespace rbs

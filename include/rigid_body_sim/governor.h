@@ -10,27 +10,34 @@
 
 namespace rbs {
 
+/// Adaptive accuracy control: steps a world, estimates its error on the way, and changes its solver settings
+/// by its Goal. It works in windows of 0.25 s of physics time. Use one governor for one world, from one
+/// thread.
 class Governor {
  public:
-  Governor();
+  Governor();  ///< estimates errors only where a goal asks for it
   ~Governor();
-  Governor(Governor&&) noexcept;
-  Governor& operator=(Governor&&) noexcept;
+  Governor(Governor&&) noexcept;             ///< the source may only be destroyed or assigned to
+  Governor& operator=(Governor&&) noexcept;  ///< the source may only be destroyed or assigned to
 
-  /// Steps the world, and what runs beside it. With a goal of the world it changes the world's setting when a
-  /// window is over: for `max_error` by the estimate alone, so that equal worlds stay equal; for
-  /// `max_step_ms` by the clock. An edit begins the window anew.
+  /// Steps the world, and the second run beside it where errors are estimated. That run is a copy of the
+  /// world, and its steps take their time on this thread. With a goal the world's solver settings may change
+  /// when a window ends: for `max_error` by the estimate alone, so that equal worlds stay equal; for
+  /// `max_step_ms` by the clock. An edit begins the window anew. The report is that of World::step().
   const StepReport& step(World& world);
 
-  /// Whether errors are estimated where no goal asks for it: beside the world runs a copy in half its steps.
+  /// Whether errors are estimated where no goal asks for it. The second run then takes twice as many
+  /// divisions.
   void setEstimating(bool on);
 
-  /// Of the last window; empty until one is over.
+  /// Estimate of the last window. Empty until a window is over, and after a step with neither a goal nor
+  /// setEstimating().
   const std::optional<ErrorEstimate>& estimate() const;
-  /// Why the goal of the world has turned the setting to what it is: "interactive: an error of 3.2 mm/s is
-  /// above 1 mm/s"; empty: this goal has not turned it, or there is none.
+  /// Why the goal of the world has set the solver settings to what they are, or can go no further:
+  /// "interactive: an error of 3.2 mm/s is above 1 mm/s". Empty where the world has no goal, or where the
+  /// goal has not asked for a change yet.
   std::string reason(const World& world) const;
-  /// CPU time of the last step of the world, without what runs beside it, s.
+  /// CPU time of the last step of the world, without the second run beside it, s; 0 before the first.
   double stepCpuSeconds() const;
 
  private:

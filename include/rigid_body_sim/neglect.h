@@ -10,18 +10,20 @@
 
 namespace rbs {
 
-/// How far two runs from the same state have gone apart.
+/// Modelling error of forced effects: the deviation between a run with them and one without.
 struct Neglect {
-  double seconds = 0.0;  ///< of physics time that they ran
-  Difference difference;
+  double seconds = 0.0;   ///< physics time that both runs took, s
+  Difference difference;  ///< deviation of the run with forced effects from the run with detected ones
 };
 
-/// Runs a scene as its effects are detected and with `effects` forced, each for up to 0.25 s of physics time
-/// and no more than 20,000 steps of bodies, and compares the ends. Empty for a scene too large for one step.
+/// Runs the scene from `state` twice, with all effects detected and with `effects` forced, and compares the
+/// ends. Each run takes 0.25 s of physics time, rounded up to whole steps. It takes less where the number of
+/// bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies. Throws InvalidInput
+/// for a faulty scene or state.
 std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state,
                                       const EffectOverrides& effects);
 
-/// "in 0.25 s it moves 'box' by 0.31 m and turns 'cone' by 12 degrees".
+/// "in 0.25 s it moves 'box' by 0.31 m and turns 'cone' by 12 degrees", or "in 0.25 s it changes nothing".
 std::string describe(const Neglect& measured);
 
 }  // namespace rbs

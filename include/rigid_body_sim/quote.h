@@ -7,14 +7,15 @@
 
 namespace rbs {
 
-/// How much of what a user wrote is shown again, bytes.
-inline constexpr std::size_t kLongestQuote = 64, kLongestPath = 256;
+inline constexpr std::size_t kLongestQuote = 64,  ///< how much of what a user wrote messages show, bytes
+    kLongestPath = 256;                           ///< how much of a file's path messages show, bytes
 
-/// What a user wrote, in one line of valid UTF-8 that is never long: control characters and bytes that are no
-/// UTF-8 become `\\xNN`, and where it is longer than `longest` bytes its end becomes "... (N bytes)".
+/// What a user wrote, as one line of valid UTF-8. Control characters and bytes that are no UTF-8 become
+/// `\\xNN`. What is longer than `longest` bytes is cut there and ends in "... (N bytes)", N being the length
+/// of `text`.
 std::string printable(const std::string& text, std::size_t longest = kLongestQuote);
 
-/// The same between single quotes.
+/// printable() between single quotes.
 std::string quoted(const std::string& text, std::size_t longest = kLongestQuote);
 
 }  // namespace rbs

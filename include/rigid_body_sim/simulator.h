@@ -14,71 +14,86 @@
 
 namespace rbs {
 
-/// How the simulation keeps up with the clock on the wall, now.
+/// How the simulation keeps up with the wall clock at this moment.
 struct Pace {
-  bool paused = false;
-  double requested_speed = 1.0;  ///< times real time; 0 is as fast as possible
-  /// Times real time, over about the last second; a step that is late counts against it before it has ended.
-  /// 0 while paused; the requested one until there is something to measure.
+  bool paused = false;           ///< true also while a step request is under way
+  double requested_speed = 1.0;  ///< requested real-time factor, 0 to 1e6; 0 is as fast as possible
+  /// Achieved real-time factor over about the last second. A step that is late counts against it before it
+  /// has ended. 0 while paused. It is the requested one until there is something to measure.
   double achieved_speed = 0.0;
   /// Physics time that the requested speed asked for and that was given up since the last resume, load, reset
-  /// or change of speed, s: a simulation that cannot keep up runs slower, it does not make up for it. 0 while
+  /// or change of speed, s. A simulation that cannot keep up runs slower and does not make up for it. 0 while
   /// paused.
   double lost_time = 0.0;
-  std::uint64_t steps_left = 0;  ///< of the step request under way; 0: none is
+  std::uint64_t steps_left = 0;  ///< steps left of the step request under way; 0: none is
 };
 
 /// What a request for steps came to.
 struct StepsTaken {
-  std::uint64_t steps = 0;
+  std::uint64_t steps = 0;  ///< steps taken
   std::string ended_by;  ///< what ended it early: "pause", "resume", "load", "reset", "shutdown"; empty: all
                          ///< were taken
 };
 
+/// The thread that owns a World, steps it by a Governor and paces it by the steady clock. Others post
+/// commands, which run between two steps, and read immutable snapshots. Every function may be called from any
+/// thread. Within a command or `go_on` only send(), snapshot(), pace() and estimatesErrors() may be called:
+/// the others would wait for themselves.
 class Simulator {
  public:
+  /// How the simulator begins.
   struct Options {
-    bool paused = false;
-    double speed = 1.0;  ///< times real time, >= 0; 0 is as fast as possible
+    bool paused = false;  ///< whether it begins paused
+    double speed = 1.0;   ///< requested real-time factor, 0 to 1e6; 0 is as fast as possible
   };
 
-  /// Throws InvalidInput for a faulty scene.
+  /// Starts the thread. Throws InvalidInput for a faulty scene or speed.
   Simulator(SceneDef scene, const Options& options);
-  ~Simulator();  ///< nobody may wait for it any more
+  /// Runs the commands that are still posted, ends a step request with "shutdown", and joins the thread. No
+  /// other thread may call a function of it any more.
+  ~Simulator();
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
 
-  /// Runs `command` on the simulator's thread between two steps, waits for it and publishes a new
-  /// snapshot. What it throws is thrown here.
+  /// Runs `command` on the simulator's thread between two steps, waits for it and publishes a new snapshot.
+  /// What it throws is thrown here.
   void edit(const std::function<void(World&)>& command);
-  /// Runs `command` likewise, but returns at once; a snapshot follows when the next is due. It must not
-  /// throw.
+  /// Runs `command` on the simulator's thread between two steps, but returns at once. A snapshot follows when
+  /// the next is due. What it throws is lost.
   void send(std::function<void(World&)> command);
 
-  /// Replaces the world, and ends a step request. reset() will come back to this scene. The simulation goes
-  /// on while the new world is made.
+  /// Replaces the world by one of this scene, from `saved` where that is given, and ends a step request.
+  /// reset() will come back to this scene. The simulation goes on while the new world is made. Pause and
+  /// speed stay. Throws InvalidInput for a faulty scene or state; the old world then stays.
   void load(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
-  void reset();  ///< back to the scene as it was loaded; ends a step request
+  void reset();  ///< goes back to the scene and state as they were loaded; ends a step request
 
-  void pause();        ///< ends a step request, too
-  void resume();       ///< likewise
-  bool togglePause();  ///< returns whether it is paused now; a step request is ended and counts as running
+  void pause();   ///< stops between two steps; ends a step request, too
+  void resume();  ///< lets time go on; ends a step request, too
+  /// Pauses or resumes, and returns whether it is paused now. A step request is ended and counts as running.
+  bool togglePause();
   /// Takes n steps (1 to 1e6) as fast as possible and returns when they are done, or when something ended
   /// them early. Between any two of them commands run and snapshots are published as ever. `go_on` is asked
-  /// before each step, on the simulator's thread, and ends the request with "shutdown" by false. Throws
-  /// InvalidInput when running, when n is out of range, and at once when another request is under way.
+  /// before each step, on the simulator's thread, and ends the request with "shutdown" by returning false; an
+  /// empty one never does. Throws InvalidInput when running, when n is out of range, and at once when another
+  /// request is under way.
   StepsTaken step(std::uint64_t n, const std::function<bool()>& go_on = nullptr);
-  void setSpeed(double speed);  ///< throws InvalidInput unless finite and >= 0
+  /// Sets the requested real-time factor; 0 is as fast as possible. Throws InvalidInput unless it is 0 to
+  /// 1e6.
+  void setSpeed(double speed);
 
-  /// Whether errors are estimated where no goal asks for it (see Governor).
+  /// Whether errors are estimated where no goal asks for it, also after a load or reset (see Governor). It
+  /// costs a second run beside the world.
   void estimateErrors(bool on);
-  bool estimatesErrors() const;
+  bool estimatesErrors() const;  ///< what estimateErrors() has set; false at first
 
-  /// The newest. While it runs they follow each other 80 times a second, or less often where steps or
-  /// snapshots are slow: 10 times a second as long as a step takes less than 0.1 s.
+  /// The newest snapshot, never null. The call copies a pointer. While the simulation runs a new one follows
+  /// 80 times a second. It is as rare as 10 times a second where snapshots are expensive or steps are slow,
+  /// and follows every step where a step takes more than 0.1 s.
   std::shared_ptr<const Snapshot> snapshot() const;
+  /// The pace at this moment. It does not wait for the simulator's thread.
   Pace pace() const;
-  /// The world as it is between two steps, with the snapshot published then.
+  /// A copy of the world between two steps, with the snapshot published then. Waits for the step under way.
   std::pair<World, std::shared_ptr<const Snapshot>> copy();
 
  private:

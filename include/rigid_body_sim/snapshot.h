@@ -12,154 +12,189 @@
 
 namespace rbs {
 
-/// What changes only by an edit.
+/// Description of a body: what changes only by an edit, or when the body is frozen.
 struct BodyDescription {
-  BodyId id;
-  std::string name;
-  Shape shape;
-  BodyKind kind = BodyKind::Dynamic;
-  double mass = 0.0;            ///< kg; 0 where it has no meaning (a plane)
-  double density = 0.0;         ///< kg/m³; 0 for a plane
-  Vec3 inertia = Vec3::Zero();  ///< principal moments about the axes of B, kg m²
-  Material material;
-  Color color{};
-  std::uint32_t group = 1, mask = 0xffffffffu;  ///< see BodyDef
-  bool frozen = false;                          ///< quarantined after it became non-finite
+  BodyId id;                          ///< handle of the body
+  std::string name;                   ///< name, unique in the world, never empty
+  Shape shape;                        ///< shape in B
+  BodyKind kind = BodyKind::Dynamic;  ///< how it moves
+  double mass = 0.0;                  ///< kg, also for a body that forces do not move; 0 for a plane
+  double density = 0.0;               ///< mass over volume, kg/m³; 0 for a plane
+  Vec3 inertia = Vec3::Zero();        ///< principal moments about the axes of B, kg m²; 0 for a plane
+  Material material;                  ///< friction and so on; the drag coefficient is always given
+  Color color{};                      ///< red, green, blue, alpha
+  std::uint32_t group = 1,            ///< see BodyDef::group
+      mask = 0xffffffffu;             ///< see BodyDef::mask
+  /// Whether the body is quarantined: its state was not finite or exceeded Limits. It stands where it was
+  /// before that step. World::editBody() with a pose or a kind ends the quarantine.
+  bool frozen = false;
 };
 
-/// What changes with every step.
+/// The state of a body, which every step changes.
 struct BodyState {
-  BodyId id;
-  Pose pose;
-  Twist twist;
+  BodyId id;    ///< handle of the body
+  Pose pose;    ///< pose of B in W
+  Twist twist;  ///< velocity at the centre of mass, in W; zero for a body that sleeps
 };
 
-/// One point where two bodies touch or nearly touch.
+/// One contact point: two bodies a and b touch or nearly touch there.
+///
+/// Impulses cover the part of the step that the contact solver took last. That is the last division of the
+/// step (Setting::divisions), and no more than what follows the last impact that cut it. The impulses of
+/// located impacts are not included.
 struct ContactPoint {
-  BodyId a, b;
-  Vec3 p_W = Vec3::Zero();               ///< midway between the two surfaces, m
-  Vec3 n_W = Vec3::UnitZ();              ///< unit normal, from a to b
-  double separation = 0.0;               ///< gap, m; negative is overlap
-  double normal_impulse = 0.0;           ///< over the step, N s, >= 0
-  Vec3 friction_impulse = Vec3::Zero();  ///< on b, over the step, N s
+  BodyId a,                              ///< first body; it was created before b
+      b;                                 ///< second body
+  Vec3 p_W = Vec3::Zero();               ///< position in W, midway between the two surfaces, m
+  Vec3 n_W = Vec3::UnitZ();              ///< unit normal in W, from a to b
+  double separation = 0.0;               ///< separation along the normal, m; negative is penetration
+  double normal_impulse = 0.0;           ///< normal impulse, N s, >= 0
+  Vec3 friction_impulse = Vec3::Zero();  ///< friction impulse on b, in W, N s
 };
 
-/// One row of the pipeline: a stage, whether it runs, why, and what it costs.
+/// One row of the pipeline: a stage of the step, whether it runs, why, and what it costs.
 struct StageInfo {
-  std::string name;         ///< "forces.wind"
+  std::string name;         ///< "forces.drag"
   bool active = false;      ///< whether the scene needs it
-  std::string reason;       ///< in words and numbers, for and against
+  std::string reason;       ///< why it is or is not needed, in words and numbers
   std::uint64_t items = 0;  ///< what it worked on in the last step
-  std::string unit;      ///< what its items are: "bodies", "pairs", "points"; empty if they are not counted
-  double seconds = 0.0;  ///< spent in the last step; 0 for one that did not run, or that is part of another
+  std::string unit;  ///< what its items are: "bodies", "pairs", "points", …; empty: they are not counted
+  /// Wall time in the last step, s. 0 for a stage that did not run, and for a part of another stage that is
+  /// not timed by itself. That of islands.advance includes its parts, which follow it.
+  double seconds = 0.0;
 };
 
 /// Trouble at run time, with its remedy.
 struct Warning {
-  std::string kind;  ///< "non_finite", "impact_budget"
+  /// "non_finite": a body was frozen. "impact_budget": a step has more impacts than it may take. "overlap":
+  /// bodies overlap deeply after an edit.
+  std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
 };
 
-/// How a group of bodies that contacts tie together went through the last step, and how well it obeys the law
-/// of contact at the end of its last solve. Speeds are fractions of g h (without gravity 9.81 m/s² stands in
-/// for g).
+/// Solver residuals of one island (dynamic bodies that contacts connect), and how it went through the last
+/// step. With Setting::divisions above 1 it covers the last division, of length h.
+///
+/// Residuals are the worst over all solves, dimensionless. The soft step gives them as fractions of g h,
+/// where 9.81 m/s² stands in for g without gravity. The exact step gives them as fractions of the largest
+/// speed that the loads add in h, or of the fastest closing speed where that is larger.
 struct IslandCertificate {
-  std::uint32_t bodies = 0, contacts = 0;  ///< dynamic bodies; contact points
-  /// What solved it: "soft_step", or of the exact step the dearest solver it took: "guess", "gauss_seidel",
-  /// "newton", "interior_point", "admm".
+  std::uint32_t bodies = 0,  ///< dynamic bodies
+      contacts = 0;          ///< contact points, also those that nearly touch
+  /// The solver: "soft_step", or the most expensive one that the exact step took: "guess" (the forces of the
+  /// last step still held), "gauss_seidel", "newton", "interior_point", "admm".
   const char* method = "";
-  std::uint32_t iterations =
-      0;                   ///< of the solver, all solves of the step together; 0: the last forces still held
-  double signorini = 0.0;  ///< closing speed at closed points, and speed at loaded ones
-  double coulomb = 0.0;    ///< friction beyond the cone
+  /// Iterations of the exact step's solvers, trials included; 0: the forces of the last step still held.
+  /// Always 0 for the soft step.
+  std::uint32_t iterations = 0;
+  double signorini = 0.0;    ///< closing speed at closed points, and normal speed at loaded ones
+  double coulomb = 0.0;      ///< friction beyond the cone, as the speed that it makes
   double dissipation = 0.0;  ///< slip that friction does not oppose, or slip where it sticks
   bool converged = true;     ///< the exact solvers reached their tolerance; always true for the soft step
-  double deepest_penetration = 0.0;  ///< m
-  double energy_change = 0.0;        ///< kinetic and potential, from the start of the step, J
+  double deepest_penetration = 0.0;  ///< largest penetration depth, m, >= 0
+  double energy_change = 0.0;        ///< change of kinetic and potential energy over h, J
   double turn = 0.0;                 ///< largest |w| h of its bodies, rad
 };
 
-/// What the last step did.
+/// What the last step did. With Setting::divisions above 1, times, tests, impacts and warnings are those of
+/// all divisions together, and the rest is that of the last one.
 struct StepReport {
-  double seconds = 0.0;                ///< wall time of the whole step
-  std::uint32_t pairs = 0;             ///< candidate pairs of the broad phase
-  std::uint64_t overlap_tests = 0;     ///< pairs of bounds that the broad phase compared to find them
-  std::uint32_t contacts = 0;          ///< contact points given to the solver
-  std::uint32_t islands = 0;           ///< groups of bodies that contacts tie together
-  std::uint32_t flying = 0;            ///< dynamic bodies advanced in closed form
-  std::uint32_t impacts = 0;           ///< impacts located in time and resolved in order
-  std::uint32_t deferred_impacts = 0;  ///< impacts left to the contact solver, over budget
-  double deepest_penetration = 0;      ///< m, >= 0, at the end of the step
-  std::vector<IslandCertificate>
-      certificates;  ///< of the groups in contact, in the order of their first bodies
-  std::vector<Warning> warnings;
+  double seconds = 0.0;             ///< wall time of the step, s
+  std::uint32_t pairs = 0;          ///< candidate pairs of the broad phase
+  std::uint64_t overlap_tests = 0;  ///< pairs of bounds that the broad phase compared to find them
+  std::uint32_t contacts = 0;       ///< contact points, also those that nearly touch
+  std::uint32_t islands = 0;        ///< islands that the contact solver looked at
+  std::uint32_t flying = 0;         ///< dynamic bodies in free flight
+  std::uint32_t impacts = 0;        ///< impacts located in time and resolved in order
+  /// Located impacts left to the contact solver: cutting a large island for them would cost too much, or the
+  /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
+  /// the warning "impact_budget" are not counted.
+  std::uint32_t deferred_impacts = 0;
+  double deepest_penetration = 0;  ///< largest penetration depth at the end of the step, m, >= 0
+  /// Residuals of the islands that have contact points, in the order of their first bodies.
+  std::vector<IslandCertificate> certificates;
+  std::vector<Warning> warnings;  ///< trouble of this step; empty: none
 };
 
-/// Sums over the dynamic bodies.
+/// Energy and momentum, summed over the dynamic bodies that are not frozen.
 struct Totals {
   double kinetic_energy = 0.0;           ///< J
-  double potential_energy = 0.0;         ///< J, zero at the origin of W
-  Vec3 momentum = Vec3::Zero();          ///< kg m/s
-  Vec3 angular_momentum = Vec3::Zero();  ///< about the origin of W, kg m²/s
+  double potential_energy = 0.0;         ///< energy in the field of gravity, J, zero at the origin of W
+  Vec3 momentum = Vec3::Zero();          ///< in W, kg m/s
+  Vec3 angular_momentum = Vec3::Zero();  ///< about the origin of W, in W, kg m²/s
 };
 
-/// The air as it is now.
+/// The air at the time of the snapshot.
 struct AirState {
   bool air = false;              ///< whether the scene has air
   bool wind = false;             ///< whether the air moves
-  double density = 0.0;          ///< kg/m³
-  Vec3 mean = Vec3::Zero();      ///< m/s
-  double gust = 0.0;             ///< m/s
-  Vec3 velocity = Vec3::Zero();  ///< with the gust, now, m/s
+  double density = 0.0;          ///< kg/m³; 0 without air
+  Vec3 mean = Vec3::Zero();      ///< mean velocity in W, m/s; zero without wind
+  double gust = 0.0;             ///< standard deviation of each horizontal component, m/s; 0 is steady
+  Vec3 velocity = Vec3::Zero();  ///< velocity now, gust included, in W, m/s; zero without wind
 };
 
-/// By how much a setting goes astray for each second that is simulated: of the body with the largest error.
+/// Error of solver settings, per second simulated.
 struct ErrorRate {
-  double distance = 0.0;  ///< m/s
-  double angle = 0.0;     ///< rad/s
-  double energy = 0.0;    ///< share of the energy (see Difference), 1/s
+  double distance = 0.0;  ///< error of the position of the worst body, m/s
+  double angle = 0.0;     ///< error of the orientation of the worst body, rad/s
+  double energy = 0.0;    ///< error of the total energy as a fraction (see Difference::energy), 1/s
 };
 
-/// What a second run of the same scene, beside it and more finely, has told of a window of time.
+/// The deviation between a world and a second run beside it with other solver settings, over one window of
+/// time. The second run is finer, except where a Goal::max_error tries coarser settings.
 struct ErrorEstimate {
-  ErrorRate error;          ///< by which the two went apart
-  double window = 0.0;      ///< for how long they ran from a common state, s
-  Setting setting, beside;  ///< of the two
-  double beside_ms = 0.0;   ///< wall time that the second run adds to a step, ms
+  ErrorRate error;         ///< deviation of the two runs over `window`
+  double window = 0.0;     ///< physics time that the two ran from a common state, s
+  Setting setting,         ///< solver settings of the world
+      beside;              ///< solver settings of the second run
+  double beside_ms = 0.0;  ///< mean wall time that the second run adds to a step, ms
 };
 
+/// A world at one instant between two steps: an immutable copy, which any thread may keep and read. What is
+/// of the last step is empty or 0 before the first.
 struct Snapshot {
-  std::string scene;
-  double time = 0.0;                      ///< physics time since the scene began, s
-  std::uint64_t steps = 0;                ///< taken since the scene began
-  double step = 0.0;                      ///< s
-  std::uint64_t edits = 0;                ///< grows with every edit, load and reset; the dial does not count
-  std::uint64_t description_version = 0;  ///< grows when `bodies` changes
-  std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order
+  std::string scene;        ///< name of the scene
+  double time = 0.0;        ///< physics time since the scene began, s
+  std::uint64_t steps = 0;  ///< steps since the scene began
+  double step = 0.0;        ///< length of a step, s
+  /// Edit counter. It grows with every edit, load and reset, when a wrench ends, and when a body is frozen.
+  /// Changes of the solver settings and of the goal do not count.
+  std::uint64_t edits = 0;
+  std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
+  std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order; not null
   std::vector<BodyState> states;                               ///< same order as `bodies`
+  /// Contact points of the last step, also those that nearly touch. Those between sleeping bodies are of the
+  /// last step before their sleep. After a saved state is restored they have no geometry until the first
+  /// step.
   std::vector<ContactPoint> contacts;
-  std::vector<StageInfo> pipeline;
-  StepReport report;
-  Totals totals;
-  AirState air;
-  std::optional<Fluid> fluid;
-  Vec3 gravity = Vec3::Zero();
-  EffectOverrides effects;  ///< forced on or off; the others are detected
-  Setting fidelity;
-  std::optional<Goal> goal;               ///< that turns the dial
-  std::string dial_reason;                ///< why it stands where it does; empty: nothing has turned it
-  std::optional<ErrorEstimate> estimate;  ///< of the last window; empty where errors are not estimated
-  View view;
-  std::uint64_t hash = 0;  ///< of the state: equal hashes, equal futures
+  std::vector<StageInfo> pipeline;  ///< stages of the step, in their order
+  StepReport report;                ///< what the last step did
+  Totals totals;                    ///< energy and momentum
+  AirState air;                     ///< air and wind
+  std::optional<Fluid> fluid;       ///< empty: there is none
+  Vec3 gravity = Vec3::Zero();      ///< m/s², in W; also where Effect::Gravity is forced off
+  EffectOverrides effects;          ///< effects forced on or off; the others are detected
+  Setting fidelity;                 ///< solver settings
+  std::optional<Goal> goal;         ///< goal by which they change; empty: they stay
+  /// Governor::reason(): why the solver settings are what they are. Only a Simulator fills it; empty: no goal
+  /// has changed them.
+  std::string dial_reason;
+  /// Governor::estimate(): error in the last window. Only a Simulator fills it; empty: there is none yet, or
+  /// errors are not estimated.
+  std::optional<ErrorEstimate> estimate;
+  View view;               ///< where a viewer should stand
+  std::uint64_t hash = 0;  ///< World::stateHash()
 
   // What the Simulator adds.
-  bool paused = false;
-  std::uint64_t world = 0;        ///< which world it is of: grows with every load and reset
+  bool paused = false;            ///< true also while a step request is under way
+  std::uint64_t world = 0;        ///< number of the world, from 0: grows with every load and reset
   double elapsed = 0.0;           ///< physics time simulated in all its worlds, s; never goes back
-  double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it
+  double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it, s
 
-  /// Position of this body in `bodies` and `states`, or -1.
+  /// Index of the body of this name in `bodies` and `states`, or -1. It searches all bodies.
   int find(const std::string& name) const;
+  /// Index of this body in `bodies` and `states`, or -1. A binary search.
   int find(BodyId id) const;
 };
 

@@ -15,43 +15,60 @@
 #include <string>
 #include <vector>
 
+/// Rigid-body dynamics: worlds, shapes, contact solvers, scene files and queries. Nothing in it needs ROS.
+///
+/// Units are SI (m, kg, s, rad). Names carry frames. p_WB is the position of body frame B in world frame W.
+/// q_WB and R_WB rotate vectors from B to W. v_WB and w_WB are the linear and angular velocity of B relative
+/// to W, expressed in W. W is right-handed with z up (REP-103). A body's frame B has its origin at the centre
+/// of mass and its axes along the principal axes of inertia.
 namespace rbs {
 
+/// A vector. The suffix of a variable names the frame that it is expressed in.
 using Vec3 = Eigen::Vector3d;
+/// A 3 x 3 matrix, such as the rotation matrix R_WB.
 using Mat3 = Eigen::Matrix3d;
-/// Unaligned, so that public structs keep one layout whatever the compiler flags.
+/// A quaternion. It is unaligned, so that public structs keep one layout whatever the compiler flags.
 using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
-/// Place and attitude of a body frame B in the world frame W.
+/// Position and orientation of a body frame B in the world frame W.
 struct Pose {
-  Vec3 p_WB = Vec3::Zero();      ///< m
-  Quat q_WB = Quat::Identity();  ///< unit quaternion
+  Vec3 p_WB = Vec3::Zero();      ///< position of the origin of B in W, m
+  Quat q_WB = Quat::Identity();  ///< unit quaternion that rotates vectors from B to W
 };
 
-/// Velocity of a body frame B seen from W, written in W, at the origin of B.
+/// Velocity of a body frame B relative to W, expressed in W, at the origin of B.
 struct Twist {
-  Vec3 v_WB = Vec3::Zero();  ///< m/s
-  Vec3 w_WB = Vec3::Zero();  ///< rad/s
+  Vec3 v_WB = Vec3::Zero();  ///< linear velocity, m/s
+  Vec3 w_WB = Vec3::Zero();  ///< angular velocity, rad/s
 };
 
-/// Axis-aligned bounds: all x with lo <= x <= hi.
+/// Axis-aligned bounding box: all x with lo <= x <= hi. Its user chooses the frame.
 struct Aabb {
-  Vec3 lo, hi;
+  Vec3 lo,  ///< smallest coordinate along each axis, m; not initialised
+      hi;   ///< largest coordinate along each axis, m; not initialised
+
+  /// Whether the two boxes share a point. Boxes that only touch do.
   bool overlaps(const Aabb& o) const {
     return (lo.array() <= o.hi.array()).all() && (o.lo.array() <= hi.array()).all();
   }
+  /// Whether every point of `o` is in this box, which includes its surface.
   bool contains(const Aabb& o) const {
     return (lo.array() <= o.lo.array()).all() && (o.hi.array() <= hi.array()).all();
   }
 };
 
-/// Names a body for as long as it lives. Creation numbers grow and are never used again, so a stale
-/// handle is recognised, and their order is the canonical order of bodies. 0 names no body.
+/// Handle of a body. A world never uses a number again, so it recognises the handle of a removed body. The
+/// order of the numbers is the order of creation, which is the canonical order of bodies. A new world, also
+/// one of Simulator::load() or Simulator::reset(), counts from 1 again.
 struct BodyId {
-  std::uint64_t serial = 0;
+  std::uint64_t serial = 0;  ///< creation number in the world, from 1; 0 names no body
+  /// Whether the handle names a body. It stays true when that body is removed.
   explicit operator bool() const { return serial != 0; }
+  /// Whether both name the same body of one world.
   friend bool operator==(BodyId a, BodyId b) { return a.serial == b.serial; }
+  /// Whether they name different bodies of one world.
   friend bool operator!=(BodyId a, BodyId b) { return a.serial != b.serial; }
+  /// Whether a was created before b: the canonical order.
   friend bool operator<(BodyId a, BodyId b) { return a.serial < b.serial; }
 };
 
@@ -62,11 +79,13 @@ struct Problem {
   std::string allowed;  ///< what is allowed instead
 };
 
-/// Thrown for bad input, with every problem found, before anything is changed. Long paths and values are cut,
-/// and what is no printable UTF-8 in them is escaped.
+/// Thrown for bad input, before anything is changed. It holds every problem that was found.
 class InvalidInput : public std::invalid_argument {
  public:
+  /// Paths and values are cut at 512 bytes, and control characters and invalid UTF-8 in them are escaped.
+  /// what() has one line per problem for the first 20, then the number of the others.
   explicit InvalidInput(std::vector<Problem> problems);
+  /// All problems, in the order in which they were found.
   const std::vector<Problem>& problems() const { return problems_; }
 
  private:
