@@ -37,13 +37,20 @@ BodyEdit resizeBy(const Resize& grip, const Vec3& handle_W, const Shape& shape, 
 
 }  // namespace
 
-Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle)
-    : body_(body), marker_(std::move(marker)), grip_(grip), handle_(handle) {}
+Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle, double click_slop)
+    : body_(body),
+      marker_(std::move(marker)),
+      grip_(grip),
+      handle_(handle),
+      pressed_(handle),
+      click_slop_(click_slop) {}
 
 void Drag::hear(const std::optional<Pose>& handle) {
   heard_ = Clock::now();
   if (!handle) return;
-  went_ = went_ || handle->p_WB != handle_.p_WB || handle->q_WB.coeffs() != handle_.q_WB.coeffs();
+  constexpr double kTurnSlop = 0.01;  // rad
+  went_ = went_ || (handle->p_WB - pressed_.p_WB).norm() > click_slop_ ||
+          handle->q_WB.angularDistance(pressed_.q_WB) > kTurnSlop;
   handle_ = *handle;
   moved_ = true;
 }
@@ -62,13 +69,15 @@ void Drag::apply(World& world, const Snapshot& now) {
   moved_ = false;
   applied_to_paused_ = now.paused;
   const BodyDescription& body = (*now.bodies)[i];
+  const bool leads = !now.paused && body.kind == BodyKind::Dynamic && !std::holds_alternative<Resize>(grip_);
+  if (!leads) release(world);
+  if (!leads && !went_) return;
   if (const Resize* grip = std::get_if<Resize>(&grip_)) {
     world.editBody(body_, resizeBy(*grip, handle_.p_WB, body.shape, now.states[i].pose));
-  } else if (!now.paused && body.kind == BodyKind::Dynamic) {
+  } else if (leads) {
     lead(world);
   } else {
-    release(world);
-    if (went_) put(world, now.states[i].pose);
+    put(world, now.states[i].pose);
   }
 }
 

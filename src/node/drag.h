@@ -31,8 +31,10 @@ using Grip = std::variant<Pull, Carry, Resize>;
 
 class Drag {
  public:
-  /// Begins at the press. `handle` is the pose of the dragged marker; `marker` its name.
-  Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle);
+  /// Begins at the press. `handle` is the pose of the dragged marker; `marker` its name. A mouse that has
+  /// gone less than `click_slop` (m) since the press has clicked: a paused body stays where it is, to the
+  /// last bit.
+  Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle, double click_slop);
 
   BodyId body() const { return body_; }
   const std::string& marker() const { return marker_; }
@@ -63,10 +65,11 @@ class Drag {
   BodyId body_;
   std::string marker_;
   Grip grip_;
-  Pose handle_;
+  Pose handle_, pressed_;  ///< of the marker now, and at the press
+  double click_slop_;
   Clock::time_point heard_ = Clock::now();
-  bool moved_ = true;  ///< since the last apply()
-  bool went_ = false;  ///< the mouse has moved since the press: a click alone leaves a body where it is
+  bool moved_ = true;               ///< since the last apply()
+  bool went_ = false;               ///< the mouse has moved by more than the slop since the press
   bool applied_to_paused_ = false;  ///< whether the world was paused then
   bool led_ = false;                ///< whether the world leads the body now
 };

@@ -233,6 +233,21 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client.click("ball")
         wait(lambda: abs(self.client.markers[GIZMO].pose.position.x - 4.0) < 1e-6, "the gizmo is at the ball")
 
+    def test_a_click_that_rounds_the_pose_moves_nothing_and_a_small_drag_does(self):
+        for offset in (1e-7, 4e-4, 2e-3):
+            pose = pose_at(offset, 0, 5 - offset)
+            self.client.press("crate", pose_at(0, 0, 5), (0, 0, 5))
+            self.client.move("crate", pose)
+            self.client.release("crate", pose)
+        self.client.wait_for(GIZMO)
+        self.assertEqual(position("crate"), [0, 0, 5])
+        self.client.press("crate", pose_at(0, 0, 5), (0, 0, 5))
+        self.client.move("crate", pose_at(0.02, 0, 5))
+        wait(lambda: distance(position("crate"), [0.02, 0, 5]) < 1e-9, "the crate is where the drag is")
+        self.client.move("crate", pose_at(0.001, 0, 5))
+        wait(lambda: distance(position("crate"), [0.001, 0, 5]) < 1e-9, "a drag may come back to where it began")
+        self.client.release("crate", pose_at(0.001, 0, 5))
+
     def test_a_name_selects(self):
         publisher = rospy.Publisher("/sim/select", String, queue_size=1, latch=True)
         publisher.publish("ball")

@@ -174,8 +174,7 @@ class GuiTest(unittest.TestCase):
             self.wait_for_selection('middle')
             drop()
             self.wait_for_selection('')
-        # RViz's own markers, which stand in front of up to 300 bodies, round where they were hit.
-        self.assertLess(math.dist(position('middle'), (0.0, 0.0, 0.4)), 1e-3)
+        self.assertEqual(tuple(position('middle')), (0.0, 0.0, 0.4))
 
     def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
         self.addCleanup(call, 'reset', Trigger)

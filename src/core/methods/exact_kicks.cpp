@@ -20,6 +20,9 @@ namespace {
 constexpr double kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
+// A point that overlaps by more than this share of the length was put there by an edit. How its gap curves tells
+// nothing: its normal jumps from face to face, and the speed that would undo the jump is no speed of a body.
+constexpr double kSunk = 1e-2;
 
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
@@ -190,7 +193,7 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
   for (std::size_t k = 0; k < curvature.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const Index m = later.matching(point);
-    if (m == kNone) continue;
+    if (m == kNone || point.gap < -kSunk * point.length) continue;
     const double allowed = kick.points[k].drive[2] - touching_.law[k].drive[2];
     const double u_n = velocityAt(kick.bodies, kick.points[k])[2] - allowed;
     const double c = later.points[m].gap - point.gap - tau * u_n;
