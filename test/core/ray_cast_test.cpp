@@ -240,6 +240,15 @@ TEST(RayCast, EntersAHullWhereItsSurfaceIs) {
   checkShape<ConvexHull>(71, anyHull, castOnShape<ConvexHull>);
 }
 
+// Found by fuzzing: the distance to the plane overflowed, and the hit was at infinity.
+TEST(RayCast, ThatHardlyFallsMeetsAPlaneNowhere) {
+  for (const double slope : {0.0, -1e-309, -5e-324})
+    EXPECT_FALSE(castRay(Plane{}, Vec3(1.0, 2.0, 4.5), Vec3(1.0, 0.0, slope)).has_value()) << slope;
+  const auto far = castRay(Plane{}, Vec3(1.0, 2.0, 4.5), Vec3(1.0, 0.0, -1e-300));
+  ASSERT_TRUE(far.has_value());
+  EXPECT_DOUBLE_EQ(far->distance, 4.5e300);
+}
+
 TEST(RayCast, EntersAPlaneWhereItsSurfaceIs) {
   Random random(63);
   for (int k = 0; k < 100000; ++k) {

@@ -137,7 +137,8 @@ Span spanOf(const ConvexHull& hull, const LocalRay& ray) {
 template <class ShapeB>
 std::optional<RayEntry> entryInto(const ShapeB& shape, const LocalRay& ray) {
   const Span span = spanOf(shape, ray);
-  if (!(span.enter <= span.leave && span.leave >= 0.0)) return std::nullopt;
+  // A ray that falls to a plane by less than a denormal number a metre meets it nowhere.
+  if (!(span.enter <= span.leave && span.leave >= 0.0 && span.enter < kInfinity)) return std::nullopt;
   if (span.enter <= 0.0) return RayEntry{0.0, -ray.d};
   return RayEntry{span.enter, span.n_B};
 }
