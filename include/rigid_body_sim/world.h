@@ -20,8 +20,8 @@ struct BodyEdit {
   std::optional<Shape> shape;  ///< the mass follows from the density, unless `mass` is given too
   std::optional<Pose> pose;    ///< pose of B in W; the velocity stays
   std::optional<Twist> twist;  ///< velocity at the centre of mass, in W; zero for a static body
-  /// How the body moves. Static or kinematic stops it, unless `twist` is given. Any edit turns a frozen body
-  /// into a static one, unless `kind` is given: give Dynamic to make it move again.
+  /// How the body moves. Static or kinematic stops it, unless `twist` is given. A frozen body stays frozen
+  /// until `kind` or `pose` is given.
   std::optional<BodyKind> kind;
   std::optional<double> mass;          ///< kg; the density follows. At most one of mass and density
   std::optional<double> density;       ///< kg/m³; the mass follows

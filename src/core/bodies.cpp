@@ -104,8 +104,8 @@ BodyDef Bodies::define(Index i, double time) const {
   def.name = name[i];
   def.shape = t.shape;
   def.pose = poseNow(i, time);
-  def.twist = twist[i];
   def.kind = t.frozen ? BodyKind::Static : t.kind;
+  if (def.kind != BodyKind::Static) def.twist = twist[i];  // a static body that is held has one meanwhile
   if (t.mass > 0.0) def.mass = t.mass;
   def.material = t.material;
   def.color = color[i];

@@ -89,7 +89,10 @@ struct Governor::Impl {
     if (!(goal == world.scene().goal))
       goal = world.scene().goal, patience = kFirstPatience, calm = 0, tries_below = false, reason.clear();
     const bool wants_error = goal && goal->max_error;
-    if (!wants_error && !estimating) return;
+    if (!wants_error && !estimating) {
+      estimate.reset();
+      return;
+    }
     Setting other = halved(setting);
     if (wants_error) {
       const std::size_t k = rungOf(setting);

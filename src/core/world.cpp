@@ -143,6 +143,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   const Index i = impl_->require(id);
   Bodies& bodies = impl_->scene.bodies;
   BodyDef def = bodies.define(i, impl_->scene.time);
+  def.kind = bodies.traits[i].kind;  // also of a frozen body
   if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
   if (edit.shape) def.shape = *edit.shape;
   if (edit.pose) def.pose = *edit.pose;

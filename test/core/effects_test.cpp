@@ -150,6 +150,32 @@ TEST(Certificate, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
   EXPECT_TRUE(reported);
   EXPECT_TRUE((*world.snapshot().bodies)[0].frozen);
   EXPECT_NEAR(stateOf(world, "stone").pose.p_WB.x(), 5.0, 1e-12);
+
+  // An edit that is not about its motion leaves it frozen; put into another place it is dynamic again.
+  const BodyId mote = world.find("mote");
+  BodyEdit paint;
+  paint.color = Color{1.0f, 0.0f, 0.0f, 1.0f};
+  world.editBody(mote, paint);
+  EXPECT_TRUE((*world.snapshot().bodies)[0].frozen);
+  BodyEdit move;
+  move.pose = Pose{Vec3(0.0, 0.0, 9.0), Quat::Identity()};
+  world.editBody(mote, move);
+  EXPECT_FALSE((*world.snapshot().bodies)[0].frozen);
+  EXPECT_EQ((*world.snapshot().bodies)[0].kind, BodyKind::Dynamic);
+}
+
+TEST(Hold, AHeldStaticBodyCanBeCapturedAndEdited) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies.push_back(box("post", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+  scene.bodies.back().kind = BodyKind::Static;
+  World world(scene);
+  world.hold(world.find("post"), Pose{Vec3(1.0, 0.0, 0.5), Quat::Identity()});
+  world.step();
+  EXPECT_GT(stateOf(world, "post").twist.v_WB.x(), 0.0);
+  EXPECT_NO_THROW(World(world.capture(), world.captureState()));
+  BodyEdit paint;
+  paint.color = Color{1.0f, 0.0f, 0.0f, 1.0f};
+  EXPECT_NO_THROW(world.editBody(world.find("post"), paint));
 }
 
 }  // namespace

@@ -73,6 +73,21 @@ TEST(Governor, TheEstimateIsTheErrorOfAClosedFormButForAFactorOfTwo) {
   EXPECT_GT(governor.estimate()->error.distance, 0.25 * error);
 }
 
+TEST(Governor, WhoStopsEstimatingHasNoEstimateAnyMore) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies.push_back(box("box", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
+  scene.goal = Goal{};
+  scene.goal->max_step_ms = 1000.0;
+  World world(scene);
+  Governor governor;
+  governor.setEstimating(true);
+  for (int k = 0; k < 20; ++k) governor.step(world);
+  EXPECT_TRUE(governor.estimate());
+  governor.setEstimating(false);
+  governor.step(world);
+  EXPECT_FALSE(governor.estimate());
+}
+
 TEST(Governor, AGoalOfErrorClimbsUntilItIsMetAndSaysWhy) {
   SceneDef scene = sliding();
   scene.fidelity = Fidelity::Preview;
