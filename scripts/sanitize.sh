@@ -29,8 +29,8 @@ sanitize_with() {
   export UBSAN_OPTIONS=log_path=$sanitizer_reports/undefined:print_stacktrace=1
   export TSAN_OPTIONS=log_path=$sanitizer_reports/thread:suppressions=$suppressions/threads.txt:ignore_noninstrumented_modules=1
 
-  left_out='effects_cost_nothing|nosetests_docs|nosetests_package'
-  echo "left out: effects_cost_nothing, which counts the instructions of a build without sanitizers"
+  left_out='nosetests_docs|nosetests_package'
+  echo "left out: effects_cost_nothing, which counts the instructions of a build without sanitizers; benchmarks"
   echo "left out: the tests of pages and package, which try the usual build and make builds of their own"
   echo "left out: seven of eight hard cases, which take ten times as long"
   if [ "$list" = thread ]; then
