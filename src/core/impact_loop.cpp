@@ -8,6 +8,7 @@
 #include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
+#include "overlaps.h"
 
 #include <algorithm>
 #include <map>
@@ -25,7 +26,8 @@ class ImpactLoop {
       : context_(context),
         step_(context.step),
         found_(step_.contacts.pairs.size()),
-        neighbourhood_(context.scene.sweep.order, step_.bounds) {
+        neighbourhood_(context.scene.sweep.order, step_.bounds),
+        crowded_(overlaps::crowdedBodies(step_)) {
     const std::uint64_t pairs = step_.contacts.pairs.size();
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -209,6 +211,7 @@ class ImpactLoop {
   void consider(Index i, Index j, double from) {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
       return;
+    if (crowded_[i] && crowded_[j]) return;  // as in impacts::find()
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
     if (standing == Standing::Parting) return;
@@ -241,6 +244,7 @@ class ImpactLoop {
   StepStore& step_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   Neighbourhood neighbourhood_;
+  std::vector<char> crowded_;  // by body
   std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
