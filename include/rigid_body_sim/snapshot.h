@@ -158,8 +158,8 @@ struct Snapshot {
   double time = 0.0;        ///< physics time since the scene began, s
   std::uint64_t steps = 0;  ///< steps since the scene began
   double step = 0.0;        ///< length of a step, s
-  /// Edit counter. It grows with every edit, load and reset, when a wrench ends, and when a body is frozen.
-  /// Changes of the solver settings and of the goal do not count.
+  /// Edit counter. It grows with every edit, load and reset. Changes of the solver settings and of the goal
+  /// do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
   std::uint64_t edits = 0;
   std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
   std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order; not null

@@ -185,8 +185,8 @@ class World {
 
   double time() const;          ///< physics time since the scene began, s
   std::uint64_t steps() const;  ///< steps since the scene began; divisions do not count
-  /// Edit counter, 1 for a new world. It grows with every edit, when a wrench ends, and when a body is
-  /// frozen. Changes of the solver settings and of the goal do not count.
+  /// Edit counter, 1 for a new world. It grows with every edit. Changes of the solver settings and of the
+  /// goal do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
   std::uint64_t edits() const;
   const SceneDef& scene() const;  ///< settings as they are now; `bodies` is empty
   /// The scene as it is now, bodies and velocities included. A frozen body is static in it. Wrenches, grabs

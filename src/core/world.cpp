@@ -207,7 +207,8 @@ Vec3 World::freePlace(const Shape& shape, const Quat& q_WB, double clearance) co
     for (Index i = 0; i < bodies.size(); ++i) {
       const double reach = bodies.traits[i].bounding_radius + radius + room;
       if ((bodies.pose[i].p_WB - pose.p_WB).squaredNorm() > reach * reach) continue;
-      const Manifold manifold = collide(bodies.traits[i].shape, bodies.pose[i], shape, pose, room);
+      const Pose obstacle = bodies.poseNow(i, impl_->scene.time);
+      const Manifold manifold = collide(bodies.traits[i].shape, obstacle, shape, pose, room);
       for (int k = 0; k < manifold.size; ++k) rise = std::max(rise, room - manifold.points[k].separation);
     }
     if (rise == 0.0) break;
@@ -286,18 +287,17 @@ void World::Impl::advance(double to) {
   keepContacts();
   scene.time = to;
 
+  // What the step itself has changed is no edit: who runs beside the world has stepped through it as well.
   std::vector<TimedWrench>& wrenches = scene.wrenches;
   const auto over = [&](const TimedWrench& wrench) { return wrench.until <= scene.time; };
   const auto expired = std::remove_if(wrenches.begin(), wrenches.end(), over);
+  const bool some_expired = expired != wrenches.end();
+  wrenches.erase(expired, wrenches.end());
   const auto isFrozen = [](const Warning& warning) { return warning.kind == "non_finite"; };
   const bool frozen = std::any_of(step.report.warnings.begin(), step.report.warnings.end(), isFrozen);
-  if (expired != wrenches.end() || frozen) {
-    wrenches.erase(expired, wrenches.end());
-    edited(frozen);
-  } else if (!step.to_bed.empty()) {
-    for (const std::vector<Index>& group : step.to_bed) sleep::putToBed(scene, group);
-    recount();
-  }
+  if (frozen) descriptionsChanged();
+  for (const std::vector<Index>& group : step.to_bed) sleep::putToBed(scene, group);
+  if (some_expired || frozen || !step.to_bed.empty()) recount();
 }
 
 namespace {

@@ -39,11 +39,13 @@ struct World::Impl {
   void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
     ++edits;
     scene.just_edited = true;
-    if (described) {
-      ++description_version;
-      descriptions.reset();
-    }
+    if (described) descriptionsChanged();
     begunAnew(changed);
+  }
+
+  void descriptionsChanged() {
+    ++description_version;
+    descriptions.reset();
   }
 
   // To be called when what the stages go by has changed.

@@ -51,14 +51,15 @@ Totals World::totals() const {
   for (Index i = 0; i < bodies.size(); ++i) {
     const Traits& t = bodies.traits[i];
     if (t.kind != BodyKind::Dynamic || t.frozen) continue;
-    const Vec3& p = bodies.pose[i].p_WB;
+    const Pose pose = bodies.poseNow(i, impl_->scene.time);
+    const Vec3& p = pose.p_WB;
     const Twist& twist = bodies.twist[i];
-    const Vec3 w_B = bodies.pose[i].q_WB.conjugate() * twist.w_WB;
+    const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
     const Vec3 l_B = bodies.inertia[i].moments.cwiseProduct(w_B);
     sum.kinetic_energy += 0.5 * (t.mass * twist.v_WB.squaredNorm() + l_B.dot(w_B));
     sum.potential_energy -= t.mass * gravity.dot(p);
     sum.momentum += t.mass * twist.v_WB;
-    sum.angular_momentum += p.cross(t.mass * twist.v_WB) + bodies.pose[i].q_WB * l_B;
+    sum.angular_momentum += p.cross(t.mass * twist.v_WB) + pose.q_WB * l_B;
   }
   return sum;
 }

@@ -141,6 +141,7 @@ TEST(Certificate, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
   World world(scene);
   world.applyWrench(world.find("mote"), Vec3(1e15, 0.0, 0.0), Vec3::Zero(), Vec3(1.0, 2.0, 3.0), 100.0);
   bool reported = false;
+  const std::uint64_t edits = world.edits(), version = world.snapshot().description_version;
   for (int step = 0; step < 5; ++step) {
     for (const Warning& warning : world.step().warnings)
       reported = reported || (warning.kind == "non_finite" && warning.text.find("mote") != std::string::npos);
@@ -149,6 +150,8 @@ TEST(Certificate, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
   }
   EXPECT_TRUE(reported);
   EXPECT_TRUE((*world.snapshot().bodies)[0].frozen);
+  EXPECT_EQ(world.edits(), edits);
+  EXPECT_EQ(world.snapshot().description_version, version + 1);
   EXPECT_NEAR(stateOf(world, "stone").pose.p_WB.x(), 5.0, 1e-12);
 
   // An edit that is not about its motion leaves it frozen; put into another place it is dynamic again.

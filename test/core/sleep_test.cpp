@@ -55,6 +55,22 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
+TEST(Sleep, TheEndOfAWrenchIsNoEditAndWakesNobody) {
+  SceneDef scene = crates(true);
+  scene.bodies.push_back(box("sled", Vec3::Constant(0.4), {0.0, 20.0, 0.2}));
+  World world(scene);
+  world.applyWrench(world.find("sled"), {0.0, 2000.0, 0.0}, Vec3::Zero(), {0.0, 20.0, 0.2}, 4.5);
+  const std::uint64_t edits = world.edits();
+  advance(world, 4.4);
+  ASSERT_EQ(asleep(world), 4u);
+  advance(world, 0.2);
+  const double speed = stateOf(world, "sled").twist.v_WB.y();
+  advance(world, 0.5);
+  EXPECT_LT(stateOf(world, "sled").twist.v_WB.y(), speed);
+  EXPECT_EQ(asleep(world), 4u);
+  EXPECT_EQ(world.edits(), edits);
+}
+
 // A blow wakes the whole group before it lands: the bodies go where they would have gone had they never
 // slept.
 TEST(Sleep, ABlowFindsThemAwake) {

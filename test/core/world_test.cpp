@@ -35,6 +35,16 @@ World inMotion() {
   return world;
 }
 
+// A plank that nothing can turn keeps no attitude up to date: it is asked for where it is needed.
+TEST(World, AFreePlaceIsAboveAPlankAsItIsTurnedNow) {
+  SceneDef scene = emptySpace(1.0 / 100.0);
+  scene.bodies = {box("plank", Vec3(4.0, 0.2, 0.2), Vec3::Zero())};
+  scene.bodies[0].twist.w_WB = Vec3(0.0, kPi / 2.0, 0.0);
+  World world(scene);
+  advance(world, 1.0);
+  EXPECT_GT(world.freePlace(Sphere{0.5}, Quat::Identity()).z(), 2.5);
+}
+
 TEST(WorldCopy, HasTheSameFutureAndNoPartInThatOfTheOther) {
   for (const Fidelity fidelity : kFidelities) {
     World world = inMotion();
