@@ -35,14 +35,14 @@ World inMotion() {
   return world;
 }
 
-// A plank that nothing can turn keeps no attitude up to date: it is asked for where it is needed.
-TEST(World, AFreePlaceIsAboveAPlankAsItIsTurnedNow) {
+// A cube that nothing can turn keeps no attitude up to date: it is asked for where it is needed.
+TEST(World, AFreePlaceIsAboveACubeAsItIsTurnedNow) {
   SceneDef scene = emptySpace(1.0 / 100.0);
-  scene.bodies = {box("plank", Vec3(4.0, 0.2, 0.2), Vec3::Zero())};
-  scene.bodies[0].twist.w_WB = Vec3(0.0, kPi / 2.0, 0.0);
+  scene.bodies = {box("cube", Vec3(2.0, 2.0, 2.0), Vec3::Zero())};
+  scene.bodies[0].twist.w_WB = Vec3(0.0, kPi / 4.0, 0.0);
   World world(scene);
-  advance(world, 1.0);
-  EXPECT_GT(world.freePlace(Sphere{0.5}, Quat::Identity()).z(), 2.5);
+  advance(world, 1.0);  // now it stands on an edge
+  EXPECT_GT(world.freePlace(Sphere{0.5}, Quat::Identity()).z(), std::sqrt(2.0) + 0.5);
 }
 
 TEST(WorldCopy, HasTheSameFutureAndNoPartInThatOfTheOther) {
