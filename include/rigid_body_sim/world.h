@@ -46,7 +46,7 @@ struct Grab {
 };
 
 /// What a saved state holds beyond the definitions of its bodies. Together with World::capture() it resumes a
-/// run bit for bit, but for wrenches, grabs and holds, which are not saved. Indices are those of
+/// run bit for bit, but for grabs and holds, which are not saved. Indices are those of
 /// SceneDef::bodies.
 struct SavedState {
   double time = 0.0;        ///< physics time, s, >= 0
@@ -82,6 +82,16 @@ struct SavedState {
     std::optional<std::uint32_t> asleep_with;
   };
   std::vector<Rest> rest;  ///< bodies at rest; empty unless Effect::Sleeping is on
+  /// A wrench that still acts (World::applyWrench(), World::commandWrench()).
+  struct Wrench {
+    std::uint32_t body = 0;       ///< index of the body
+    Vec3 force_W = Vec3::Zero(),  ///< force, in W, N
+        torque_W = Vec3::Zero(),  ///< torque beside that of the force, in W, N m
+        point_B = Vec3::Zero();   ///< where the force acts, in B, m
+    double until = 0.0;           ///< physics time at which it ends, s
+    bool commanded = false;       ///< the next command replaces it
+  };
+  std::vector<Wrench> wrenches;  ///< in the order in which they were applied
 };
 
 /// A simulated world: bodies, surroundings, solver settings and the state of motion. It is not thread-safe:
@@ -134,10 +144,9 @@ class World {
   /// Limits::max_spin.
   void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);
   /// Applies a force (N) at a point (m) and a torque (N m), all in W, from now on for `seconds` of physics
-  /// time, above 0 to 1e9 s. The force keeps its direction, and its offset from the centre of mass, in W. It
-  /// adds to the wrenches that already act. Its end wakes sleeping bodies, too. Throws InvalidInput unless
-  /// the body is dynamic and neither held nor frozen. Components are at most Limits::max_impulse and
-  /// Limits::max_position.
+  /// time, above 0 to 1e9 s. Force and torque keep their directions in W; the point moves with the body. It
+  /// adds to the wrenches that already act. Throws InvalidInput unless the body is dynamic and neither held
+  /// nor frozen. Components are at most Limits::max_impulse and Limits::max_position.
   void applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
   /// Does what applyWrench() does, but replaces the body's last commanded wrench. A body has one slot for
   /// commands, beside whatever applyWrench() has added, so a controller may send as often as it likes.

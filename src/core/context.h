@@ -19,10 +19,11 @@
 
 namespace rbs {
 
-/// A force and a couple that act until a given time.
+/// A force at a point of a body, and a torque, that act until a given time.
 struct TimedWrench {
   BodyId body;
-  Vec3 force_W, torque_W;  ///< N, and N m about the centre of mass
+  Vec3 force_W, torque_W;  ///< N, and N m beside that of the force
+  Vec3 point_B;            ///< m
   double until;            ///< physics time, s
   bool commanded = false;  ///< the next command takes its place
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "saved_state.h"
 
+#include "checks.h"
 #include "narrowphase/manifold.h"
 #include "sleep.h"
 #include "text.h"
@@ -35,6 +36,10 @@ SavedState captureState(const SceneStore& scene) {
   for (Index i = 0; i < scene.bodies.size(); ++i)
     if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
       state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
+  for (const TimedWrench& w : scene.wrenches) {
+    const Index i = scene.bodies.indexOf(w.body);
+    state.wrenches.push_back({i, w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
+  }
   return state;
 }
 
@@ -60,10 +65,19 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
   for (const SavedState::Rest& rest : saved.rest)
     if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
       problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
+  for (const SavedState::Wrench& wrench : saved.wrenches) {
+    if (wrench.body >= bodies)
+      problems.push_back({"state.wrenches", std::to_string(wrench.body), "the index of a body"});
+    checkVector(wrench.force_W, Limits::max_impulse, "state.wrenches.force", "N", problems);
+    checkVector(wrench.torque_W, Limits::max_impulse, "state.wrenches.torque", "N m", problems);
+    checkVector(wrench.point_B, 2.0 * Limits::max_position, "state.wrenches.point", "m", problems);
+    if (!std::isfinite(wrench.until))
+      problems.push_back({"state.wrenches.until", text(wrench.until), "a finite time, in s"});
+  }
   return problems;
 }
 
-void restoreContacts(const SavedState& saved, SceneStore& scene) {
+void restoreForces(const SavedState& saved, SceneStore& scene) {
   Contacts& contacts = scene.contacts;
   for (const SavedState::Contact& contact : saved.contacts) {
     ContactPair pair;
@@ -83,6 +97,9 @@ void restoreContacts(const SavedState& saved, SceneStore& scene) {
   }
   std::sort(contacts.pairs.begin(), contacts.pairs.end(),
             [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
+  for (const SavedState::Wrench& w : saved.wrenches)
+    scene.wrenches.push_back(
+        {scene.bodies.id[w.body], w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
   scene.time = saved.time;
   scene.steps = saved.steps;
 }

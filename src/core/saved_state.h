@@ -13,8 +13,8 @@ SavedState captureState(const SceneStore& scene);
 /// What is wrong with a saved state of so many bodies.
 std::vector<Problem> validate(const SavedState& saved, Index bodies);
 
-/// Puts back the time and the contacts of a sound state; before the census is taken.
-void restoreContacts(const SavedState& saved, SceneStore& scene);
+/// Puts back the time, the contacts and the wrenches of a sound state; before the census is taken.
+void restoreForces(const SavedState& saved, SceneStore& scene);
 
 /// Puts back attitudes that are counted from an earlier time, and who sleeps; after the census. Returns
 /// whether the census is to be taken again.

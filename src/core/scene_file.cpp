@@ -85,6 +85,12 @@ void readItems(Fields& parent, const std::string& key, FileProblems& problems, R
   }
 }
 
+bool readFlag(Fields& item, const char* key) {
+  std::uint32_t flag = 0;
+  if (item.read(key, flag) && flag > 1) item.report(key, std::to_string(flag), "0 or 1");
+  return flag == 1;
+}
+
 SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems) {
   SavedState state;
   if (fields.read("time", state.time) && state.time < 0.0) {
@@ -98,9 +104,7 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
         item.report(key, std::to_string(*index), "the index of a body, below " + std::to_string(bodies));
       }
     }
-    std::uint32_t exact = 0;
-    if (item.read("exact", exact) && exact > 1) item.report("exact", std::to_string(exact), "0 or 1");
-    contact.exact = exact == 1;
+    contact.exact = readFlag(item, "exact");
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();
@@ -125,6 +129,17 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     if (item.read("asleep_with", rest.asleep_with) && *rest.asleep_with >= bodies)
       item.report("asleep_with", std::to_string(*rest.asleep_with),
                   "the index of a body, below " + std::to_string(bodies));
+  });
+  readItems(fields, "wrenches", problems, [&](Fields& item) {
+    SavedState::Wrench& wrench = state.wrenches.emplace_back();
+    if (item.require("body", "the index of a body", wrench.body) && wrench.body >= bodies)
+      item.report("body", std::to_string(wrench.body),
+                  "the index of a body, below " + std::to_string(bodies));
+    item.require("force", "the force, [x, y, z]", wrench.force_W);
+    item.require("torque", "the torque, [x, y, z]", wrench.torque_W);
+    item.require("point", "where the force acts on the body, [x, y, z]", wrench.point_B);
+    item.require("until", "the time at which it ends", wrench.until);
+    wrench.commanded = readFlag(item, "commanded");
   });
   return state;
 }

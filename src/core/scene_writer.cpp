@@ -159,6 +159,17 @@ std::string stateText(const SavedState& state) {
     if (rest.asleep_with) line.add("asleep_with", text(*rest.asleep_with));
     result += "    - " + line.close() + "\n";
   }
+  if (!state.wrenches.empty()) result += "  wrenches:\n";
+  for (const SavedState::Wrench& wrench : state.wrenches) {
+    Line line;
+    line.add("body", text(wrench.body))
+        .add("force", text(wrench.force_W))
+        .add("torque", text(wrench.torque_W))
+        .add("point", text(wrench.point_B))
+        .add("until", text(wrench.until));
+    if (wrench.commanded) line.add("commanded", "1");
+    result += "    - " + line.close() + "\n";
+  }
   return result;
 }
 

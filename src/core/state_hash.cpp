@@ -84,8 +84,8 @@ std::uint64_t stateHash(const SceneStore& scene) {
       hash.add(i), hash.add(scene.rest[i].steps), hash.add(scene.bodies.traits[i].asleep),
           hash.add(scene.rest[i].group);
   for (const TimedWrench& w : scene.wrenches)
-    hash.add(scene.bodies.indexOf(w.body)), hash.add(w.force_W), hash.add(w.torque_W), hash.add(w.until),
-        hash.add(w.commanded);
+    hash.add(scene.bodies.indexOf(w.body)), hash.add(w.force_W), hash.add(w.torque_W), hash.add(w.point_B),
+        hash.add(w.until), hash.add(w.commanded);
   for (const HandGrab& g : scene.grabs)
     hash.add(scene.bodies.indexOf(g.body)), hash.add(g.grab.p_B), hash.add(g.grab.p_W),
         hash.add(g.grab.frequency), hash.add(g.grab.max_acceleration);

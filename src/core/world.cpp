@@ -81,7 +81,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   impl_->nameBodies(bodies);
   for (const BodyDef& body : bodies) impl_->scene.bodies.append({impl_->next_serial++}, body);
   if (saved) throwIfAny(validate(*saved, impl_->scene.bodies.size()));
-  if (saved) restoreContacts(*saved, impl_->scene);
+  if (saved) restoreForces(*saved, impl_->scene);
   impl_->edited(true);
   if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
   impl_->pipeline.filter(impl_->census);

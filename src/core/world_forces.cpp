@@ -19,7 +19,8 @@ TimedWrench World::Impl::wrenchOf(BodyId id, const Vec3& force_W, const Vec3& to
   if (!bodies.traits[i].movable())
     problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
   throwIfAny(problems);
-  return {id, force_W, torque_W + (point_W - bodies.pose[i].p_WB).cross(force_W), scene.time + seconds};
+  const Pose pose = bodies.poseNow(i, scene.time);
+  return {id, force_W, torque_W, pose.q_WB.conjugate() * (point_W - pose.p_WB), scene.time + seconds};
 }
 
 void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) {

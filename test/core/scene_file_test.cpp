@@ -246,6 +246,27 @@ bodies:
   EXPECT_EQ(again.stateHash(), world.stateHash());
 }
 
+TEST(SceneFile, wrenchesActOnFromASavedState) {
+  World world(parse(R"(
+bodies:
+  - {shape: plane, kind: static}
+  - {size: [1, 0.5, 0.5], position: [0, 0, 3], spin: [1, 2, 3]}
+)"));
+  const BodyId crate = world.find("box_1");
+  world.applyWrench(crate, Vec3(10.0, 20.0, 3000.0), Vec3(1.0, 2.0, 3.0), Vec3(0.4, 0.1, 3.0), 1.0);
+  world.commandWrench(crate, Vec3(0.0, 100.0, 0.0), Vec3::Zero(), Vec3(0.0, 0.0, 3.2), 0.5);
+  for (int k = 0; k < 20; ++k) world.step();
+  const SceneFile saved = parseScene(writeScene(world.capture(), world.captureState()), "f.yaml");
+  ASSERT_EQ(saved.state->wrenches.size(), 2u);
+  World again(saved.scene, saved.state);
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+  for (World* one : {&world, &again})
+    one->commandWrench(one->find("box_1"), Vec3(0.0, -100.0, 0.0), Vec3::Zero(), Vec3::Zero(), 0.5);
+  for (int k = 0; k < 100; ++k) world.step(), again.step();
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+  EXPECT_TRUE(again.captureState().wrenches.empty());
+}
+
 TEST(SceneFile, poseOfAHullIsThatOfItsPoints) {
   const SceneDef scene = parse(R"(
 bodies:

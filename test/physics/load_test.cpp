@@ -50,6 +50,28 @@ TEST_P(Load, ABodyThatIsMadeLightUnderALoadIsNotShotAway) {
   EXPECT_LT(fastest, 10.0);
 }
 
+// The force is done on the point that it was applied to, wherever the rod turns it: its work is the force
+// times the way of that point.
+TEST_P(Load, TheForceOfAWrenchMovesWithItsPoint) {
+  SceneDef scene = emptySpace(1.0 / 960.0);
+  scene.fidelity = GetParam();
+  scene.bodies = {box("rod", Vec3(2.0, 0.1, 0.1), Vec3::Zero())};
+  scene.bodies[0].mass = 1.0;
+  World world(scene);
+  const Vec3 end_B(1.0, 0.0, 0.0), force(0.0, 3.0, 0.5);
+  world.applyWrench(world.find("rod"), force, Vec3::Zero(), end_B, 10.0);
+  double turned = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    advance(world, 0.5);
+    const BodyState state = stateOf(world, "rod");
+    const Vec3 way = state.pose.p_WB + state.pose.q_WB * end_B - end_B;
+    EXPECT_NEAR(world.totals().kinetic_energy, force.dot(way), 1e-5 * force.dot(way))
+        << 0.5 * (k + 1) << " s";
+    turned = std::max(turned, state.pose.q_WB.angularDistance(Quat::Identity()));
+  }
+  EXPECT_GT(turned, 1.0);
+}
+
 // A ball deep between two walls that lean apart by 2 degrees: to part from both at v it would leave at 57 v.
 // What it gains in a step is the speed at which an overlap may part, that of a fall of its size, and what it
 // falls.
