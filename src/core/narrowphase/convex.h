@@ -89,7 +89,9 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
       if (upper < depth.upper) depth.n = distance.n, depth.upper = upper;
     }
     gap.n_A = depth.n;
-    gap.distance = distance.overlap ? -depth.upper : std::clamp(-depth.upper, distance.lower, distance.upper);
+    // The bounds may cross by rounding: the lower one, which is proved, then holds.
+    gap.distance =
+        distance.overlap ? -depth.upper : std::max(distance.lower, std::min(-depth.upper, distance.upper));
     on_a = depth.a, on_b = depth.b;
   }
   gap.distance -= radii;
