@@ -67,10 +67,10 @@ void Ghost::show(bool on) {
   std::atomic_store(&run_, run);
 }
 
-std::optional<double> Ghost::lag() const {
+std::optional<double> Ghost::lag(double now) const {
   const std::shared_ptr<Run> run = std::atomic_load(&run_);
   if (!run || !run->shown) return std::nullopt;
-  return std::max(0.0, simulator_.snapshot()->time - run->time);
+  return std::max(0.0, now - run->time);
 }
 
 void Ghost::follow(Run& run) {

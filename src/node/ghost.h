@@ -25,8 +25,8 @@ class Ghost {
 
   /// Shows it, from the state as it is now; or takes it away.
   void show(bool on);
-  /// Physics time that it is behind the live bodies, s, >= 0; empty where it is not shown.
-  std::optional<double> lag() const;
+  /// Physics time that it is behind `now`, s, >= 0; empty where it is not shown.
+  std::optional<double> lag(double now) const;
 
  private:
   struct Run;

@@ -155,7 +155,7 @@ void StatusPublisher::publish(const Timeline::Moment& moment) {
   if (status_.wanted(true)) {
     rigid_body_sim::Status msg = statusMsg(moment, simulator_.pace());
     msg.estimates_error = simulator_.estimatesErrors();
-    if (const std::optional<double> lag = ghost_.lag()) msg.ghost_lag.push_back(*lag);
+    if (const std::optional<double> lag = ghost_.lag(msg.time)) msg.ghost_lag.push_back(*lag);
     status_.send(msg);
   }
   if (wind_.wanted(true)) wind_.send(windMsg(moment));
