@@ -55,6 +55,26 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
+// A mouse that rests, or a push that friction holds: the next command of either moves the body, though it
+// wakes nobody.
+TEST(Sleep, WhatIsPulledStaysAwake) {
+  World world(crates(true));
+  const BodyId apart = world.find("apart"), top = world.find("crate_2");
+  Grab grab;
+  grab.p_W = {5.0, 0.0, 0.2};
+  world.grab(apart, grab);
+  const Vec3 at = stateOf(world, "crate_2").pose.p_WB;
+  world.commandWrench(top, {10.0, 0.0, 0.0}, Vec3::Zero(), at, 100.0);
+  advance(world, 3.0);
+  EXPECT_EQ(asleep(world), 0u);
+  grab.p_W = {5.0, 1.0, 0.4};
+  world.grab(apart, grab);
+  world.commandWrench(top, {2000.0, 0.0, 0.0}, Vec3::Zero(), at, 0.3);
+  advance(world, 0.5);
+  EXPECT_GT(stateOf(world, "apart").pose.p_WB.y(), 0.5);
+  EXPECT_GT(stateOf(world, "crate_2").pose.p_WB.x(), 0.2);
+}
+
 TEST(Sleep, TheEndOfAWrenchIsNoEditAndWakesNobody) {
   SceneDef scene = crates(true);
   scene.bodies.push_back(box("sled", Vec3::Constant(0.4), {0.0, 20.0, 0.2}));
