@@ -75,6 +75,20 @@ TEST(Sleep, WhatIsPulledStaysAwake) {
   EXPECT_GT(stateOf(world, "crate_2").pose.p_WB.x(), 0.2);
 }
 
+// Slower than what counts as rest, a kinematic body still carries what stands on it.
+TEST(Sleep, WhatRidesOnACreepingBodyStaysAwake) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  scene.effects[Effect::Sleeping] = true;
+  scene.bodies.push_back(box("raft", {2.0, 2.0, 0.2}, {0.0, 0.0, 1.0}));
+  scene.bodies.back().kind = BodyKind::Kinematic;
+  scene.bodies.back().twist.v_WB = {5e-5, 0.0, 0.0};
+  scene.bodies.push_back(box("rider", Vec3::Constant(0.4), {0.0, 0.0, 1.3}));
+  World world(scene);
+  advance(world, 20.0);
+  EXPECT_EQ(asleep(world), 0u);
+  EXPECT_NEAR(stateOf(world, "rider").pose.p_WB.x(), 1e-3, 1e-4);
+}
+
 TEST(Sleep, TheEndOfAWrenchIsNoEditAndWakesNobody) {
   SceneDef scene = crates(true);
   scene.bodies.push_back(box("sled", Vec3::Constant(0.4), {0.0, 20.0, 0.2}));
