@@ -28,8 +28,8 @@ class Node:
         # A service or message of the node before must not answer for this one.
         wait(lambda: '/sim' not in self.nodes(), 'the node before is gone')
         self.process = subprocess.Popen(
-            ['stdbuf', '-oL', PROGRAM, '__name:=sim', '_state_file:=' + file, '_resume:=%s' % resume],
-            stdout=self.log, stderr=subprocess.STDOUT)
+            [PROGRAM, '__name:=sim', '_state_file:=' + file, '_resume:=%s' % resume],
+            env=dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1'), stdout=self.log, stderr=subprocess.STDOUT)
 
     @staticmethod
     def nodes():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulator and RViz as processes that are killed and started again."""
 import contextlib
+import os
 import subprocess
 import time
 
@@ -35,9 +36,9 @@ class Node:
         self.log = '%s/node_%d.log' % (self.folder, self.lives)
         with open(self.log, 'w') as log:
             self.process = subprocess.Popen(
-                ['stdbuf', '-oL', self.program, '__name:=sim', '_state_file:=' + self.state_file, '_resume:=%s' % resume,
+                [self.program, '__name:=sim', '_state_file:=' + self.state_file, '_resume:=%s' % resume,
                  '_paused:=%s' % paused],
-                stdout=log, stderr=subprocess.STDOUT)
+                env=dict(os.environ, ROSCONSOLE_STDOUT_LINE_BUFFERED='1'), stdout=log, stderr=subprocess.STDOUT)
         rviz_driver.wait_until(lambda: self.status or self.process.poll() is not None, 'the simulator is there', PATIENCE)
 
     def fresh_status(self):
