@@ -12,6 +12,7 @@ constexpr double kSampling = 0.02;   // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often
 constexpr double kLongestPicture = 0.1;          // likewise: ten pictures a second
 constexpr double kPictureShare = 0.1;            // of the time, that pictures may take
+constexpr double kLongestInterval = 1e8;         // s: a clock counts nanoseconds up to 292 years
 
 double seconds(Pacer::Clock::duration d) {
   return std::chrono::duration<double>(d).count();
@@ -25,7 +26,7 @@ Pacer::Clock::duration duration(double s) {
 // The first step is due at once, so the step before it counts as one that ended an interval ago.
 void Pacer::restart(Time now, double speed, double step) {
   speed_ = speed;
-  interval_ = speed > 0.0 ? step / speed : 0.0;
+  interval_ = speed > 0.0 ? std::min(step / speed, kLongestInterval) : 0.0;
   next_step_ = now;
   lost_ = 0.0;
   last_ = {now - duration(interval_), 0.0};

@@ -57,6 +57,16 @@ struct Rig {
   }
 };
 
+// Found by random calls: 1e-300 of real time made an interval that no clock can hold.
+TEST(Pacer, TheNextStepOfASpeedNearZeroIsInTheFarFuture) {
+  Pacer pacer;
+  const Pacer::Time now = Pacer::Time{} + std::chrono::hours(24);
+  pacer.restart(now, 1e-300, 1.0 / 60.0);
+  pacer.stepped(now, now, 1.0 / 60.0);
+  EXPECT_GT(pacer.nextStep(), now + std::chrono::hours(24 * 365));
+  EXPECT_GE(pacer.achievedSpeed(now), 0.0);
+}
+
 TEST(Pacer, KeepsTheSpeedThatItCanKeep) {
   for (const double speed : {0.1, 1.0, 3.0}) {
     Rig run;
