@@ -37,6 +37,9 @@ class Node:
         return {node for entry in publishers + services for node in entry[1]}
 
     def __enter__(self):
+        wait(lambda: self.process.poll() is not None or '/sim' in self.nodes(), 'the node is there or has ended')
+        if self.process.poll() is not None:
+            raise AssertionError('the node has ended with %d: %s' % (self.process.poll(), self.said()))
         rospy.wait_for_service('/sim/list_bodies', 30)
         return self
 
