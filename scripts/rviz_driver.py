@@ -95,11 +95,11 @@ class Rviz:
         try:
             self.window = wait_until(self._find_window, 'the window of RViz is open')
             self.scene = wait_until(self.find_scene, 'RViz draws its scene')
+            self.focus()
         except Exception:
             self.__exit__()
             raise
-        # There is no window manager to do this, and without it shortcuts do not work.
-        self.screen.xdotool('windowfocus', self.window, 'mousemove', 1, 1)  # away from the scene
+        self.screen.xdotool('mousemove', 1, 1)  # away from the scene
         return self
 
     def __exit__(self, *error):
@@ -110,6 +110,12 @@ class Rviz:
             self.process.kill()
             self.process.wait()
         os.remove(self.file)
+
+    def focus(self):
+        """Hands the keys to RViz. There is no window manager to do it; a window takes none before it can be seen."""
+        command = ['xdotool', 'windowfocus', str(self.window)]
+        wait_until(lambda: subprocess.run(command, env=self.screen.env, check=False, stderr=subprocess.DEVNULL).returncode == 0,
+                   'RViz takes the keys')
 
     def output(self):
         """All that RViz has printed so far."""
@@ -178,7 +184,8 @@ class Rviz:
         self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, 'click', 1)
 
     def key(self, name):
-        self.screen.xdotool('windowfocus', self.window, 'sleep', 0.2, 'key', name)
+        self.focus()
+        self.screen.xdotool('sleep', 0.2, 'key', name)
 
     def find_color(self, color, least=20):
         """The middle pixel of what is drawn in exactly this colour outside the scene, or None."""
