@@ -103,9 +103,9 @@ struct Bounds {
   Array4 lo, hi;
   /// Without branches, which no processor could foretell here.
   bool overlaps(const Bounds& o) const {
-    bool apart = false;
-    for (int k = 0; k < 4; ++k) apart |= (lo[k] > o.hi[k]) | (o.lo[k] > hi[k]);
-    return !apart;
+    int apart = 0;
+    for (int k = 0; k < 4; ++k) apart |= int{lo[k] > o.hi[k]} | int{o.lo[k] > hi[k]};
+    return apart == 0;
   }
 };
 

@@ -50,7 +50,8 @@ class SpacesTest(unittest.TestCase):
         self.done('cmake --install %s' % BUILD)
         self.check_downstream(space)
         self.assertIn('forces.gravity', self.done('source %s/setup.bash; rosrun rigid_body_sim explain harbour' % space))
-        self.assertIn('/sim', self.done('source %s/setup.bash; roslaunch --nodes rigid_body_sim sim.launch' % space))
+        for sourced in (space, BUILD / 'devel'):  # each finds its own launch file, and no other
+            self.assertIn('/sim', self.done('source %s/setup.bash; roslaunch --nodes rigid_body_sim sim.launch' % sourced))
         programs = sorted(os.listdir(space / 'lib/rigid_body_sim'))
         self.assertEqual(programs, ['accuracy_probe', 'explain', 'rbs', 'rigid_body_sim_accuracy', 'scene_accuracy',
                                     'simulator_node'])
