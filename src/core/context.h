@@ -101,7 +101,7 @@ struct SceneStore {
 struct Bounds {
   using Array4 = Eigen::Array<double, 4, 1, Eigen::DontAlign>;
   Array4 lo, hi;
-  /// Without branches, which no processor could foretell here.
+  /// Without branches, which no processor could predict here.
   bool overlaps(const Bounds& o) const {
     int apart = 0;
     for (int k = 0; k < 4; ++k) apart |= int{lo[k] > o.hi[k]} | int{o.lo[k] > hi[k]};

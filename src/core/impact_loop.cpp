@@ -97,7 +97,7 @@ class ImpactLoop {
     }
     const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
     if (outcome == impacts::Outcome::Miss) {
-      const auto later = impacts::foretell(context_, impact.i, impact.j, impact.time).impact;
+      const auto later = impacts::predict(context_, impact.i, impact.j, impact.time).impact;
       if (later && later->time > impact.time) {
         queue_.push(*later);
       } else {
@@ -216,7 +216,7 @@ class ImpactLoop {
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
     if (standing == Standing::Parting) return;
     if (standing == Standing::Contact && context_.scene.restitutionOf(i, j) == 0.0) return;
-    const impacts::Outlook outlook = impacts::foretell(context_, i, j, std::max(from, step_.timeOf(j)));
+    const impacts::Outlook outlook = impacts::predict(context_, i, j, std::max(from, step_.timeOf(j)));
     if (outlook.impact) {
       queue_.push(*outlook.impact);
       if (pair != kNone) step_.standing[pair] = Standing::Awaited;

@@ -16,13 +16,13 @@ namespace rbs::impacts {
 namespace {
 
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
-// wide margin is for bodies in contact, whose course was foretold without the forces of that contact.
+// wide margin is for bodies in contact, whose course was predicted without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
 // An overlap deeper than this share of the smaller length is more than rounding leaves of an impact.
 constexpr double kSunk = 1e-6;
 
-// A body's course from where it has been advanced to. A supported body is foretold to keep its velocity: what
-// carries it cancels its load.
+// A body's course from where it has been advanced to. A supported body is predicted to keep its velocity:
+// what carries it cancels its load.
 Motion courseOf(const Context& context, Index i) {
   const Bodies& bodies = context.scene.bodies;
   Motion course;
@@ -104,9 +104,9 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 }  // namespace
 
 // Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is
-// left to the contact solver: foretelling how a face rocks on another, to find when it comes back, would cost
+// left to the contact solver: predicting how a face rocks on another, to find when it comes back, would cost
 // more than it is worth within a step. Of spheres and planes it is known in closed form.
-Outlook foretell(const Context& context, Index i, Index j, double from) {
+Outlook predict(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
@@ -137,7 +137,7 @@ Outlook foretell(const Context& context, Index i, Index j, double from) {
   return outlook;
 }
 
-// Courses are foretold with a constant angular velocity; what torque and gyroscopic torque do to it must not
+// Courses are predicted with a constant angular velocity; what torque and gyroscopic torque do to it must not
 // matter.
 bool isFree(const Context& context, Index i) {
   constexpr double kSlowTurn = 0.02;  // rad in a step
@@ -169,7 +169,7 @@ void find(Context& context) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
     if (step.standing[k] == Standing::Parting || (crowded[i] && crowded[j])) continue;
     if (step.standing[k] == Standing::Contact && context.scene.restitutionOf(i, j) == 0.0) continue;
-    const Outlook outlook = foretell(context, i, j, step.t0);
+    const Outlook outlook = predict(context, i, j, step.t0);
     if (outlook.impact) {
       step.impacts.push_back(*outlook.impact);
       step.standing[k] = Standing::Awaited;

@@ -13,12 +13,12 @@ namespace rbs::impacts {
 /// (Standing::Awaited), as those that will not even touch (Standing::Apart).
 void find(Context& context);
 
-/// What is foretold of a pair from some time to the end of the step.
+/// What is predicted of a pair from some time to the end of the step.
 struct Outlook {
   std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
   bool touches = false;                 ///< they touch, impact or not
 };
-Outlook foretell(const Context& context, Index i, Index j, double from);
+Outlook predict(const Context& context, Index i, Index j, double from);
 
 /// Whether a body's course is known: nothing carries it now, and its attitude does not change by more than a
 /// turn at constant velocity.

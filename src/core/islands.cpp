@@ -101,7 +101,7 @@ void openPair(StepStore& step, const Bodies& bodies, Index i, Index j) {
   step.standing[static_cast<std::size_t>(k)] = Standing::Open;
 }
 
-// Puts the step back to where it was before any body moved, but for these pairs, which contacts are to reckon
+// Puts the step back to where it was before any body moved, but for these pairs, which contacts are to solve
 // with.
 void beginAgain(Context& context, const StepStore& begun, const std::vector<std::pair<Index, Index>>& pairs) {
   Bodies& bodies = context.scene.bodies;
@@ -128,7 +128,7 @@ bool mayOverlook(const Context& context) {
           std::any_of(step.contacts.pairs.begin(), step.contacts.pairs.end(), stays));
 }
 
-// Contacts push bodies off the courses on which they were foretold to pass others. Where that makes a pair
+// Contacts push bodies off the courses on which they were predicted to pass others. Where that makes a pair
 // overlap, the step is taken again with this pair among the contacts.
 void advanceOverlookingNone(Context& context) {
   constexpr int kMostTimes = 8;  // each push may reach one body further

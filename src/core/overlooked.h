@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pairs that a step left to themselves and that overlap after it: contacts have pushed a body off the course
-// on which it was foretold to pass another.
+// on which it was predicted to pass another.
 #pragma once
 
 #include "context.h"

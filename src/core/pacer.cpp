@@ -10,7 +10,7 @@ constexpr double kLargestLag = 0.1;  // wall time beyond which lateness is given
 constexpr double kWindow = 1.0;      // over which the achieved speed is averaged, s
 constexpr double kSampling = 0.02;   // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often
-constexpr double kLongestPicture = 0.1;          // likewise: ten pictures a second
+constexpr double kLongestPicture = 0.1;          // s of wall time: ten pictures a second
 constexpr double kPictureShare = 0.1;            // of the time, that pictures may take
 constexpr double kLongestInterval = 1e8;         // s: a clock counts nanoseconds up to 292 years
 

@@ -92,6 +92,13 @@ bool readFlag(Fields& item, const char* key) {
 }
 
 SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems) {
+  const auto checkBody = [&](Fields& item, const char* key, std::size_t index) {
+    if (index >= bodies)
+      item.report(key, std::to_string(index), "the index of a body, below " + std::to_string(bodies));
+  };
+  const auto requireBody = [&](Fields& item, const char* key, auto& index) {
+    if (item.require(key, "the index of a body", index)) checkBody(item, key, index);
+  };
   SavedState state;
   if (fields.read("time", state.time) && state.time < 0.0) {
     fields.report("time", numberText(state.time), "0 s or more");
@@ -99,11 +106,8 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
   fields.read("steps", state.steps);
   readItems(fields, "contacts", problems, [&](Fields& item) {
     SavedState::Contact& contact = state.contacts.emplace_back();
-    for (auto [key, index] : {std::pair{"a", &contact.a}, std::pair{"b", &contact.b}}) {
-      if (item.require(key, "the index of a body", *index) && *index >= bodies) {
-        item.report(key, std::to_string(*index), "the index of a body, below " + std::to_string(bodies));
-      }
-    }
+    requireBody(item, "a", contact.a);
+    requireBody(item, "b", contact.b);
     contact.exact = readFlag(item, "exact");
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
@@ -115,26 +119,19 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
   });
   readItems(fields, "attitudes", problems, [&](Fields& item) {
     SavedState::Attitude& attitude = state.attitudes.emplace_back();
-    if (item.require("body", "the index of a body", attitude.body) && attitude.body >= bodies)
-      item.report("body", std::to_string(attitude.body),
-                  "the index of a body, below " + std::to_string(bodies));
+    requireBody(item, "body", attitude.body);
     item.require("since", "the time it holds for", attitude.since);
     item.require("orientation", "the orientation then, [x, y, z, w]", attitude.q_WB);
   });
   readItems(fields, "rest", problems, [&](Fields& item) {
     SavedState::Rest& rest = state.rest.emplace_back();
-    if (item.require("body", "the index of a body", rest.body) && rest.body >= bodies)
-      item.report("body", std::to_string(rest.body), "the index of a body, below " + std::to_string(bodies));
+    requireBody(item, "body", rest.body);
     item.require("steps", "for how many steps it has rested", rest.steps);
-    if (item.read("asleep_with", rest.asleep_with) && *rest.asleep_with >= bodies)
-      item.report("asleep_with", std::to_string(*rest.asleep_with),
-                  "the index of a body, below " + std::to_string(bodies));
+    if (item.read("asleep_with", rest.asleep_with)) checkBody(item, "asleep_with", *rest.asleep_with);
   });
   readItems(fields, "wrenches", problems, [&](Fields& item) {
     SavedState::Wrench& wrench = state.wrenches.emplace_back();
-    if (item.require("body", "the index of a body", wrench.body) && wrench.body >= bodies)
-      item.report("body", std::to_string(wrench.body),
-                  "the index of a body, below " + std::to_string(bodies));
+    requireBody(item, "body", wrench.body);
     item.require("force", "the force, [x, y, z]", wrench.force_W);
     item.require("torque", "the torque, [x, y, z]", wrench.torque_W);
     item.require("point", "where the force acts on the body, [x, y, z]", wrench.point_B);
@@ -210,7 +207,7 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   return result;
 }
 
-// Faults are told with what stands in the file. Of a file that is no scene nothing is quoted: it may hold
+// A fault is reported with the value in the file. Of a file that is no scene nothing is quoted: it may hold
 // what is not for whoever asked for it.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
   stopIfInterrupted(file);

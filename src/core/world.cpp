@@ -287,7 +287,8 @@ void World::Impl::advance(double to) {
   keepContacts();
   scene.time = to;
 
-  // What the step itself has changed is no edit: who runs beside the world has stepped through it as well.
+  // What the step itself has changed is no edit: a copy of the world that runs beside it has taken the step
+  // as well.
   std::vector<TimedWrench>& wrenches = scene.wrenches;
   const auto over = [&](const TimedWrench& wrench) { return wrench.until <= scene.time; };
   const auto expired = std::remove_if(wrenches.begin(), wrenches.end(), over);

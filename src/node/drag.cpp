@@ -6,6 +6,10 @@
 namespace rbs {
 namespace {
 
+Vec3 pointAt(const Pose& X_WB, const Vec3& p_B) {
+  return X_WB.p_WB + X_WB.q_WB * p_B;
+}
+
 // The shape with this full extent along an axis. What is round keeps its proportions or grows all around, and
 // a capsule is at least as long as it is wide.
 Shape withExtent(const Shape& shape, int axis, double extent) {
@@ -37,22 +41,24 @@ BodyEdit resizeBy(const Resize& grip, const Vec3& handle_W, const Shape& shape, 
 
 }  // namespace
 
-Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle, double click_slop)
-    : body_(body),
-      marker_(std::move(marker)),
-      grip_(grip),
-      handle_(handle),
-      pressed_(handle),
-      click_slop_(click_slop) {}
+Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle)
+    : body_(body), marker_(std::move(marker)), grip_(grip), handle_(handle), pressed_(handle) {}
 
 void Drag::hear(const std::optional<Pose>& handle) {
   heard_ = Clock::now();
   if (!handle) return;
-  constexpr double kTurnSlop = 0.01;  // rad
-  went_ = went_ || (handle->p_WB - pressed_.p_WB).norm() > click_slop_ ||
-          handle->q_WB.angularDistance(pressed_.q_WB) > kTurnSlop;
   handle_ = *handle;
+  went_ = went_ || hasGone();
   moved_ = true;
+}
+
+// A gizmo or a handle of a face gives back the pose that it was given, but for the single precision of RViz.
+bool Drag::hasGone() const {
+  if (const Pull* grip = std::get_if<Pull>(&grip_))
+    return (pointAt(handle_, grip->p_B) - pointAt(pressed_, grip->p_B)).norm() > grip->click_slop;
+  constexpr double kSingle = 1e-6;  // of the coordinates; rad
+  return (handle_.p_WB - pressed_.p_WB).norm() > kSingle * pressed_.p_WB.norm() ||
+         handle_.q_WB.angularDistance(pressed_.q_WB) > kSingle;
 }
 
 bool Drag::silent() const {
@@ -86,7 +92,7 @@ void Drag::lead(World& world) {
   if (const Pull* grip = std::get_if<Pull>(&grip_)) {
     Grab spring;
     spring.p_B = grip->p_B;
-    spring.p_W = handle_.p_WB + handle_.q_WB * grip->p_B;
+    spring.p_W = pointAt(handle_, grip->p_B);
     world.grab(body_, spring);
   } else {
     world.hold(body_, handle_);
@@ -98,7 +104,7 @@ void Drag::lead(World& world) {
 void Drag::put(World& world, const Pose& pose) const {
   BodyEdit edit;
   if (const Pull* grip = std::get_if<Pull>(&grip_)) {
-    const Vec3 p_W = handle_.p_WB + handle_.q_WB * grip->p_B;
+    const Vec3 p_W = pointAt(handle_, grip->p_B);
     edit.pose = Pose{p_W - pose.q_WB * grip->p_B, pose.q_WB};
   } else {
     edit.pose = handle_;

@@ -13,7 +13,8 @@ namespace rbs {
 
 /// By the body itself: the point of the body under the mouse follows the mouse.
 struct Pull {
-  Vec3 p_B;  ///< the point, in B, m
+  Vec3 p_B;           ///< the point, in B, m
+  double click_slop;  ///< m; a point that has gone no further since the press was clicked, not dragged
 };
 
 /// By the gizmo: the body follows the gizmo's pose.
@@ -31,10 +32,9 @@ using Grip = std::variant<Pull, Carry, Resize>;
 
 class Drag {
  public:
-  /// Begins at the press. `handle` is the pose of the dragged marker; `marker` its name. A mouse that has
-  /// gone less than `click_slop` (m) since the press has clicked: a paused body stays where it is, to the
-  /// last bit.
-  Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle, double click_slop);
+  /// Begins at the press. `handle` is the pose of the dragged marker; `marker` its name. After a click
+  /// without a drag a paused body stays where it is, to the last bit.
+  Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle);
 
   BodyId body() const { return body_; }
   const std::string& marker() const { return marker_; }
@@ -59,6 +59,7 @@ class Drag {
  private:
   using Clock = std::chrono::steady_clock;
 
+  bool hasGone() const;
   void lead(World& world);
   void put(World& world, const Pose& pose) const;
 
@@ -66,10 +67,9 @@ class Drag {
   std::string marker_;
   Grip grip_;
   Pose handle_, pressed_;  ///< of the marker now, and at the press
-  double click_slop_;
   Clock::time_point heard_ = Clock::now();
   bool moved_ = true;               ///< since the last apply()
-  bool went_ = false;               ///< the mouse has moved by more than the slop since the press
+  bool went_ = false;               ///< this is no click: the handle has gone somewhere since the press
   bool applied_to_paused_ = false;  ///< whether the world was paused then
   bool led_ = false;                ///< whether the world leads the body now
 };

@@ -32,7 +32,10 @@ Grip gripOf(const std::string& marker, const Pose& handle, const std::optional<V
     const Vec3 n_B = faceNormal(face);
     return Resize{n_B, handle.q_WB * n_B, handle.p_WB, fullExtents(body.shape)[face / 2]};
   }
-  return Pull{hit_W ? handle.q_WB.conjugate() * (*hit_W - handle.p_WB) : Vec3::Zero()};
+  // RViz reads the point under the mouse from its depth image: a click alone moved a box of 0.4 m by 0.4 mm.
+  constexpr double kSlop = 0.01, kMostSlop = 0.01;  // of the bounding radius; m
+  return Pull{hit_W ? handle.q_WB.conjugate() * (*hit_W - handle.p_WB) : Vec3::Zero(),
+              std::min(kSlop * boundingRadius(body.shape), kMostSlop)};
 }
 
 }  // namespace
@@ -113,14 +116,9 @@ void InteractiveBodies::press(const MouseEvent& event, const Snapshot& snapshot,
   const Pose handle = fromMsg(feedback.pose);
   const std::optional<Vec3> hit_W = hitPoint(feedback);
   const BodyDescription& description = (*snapshot.bodies)[body];
-  // RViz reads the point under the mouse from its depth image: a click alone moved a box of 0.4 m by 0.4 mm.
-  constexpr double kSlop = 0.01, kMostSlop = 0.01;  // of the bounding radius; m
   const Grip grip = gripOf(feedback.marker_name, handle, hit_W, description);
-  const double click_slop = std::holds_alternative<Pull>(grip)
-                                ? std::min(kSlop * boundingRadius(description.shape), kMostSlop)
-                                : 0.0;
   drags_.emplace(feedback.client_id,
-                 Drag(description.id, event.at_marker ? feedback.marker_name : "", grip, handle, click_slop));
+                 Drag(description.id, event.at_marker ? feedback.marker_name : "", grip, handle));
   if (event.at_marker) board_.grip(feedback.marker_name);
   if (feedback.marker_name != description.name) return;
   select(description.id, hit_W.value_or(handle.p_WB));

@@ -27,7 +27,7 @@ namespace rbs {
 /// Thread-safe.
 class MarkerPublisher {
  public:
-  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes are told
+  /// Bodies are in the namespace `group` of the node ("/sim/bodies"), so that those of several nodes stay
   /// apart. `tf` and `tf_prefix` as of the TfPublisher: which bodies have a frame, and its name. Every body
   /// is sent again once in `repeat_period` s of wall time; 0: never.
   MarkerPublisher(ros::NodeHandle& private_node, const std::string& topic, const std::string& group,

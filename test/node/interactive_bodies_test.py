@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Interactive bodies, driven by the messages that RViz sends for a mouse."""
+import math
 import time
 import unittest
 
@@ -478,6 +479,22 @@ class InteractiveBodiesTest(unittest.TestCase):
         wait(lambda: distance(position("crate"), [1, 2, 6]) < 1e-9, "the crate has moved at once")
         self.assertAlmostEqual(body("crate").pose.orientation.z, 0.6)
         self.client.release(GIZMO, target)
+
+    def test_a_click_on_the_gizmo_in_single_precision_moves_nothing_and_the_smallest_turn_does(self):
+        self.client.click("crate")
+        before = body("crate").pose
+        rounded = pose_at(0, 0, 5 + 4e-7)
+        self.client.press(GIZMO)
+        self.client.move(GIZMO, rounded)
+        self.client.release(GIZMO, rounded)
+        self.client.click("ball")  # done after all of that
+        self.assertEqual(body("crate").pose, before)
+        self.client.click("crate")
+        turned = Pose(Point(0, 0, 5), Quaternion(0, 0, math.sin(1e-3 / 2), math.cos(1e-3 / 2)))
+        self.client.press(GIZMO)
+        self.client.move(GIZMO, turned)
+        wait(lambda: abs(body("crate").pose.orientation.z - math.sin(1e-3 / 2)) < 1e-9, "the crate has turned by 1 mrad")
+        self.client.release(GIZMO, turned)
 
     def test_running_gizmo_carries_against_gravity_and_leaves_at_rest(self):
         self.client.click("crate")

@@ -47,7 +47,7 @@ Reach reachOf(const Bodies& bodies, Index i) {
 
 // A point at distance r from the centre strays at most |w| dt r from where it would be without rotation,
 // and never leaves the bounding ball.
-Array4 strayed(const Array4& reach, const Traits& t, double turn) {
+Array4 drifted(const Array4& reach, const Traits& t, double turn) {
   if (turn == 0.0 || std::holds_alternative<Sphere>(t.shape)) return reach;
   return (reach + turn * t.bounding_radius).min(t.bounding_radius);
 }
@@ -63,8 +63,8 @@ Bounds sweptBounds(const Bodies& bodies, const Load& load, Index i, double dt) {
   const double slack = 0.125 * dt * dt * load.a_W.norm() + kSkin * t.length;
   const double turn = dt * twist.w_WB.norm();
   const Reach far = reachOf(bodies, i);
-  return {centre + path.min(0.0) - strayed(far.behind, t, turn) - slack,
-          centre + path.max(0.0) + strayed(far.ahead, t, turn) + slack};
+  return {centre + path.min(0.0) - drifted(far.behind, t, turn) - slack,
+          centre + path.max(0.0) + drifted(far.ahead, t, turn) + slack};
 }
 
 }  // namespace rbs

@@ -202,7 +202,7 @@ void ContactLanes::takeBlock(Place place) {
 
 void ContactLanes::refresh(double now, double left) {
   const std::size_t known = bundles_.size();
-  for (const Index k : contacts_.strayed()) {
+  for (const Index k : contacts_.drifted()) {
     giveBackBlock(k);
     contacts_.refresh(k, now, left);
     const SolverBlock& block = contacts_.blocks[k];
@@ -211,9 +211,9 @@ void ContactLanes::refresh(double now, double left) {
       const bool room = block.size <= bundle.size;
       if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
       takeBlock(place);
-      std::array<bool, kLanes> strayed{};
-      strayed[place.lane] = true;
-      findRows(bundle, strayed);
+      std::array<bool, kLanes> drifted{};
+      drifted[place.lane] = true;
+      findRows(bundle, drifted);
       if (room) continue;
     }
     if (block.size == 0) continue;

@@ -2,8 +2,8 @@
 // The contact points of the soft step, four pairs at a time.
 //
 // Gauss-Seidel takes pair after pair, each with the velocities that the one before has left, so that a
-// processor which could reckon with several numbers at once waits for one. But two pairs without a common
-// body that can be moved do not heed each other. So each pair gets a level: one more than the highest of
+// processor which could work on several numbers at once waits for one. But two pairs without a common
+// body that can be moved do not affect each other. So each pair gets a level: one more than the highest of
 // those before it that share such a body. To take level after level gives every pair the velocities that it
 // would have in the pairs' own order, and within a level four of them go side by side (level scheduling, as
 // of triangular systems: Y. Saad, "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
@@ -36,7 +36,7 @@ class ContactLanes {
 
   /// Takes over the points of the contacts, when they have been found.
   void take();
-  /// Has the points of the pairs found anew that have strayed since theirs were found. A pair that has more
+  /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
   /// of them than its lane has room for goes behind all others.
   void refresh(double now, double left);
   /// Gives the points their impulses, their gaps and what resists there.

@@ -20,9 +20,10 @@ namespace {
 constexpr double kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
-// A point that overlaps by more than this share of the length was put there by an edit. How its gap curves tells
-// nothing: its normal jumps from face to face, and the speed that would undo the jump is no speed of a body.
-constexpr double kSunk = 1e-2;
+// A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
+// tells nothing: its normal jumps from face to face, and the speed that would undo the jump is no speed of a
+// body.
+constexpr double kEditOverlap = 1e-2;
 
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
@@ -186,14 +187,14 @@ void Stepper::settle() {
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
 }
 
-// What the drift has added to the gaps beyond tau u_n, and whether that is more than the kick reckoned with.
+// What the drift has added to the gaps beyond tau u_n, and whether that is more than the kick allowed for.
 bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                                std::vector<double>& curvature) const {
   bool matters = false;
   for (std::size_t k = 0; k < curvature.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const Index m = later.matching(point);
-    if (m == kNone || point.gap < -kSunk * point.length) continue;
+    if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
     const double allowed = kick.points[k].drive[2] - touching_.law[k].drive[2];
     const double u_n = velocityAt(kick.bodies, kick.points[k])[2] - allowed;
     const double c = later.points[m].gap - point.gap - tau * u_n;

@@ -175,7 +175,7 @@ void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_b
   }
 }
 
-bool SolverContacts::hasStrayed(const SolverBlock& block) const {
+bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
@@ -186,10 +186,10 @@ bool SolverContacts::hasStrayed(const SolverBlock& block) const {
   return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.stray;
 }
 
-std::vector<Index> SolverContacts::strayed() const {
+std::vector<Index> SolverContacts::drifted() const {
   std::vector<Index> found;
   for (std::size_t k = 0; k < blocks.size(); ++k)
-    if (hasStrayed(blocks[k])) found.push_back(static_cast<Index>(k));
+    if (hasDrifted(blocks[k])) found.push_back(static_cast<Index>(k));
   return found;
 }
 

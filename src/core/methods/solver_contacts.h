@@ -63,8 +63,8 @@ class SolverContacts {
   /// Finds the points of all pairs at time `now`, with `left` s to go, and the impulses that the forces of
   /// the last step make of a sub-step of length h.
   void find(double now, double left, double h);
-  /// The blocks that have strayed from where their points were found.
-  std::vector<Index> strayed() const;
+  /// The blocks that have drifted from where their points were found.
+  std::vector<Index> drifted() const;
   /// Finds the points of a block anew.
   void refresh(Index block, double now, double left);
   /// Velocity of j against i at a point, m/s.
@@ -95,7 +95,7 @@ class SolverContacts {
                     const Vec3& centre_j, SolverPoint& point) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
-  bool hasStrayed(const SolverBlock& block) const;
+  bool hasDrifted(const SolverBlock& block) const;
   void certify(const SolverBlock& block) const;
 
   Context& context_;

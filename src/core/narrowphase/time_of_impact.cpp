@@ -79,7 +79,7 @@ bool approaches(const Scene& scene) {
   return manifold.size == 0;
 }
 
-// The direction along which a pair is watched. How the normal has turned since the last look foretells how it
+// The direction along which a pair is watched. How the normal has turned since the last look predicts how it
 // turns on: where edges meet, the separation along a normal that stays as it is is soon lost. The normal of a
 // plane turns with the plane.
 class Watch {
