@@ -39,17 +39,19 @@ struct BodyState {
 
 /// One contact point: two bodies a and b touch or nearly touch there.
 ///
-/// Impulses cover the part of the step that the contact solver took last. That is the last division of the
-/// step (Setting::divisions), and no more than what follows the last impact that cut it. The impulses of
-/// located impacts are not included.
+/// Points are those at the end of the step, and those that have opened in it after they had pushed. Impulses
+/// are over the whole step, impacts included: a body's momentum changes by its loads and by these, to
+/// rounding, but for what bodies that overlap deeply are kept from gaining. `normal_impulse n_W +
+/// friction_impulse` is all that a has given to b at the point, also where the normal has turned within the
+/// step. What sleeps reports the forces with which it fell asleep, times the step.
 struct ContactPoint {
   BodyId a,                              ///< first body; it was created before b
       b;                                 ///< second body
   Vec3 p_W = Vec3::Zero();               ///< position in W, midway between the two surfaces, m
   Vec3 n_W = Vec3::UnitZ();              ///< unit normal in W, from a to b
-  double separation = 0.0;               ///< separation along the normal, m; negative is penetration
-  double normal_impulse = 0.0;           ///< normal impulse, N s, >= 0
-  Vec3 friction_impulse = Vec3::Zero();  ///< friction impulse on b, in W, N s
+  double separation = 0.0;               ///< along the normal, when last found, m; negative is penetration
+  double normal_impulse = 0.0;           ///< sum over the step, N s, >= 0
+  Vec3 friction_impulse = Vec3::Zero();  ///< on b, sum over the step, in W, N s
 };
 
 /// One row of the pipeline: a stage of the step, whether it runs, why, and what it costs.

@@ -5,6 +5,9 @@
 #include "bodies.h"
 
 #include <cstdint>
+#include <iterator>
+#include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -20,6 +23,13 @@ struct Touch {
   double separation = 0.0;                 ///< m
   double normal_impulse = 0.0;             ///< over the part of the step that was solved last, N s
   Vec3 friction_impulse_W = Vec3::Zero();  ///< likewise, on body j
+
+  /// Adds the impulse that the same point gave earlier in the step, when its normal may have been another:
+  /// the whole of it stays normal_impulse n_W + friction_impulse_W.
+  void addImpulseOf(const Touch& earlier) {
+    normal_impulse += earlier.normal_impulse;
+    friction_impulse_W += earlier.friction_impulse_W + earlier.normal_impulse * (earlier.n_W - n_W);
+  }
 };
 
 /// Two bodies whose bounds overlap, i before j in canonical order.
@@ -38,6 +48,40 @@ struct Contacts {
   std::vector<Touch> touches;
 
   void clear() { pairs.clear(), touches.clear(); }
+};
+
+/// Touches, each with the place of its pair in a Contacts.
+using PairTouches = std::vector<std::pair<Index, Touch>>;
+
+/// Impulses that points have given in a step, but for those that the contacts of the step hold at its end: of
+/// located impacts, of parts of the step before the last, and of points that have opened. One touch for each
+/// point of a pair, as it was last.
+class EarlierImpulses {
+ public:
+  using Key = std::tuple<BodyId, BodyId, std::uint32_t>;  ///< the pair, i before j, and the feature
+
+  void add(BodyId i, BodyId j, const Touch& touch) {
+    if (touch.normal_impulse == 0.0 && touch.friction_impulse_W.isZero(0.0)) return;
+    Touch& known = touches_[{i, j, touch.feature}];
+    const Touch before = std::exchange(known, touch);
+    known.addImpulseOf(before);
+  }
+  /// Adds those of a pair's touches, which are about to be replaced.
+  void add(const ContactPair& pair, const std::vector<Touch>& touches) {
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) add(pair.id_i, pair.id_j, touches[t]);
+  }
+  /// Drops those of a body.
+  void forget(BodyId id) {
+    for (auto it = touches_.begin(); it != touches_.end();) {
+      const bool of_body = std::get<0>(it->first) == id || std::get<1>(it->first) == id;
+      it = of_body ? touches_.erase(it) : std::next(it);
+    }
+  }
+  void clear() { touches_.clear(); }
+  const std::map<Key, Touch>& touches() const { return touches_; }
+
+ private:
+  std::map<Key, Touch> touches_;
 };
 
 }  // namespace rbs

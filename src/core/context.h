@@ -155,6 +155,7 @@ struct StepStore {
   std::vector<Bounds> bounds;          ///< by body: where it may be during the step
   Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
   Index inherited = 0;                 ///< how many of the touches come from the last step
+  EarlierImpulses earlier;             ///< of this step of the World, all its divisions
   std::vector<char> supported;         ///< by body: some contact carried it in the last step
   std::vector<Standing> standing;      ///< by pair
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
@@ -174,6 +175,9 @@ struct StepStore {
   /// or for none when all that move are ballistic.
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
+  /// Makes room for what a pair's contact is found to be now: keeps the impulses of its touches, if they are
+  /// of this step, and drops the touches.
+  void dropTouches(Index pair);
   /// Whether the time for exact solves is over, where there is a limit to it.
   bool isLate() const { return solve_until && std::chrono::steady_clock::now() >= *solve_until; }
   /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.

@@ -186,7 +186,18 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
   const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
   if (speed <= 0.0) return Outcome::Miss;
   const double e = context.scene.restitutionOf(i, j);
-  collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
+  const auto impulses_W =
+      collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
+  for (int k = 0; k < meeting.manifold.size; ++k) {
+    const ManifoldPoint& point = meeting.manifold.points[k];
+    Touch touch;
+    touch.feature = point.feature;
+    touch.p_W = point.p_W, touch.n_W = meeting.manifold.n_W;
+    touch.separation = point.separation;
+    touch.normal_impulse = impulses_W[k].dot(touch.n_W);
+    touch.friction_impulse_W = impulses_W[k] - touch.normal_impulse * touch.n_W;
+    context.step.earlier.add(bodies.id[i], bodies.id[j], touch);
+  }
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
   bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;

@@ -200,6 +200,12 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   report = {};
 }
 
+void StepStore::dropTouches(Index k) {
+  ContactPair& pair = contacts.pairs[k];
+  if (pair.first >= inherited) earlier.add(pair, contacts.touches);
+  pair.size = 0;
+}
+
 void Pipeline::filter(const Census& census) {
   active_.clear();
   for (std::size_t row = 0; row < kStages.size(); ++row)

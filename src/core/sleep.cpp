@@ -72,6 +72,13 @@ void settle(Context& context) {
   }
 }
 
+bool isAsleep(const SceneStore& scene, const ContactPair& pair) {
+  const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
+  if (i == kNone || j == kNone) return false;
+  const Traits &a = scene.bodies.traits[i], &b = scene.bodies.traits[j];
+  return (a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces();
+}
+
 // The number of a group is that of its oldest body, so that it means the same in a saved state.
 void putToBed(SceneStore& scene, const std::vector<Index>& bodies) {
   const Index oldest = *std::min_element(bodies.begin(), bodies.end());

@@ -26,11 +26,9 @@ void World::Impl::keepContacts() {
     if (pair.size > 0 && pair.first >= step.inherited) keep(pair, step.contacts);
   if (scene.effects[Effect::Sleeping])
     for (ContactPair pair : scene.contacts.pairs) {
-      pair.i = scene.bodies.indexOf(pair.id_i),
-      pair.j = scene.bodies.indexOf(pair.id_j);  // bodies may have gone
-      if (pair.size == 0 || pair.i == kNone || pair.j == kNone) continue;
-      const Traits &a = scene.bodies.traits[pair.i], &b = scene.bodies.traits[pair.j];
-      if ((a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces()) keep(pair, scene.contacts);
+      if (pair.size == 0 || !sleep::isAsleep(scene, pair)) continue;
+      pair.i = scene.bodies.indexOf(pair.id_i), pair.j = scene.bodies.indexOf(pair.id_j);
+      keep(pair, scene.contacts);
     }
   std::swap(scene.contacts, kept);
   std::sort(scene.contacts.pairs.begin(), scene.contacts.pairs.end(),
@@ -278,7 +276,9 @@ void World::setEffects(const EffectOverrides& effects) {
 
 void World::Impl::advance(double to) {
   Context context{scene, step, census};
+  const EarlierImpulses earlier = step.earlier;
   do {
+    step.earlier = earlier;
     sleep::wake(scene, step.woken);
     if (!step.woken.empty()) recount();
     step.begin(scene, scene.time, to);
@@ -323,10 +323,13 @@ const StepReport& World::step() {
     w.step.solve_until =
         std::chrono::steady_clock::now() +
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
+  w.step.earlier.clear();
   w.pipeline.restartClocks();
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {
     const StepReport before = w.step.report;
+    for (const ContactPair& pair : w.scene.contacts.pairs)
+      if (!sleep::isAsleep(w.scene, pair)) w.step.earlier.add(pair, w.scene.contacts.touches);
     w.advance(part == parts ? start + h : start + h * part / parts);
     addParts(before, w.step.report);
   }

@@ -67,6 +67,7 @@ struct World::Impl {
   void forgetContacts(BodyId id) {
     for (ContactPair& pair : scene.contacts.pairs)
       if (pair.id_i == id || pair.id_j == id) pair.size = 0;
+    step.earlier.forget(id);
   }
 
   void letGo(BodyId id) {

@@ -7,6 +7,7 @@
 #include "state_hash.h"
 
 #include <algorithm>
+#include <map>
 
 namespace rbs {
 
@@ -74,6 +75,43 @@ std::shared_ptr<const std::vector<BodyDescription>> World::bodies() const {
   return impl_->descriptions;
 }
 
+namespace {
+
+// The points at the end of the step and those that have opened in it, each with all that it has given in the
+// step. What sleeps is held by the forces with which it fell asleep.
+std::vector<ContactPoint> contactPoints(const SceneStore& scene, const EarlierImpulses& earlier) {
+  std::map<EarlierImpulses::Key, Touch> opened = earlier.touches();
+  std::vector<ContactPoint> points;
+  const auto add = [&points](BodyId i, BodyId j, const Touch& touch) {
+    points.push_back(
+        {i, j, touch.p_W, touch.n_W, touch.separation, touch.normal_impulse, touch.friction_impulse_W});
+  };
+  for (const ContactPair& pair : scene.contacts.pairs) {
+    const bool asleep = sleep::isAsleep(scene, pair);
+    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
+      Touch touch = scene.contacts.touches[t];
+      if (asleep) {
+        touch.normal_impulse = touch.normal * scene.settings.step;
+        touch.friction_impulse_W = touch.friction_W * scene.settings.step;
+      }
+      const auto given = opened.find({pair.id_i, pair.id_j, touch.feature});
+      if (given != opened.end()) {
+        touch.addImpulseOf(given->second);
+        opened.erase(given);
+      }
+      add(pair.id_i, pair.id_j, touch);
+    }
+  }
+  if (opened.empty()) return points;
+  for (const auto& [key, touch] : opened) add(std::get<0>(key), std::get<1>(key), touch);
+  std::stable_sort(points.begin(), points.end(), [](const ContactPoint& p, const ContactPoint& q) {
+    return std::tie(p.a, p.b) < std::tie(q.a, q.b);
+  });
+  return points;
+}
+
+}  // namespace
+
 Snapshot World::snapshot() const {
   const Impl& w = *impl_;
   const Bodies& bodies = w.scene.bodies;
@@ -88,13 +126,7 @@ Snapshot World::snapshot() const {
   s.states.reserve(bodies.size());
   for (Index i = 0; i < bodies.size(); ++i)
     s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});
-  for (const ContactPair& pair : w.scene.contacts.pairs) {
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Touch& touch = w.scene.contacts.touches[t];
-      s.contacts.push_back({pair.id_i, pair.id_j, touch.p_W, touch.n_W, touch.separation,
-                            touch.normal_impulse, touch.friction_impulse_W});
-    }
-  }
+  s.contacts = contactPoints(w.scene, w.step.earlier);
   s.pipeline = pipeline();
   s.report = w.step.report;
   s.totals = totals();

@@ -247,15 +247,22 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
 
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
 void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
-                            Touching& later) const {
+                            Segment& segment) const {
+  Touching& later = segment.touching;
   const Movers drifted = island_.movers();
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
     const Index m = later.matching(touching_.points[k]);
-    if (m == kNone) continue;
     const Vec3 impulse_W = law.frame * law.impulse;
-    later.points[m].force_W = expectedNext(touching_.points[k].force_W, 2.0 / tau * impulse_W, lasting);
-    later.points[m].impulse_W = touching_.points[k].impulse_W + impulse_W;
+    TouchingPoint point = touching_.points[k];
+    point.impulse_W += impulse_W;
+    if (m == kNone) {
+      if (!point.impulse_W.isZero(0.0))
+        segment.opened.emplace_back(point.pair, touchOf(point, law.frame.col(2)));
+      continue;
+    }
+    later.points[m].force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);
+    later.points[m].impulse_W = point.impulse_W;
     const Vec2 u_T = velocityAt(kick.bodies, law).head<2>();
     const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;
     if (law.mu == 0.0 || !(law.impulse[2] > 0.0) || !slides) continue;

@@ -105,7 +105,7 @@ void Stepper::lookFarther() {
   reach_ *= 4.0;
   const Touching before = std::move(touching_);
   touching_ = find(now_);
-  touching_.inherit(before);
+  touching_.inherit(before, opened_);
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
@@ -149,7 +149,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   Touching& later = segment.touching;
   aimSecondKick(kick,
                 lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies),
-                tau, friction, later);
+                tau, friction, segment);
   start_movers = island_.movers();
   Movers after = start_movers;
   island_.addLoad(after, 0.5 * tau);
@@ -192,7 +192,7 @@ bool Stepper::run() {
     if (takeOverlapsAway()) {
       const Touching before = std::move(touching_);
       touching_ = find(now_);
-      touching_.inherit(before);
+      touching_.inherit(before, opened_);
     }
     settle();
     const double left = end_ - now_;
@@ -217,6 +217,7 @@ bool Stepper::run() {
     }
     island_.restore(segment.end);
     touching_ = std::move(segment.touching);
+    opened_.insert(opened_.end(), segment.opened.begin(), segment.opened.end());
     now_ += tau;
     reach_ = 1.0;
   }
@@ -225,7 +226,7 @@ bool Stepper::run() {
 
 void Stepper::store() {
   clock_.charge(kSolve);
-  storeTouching(touching_, pairs_, step_.contacts);
+  storeTouching(touching_, opened_, pairs_, step_);
   clock_.charge(kStore);
 }
 

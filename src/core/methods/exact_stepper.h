@@ -52,6 +52,7 @@ class Stepper {
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
+    PairTouches opened;           // in its course
     CoulombResult first, second;  // of its kicks
     Left slip_left;
   };
@@ -72,7 +73,7 @@ class Stepper {
                       const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
                       const Movers& solved) const;
   void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
-                     Touching& later) const;
+                     Segment& segment) const;
   void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
                   Touching& later) const;
   CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
@@ -96,6 +97,7 @@ class Stepper {
   bool promoted_;            // by a setting that has another method for it
   double slow_;              // a slip below is none
   Touching touching_;        // now
+  PairTouches opened_;       // so far
   std::vector<Stop> stops_;  // at which segments have been cut
 };
 

@@ -85,6 +85,13 @@ class Impact {
     return gain;
   }
 
+  // On b, of the last solve.
+  std::array<Vec3, Manifold::kPoints> impulses_W() const {
+    std::array<Vec3, Manifold::kPoints> impulses;
+    for (int k = 0; k < size_; ++k) impulses[k] = frame_ * points_[k].impulse;
+    return impulses;
+  }
+
  private:
   // As one Coulomb problem of two bodies.
   void solveTogether(double e, ImpactSide& a, ImpactSide& b) {
@@ -161,19 +168,20 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
   return fastest;
 }
 
-void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction,
-                   double restitution) {
+std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
+                                                  double friction, double restitution) {
   Impact impact(a, b, manifold, friction);
   const double speed = closingSpeed(a, b, manifold);
   const double mass = 1.0 / (a.inv_mass + b.inv_mass);
   const double rounding = 1e-13 * mass * speed * speed;
-  if (impact.solve(restitution, a, b) <= rounding) return;
+  if (impact.solve(restitution, a, b) <= rounding) return impact.impulses_W();
   double low = 0.0, high = restitution;
   for (int k = 0; k < 50; ++k) {
     const double e = 0.5 * (low + high);
     (impact.solve(e, a, b) <= rounding ? low : high) = e;
   }
   impact.solve(low, a, b);
+  return impact.impulses_W();
 }
 
 }  // namespace rbs

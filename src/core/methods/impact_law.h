@@ -5,6 +5,8 @@
 #include "bodies.h"
 #include "narrowphase/manifold.h"
 
+#include <array>
+
 namespace rbs {
 
 /// One side of an impact: where the body is, how it moves, and what resists.
@@ -24,7 +26,9 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
 /// friction, on the exact circular cone, acting against the sliding that is left at the end of the impact.
 /// Where that would create energy, which Newton's law can do in eccentric impacts with friction, e is
 /// lowered to the largest value that does not (e = 0 never does).
-void collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold, double friction,
-                   double restitution);
+///
+/// Returns the impulses on b, in W, N s, by point of the manifold.
+std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
+                                                  double friction, double restitution);
 
 }  // namespace rbs

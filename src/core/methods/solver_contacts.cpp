@@ -164,15 +164,19 @@ void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_b
     const SolverPoint& old = points[k];
     if (old.feature != point.feature) continue;
     const auto turned = [&](const Eigen::Vector2d& t) -> Eigen::Vector2d {
-      const Vec3 t_W = t.x() * old_block.t1 + t.y() * old_block.t2;
+      const Vec3 t_W = inPlane(old_block, t);
       return {block.t1.dot(t_W), block.t2.dot(t_W)};
     };
     point.u_0 = old.u_0;
     point.guess_n = old.guess_n, point.guess_t_W = old.guess_t_W;
     point.l_n = old.l_n, point.l_t = turned(old.l_t);
-    point.sum_n = old.sum_n, point.sum_t = turned(old.sum_t);
+    point.pushed = old.pushed || old.sum_n > 0.0;
     break;
   }
+}
+
+Vec3 SolverContacts::inPlane(const SolverBlock& block, const Eigen::Vector2d& t) {
+  return t.x() * block.t1 + t.y() * block.t2;
 }
 
 bool SolverContacts::hasDrifted(const SolverBlock& block) const {
@@ -198,6 +202,9 @@ void SolverContacts::refresh(Index which, double now, double left) {
   const SolverBlock old = block;
   findPoints(block, now, left);
   for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
+  for (int k = old.first; k < old.first + old.size; ++k)
+    if (points[k].sum_n > 0.0 || !points[k].sum_t.isZero(0.0))
+      earlier_.emplace_back(old.pair, touchOf(old, points[k]));
 }
 
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
@@ -209,7 +216,9 @@ void SolverContacts::store(double h, double h_full) {
     context_.scene.bodies.twist[s.body] = {s.v, s.w};
   }
   Contacts& contacts = context_.step.contacts;
-  for (const Index k : batch_.pairs) contacts.pairs[k].size = 0;
+  for (const Index k : batch_.pairs) context_.step.dropTouches(k);
+  for (const auto& [k, touch] : earlier_)
+    context_.step.earlier.add(contacts.pairs[k].id_i, contacts.pairs[k].id_j, touch);
   for (const SolverBlock& block : blocks) {
     ContactPair& pair = contacts.pairs[block.pair];
     pair.first = static_cast<Index>(contacts.touches.size());
@@ -217,23 +226,26 @@ void SolverContacts::store(double h, double h_full) {
     pair.exact = false;
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = points[k];
-      const auto inPlane = [&](const Eigen::Vector2d& t) -> Vec3 {
-        return t.x() * block.t1 + t.y() * block.t2;
-      };
-      Touch touch;
-      touch.feature = point.feature;
+      Touch touch = touchOf(block, point);
       touch.normal = (point.l_n + rest * point.guess_n) / (h + rest);
-      touch.friction_W = (inPlane(point.l_t) + rest * point.guess_t_W) / (h + rest);
-      touch.p_W =
-          point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
-      touch.n_W = block.n;
-      touch.separation = point.open;
-      touch.normal_impulse = point.sum_n;
-      touch.friction_impulse_W = inPlane(point.sum_t);
+      touch.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
       contacts.touches.push_back(touch);
     }
     certify(block);
   }
+}
+
+// A point with its impulses, and without its forces.
+Touch SolverContacts::touchOf(const SolverBlock& block, const SolverPoint& point) const {
+  Touch touch;
+  touch.feature = point.feature;
+  touch.p_W =
+      point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
+  touch.n_W = block.n;
+  touch.separation = point.open;
+  touch.normal_impulse = point.sum_n;
+  touch.friction_impulse_W = inPlane(block, point.sum_t);
+  return touch;
 }
 
 // How far the points of a block are from the law of contact after the last sub-step.

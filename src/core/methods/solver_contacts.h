@@ -36,7 +36,8 @@ struct SolverPoint {
   Eigen::Vector2d l_t{0.0, 0.0};
   double guess_n = 0.0;  // the forces it began with, N
   Vec3 guess_t_W{0.0, 0.0, 0.0};
-  double sum_n = 0.0;  // over all sub-steps
+  bool pushed = false;  // before the sub-steps that are summed up here
+  double sum_n = 0.0;   // over the sub-steps since the points of the pair were found
   Eigen::Vector2d sum_t{0.0, 0.0};
   double open;  // gap after the last sub-step, m
   std::uint32_t feature;
@@ -96,12 +97,15 @@ class SolverContacts {
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasDrifted(const SolverBlock& block) const;
+  static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
+  Touch touchOf(const SolverBlock& block, const SolverPoint& point) const;
   void certify(const SolverBlock& block) const;
 
   Context& context_;
   const IslandBatch& batch_;
   double h_ = 0.0;           ///< of a sub-step, s
   std::vector<Index> slot_;  ///< by body: its place in `bodies`
+  PairTouches earlier_;      ///< points as they were until those of their pairs were found anew
 };
 
 }  // namespace rbs

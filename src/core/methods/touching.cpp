@@ -114,7 +114,18 @@ Index Touching::matching(const TouchingCouple& other) const {
   return c != couples.end() && c->pair == other.pair ? static_cast<Index>(c - couples.begin()) : kNone;
 }
 
-void Touching::inherit(const Touching& other) {
+Touch touchOf(const TouchingPoint& point, const Vec3& n_W) {
+  Touch touch;
+  touch.feature = point.feature;
+  touch.p_W = point.p_W;
+  touch.n_W = n_W;
+  touch.separation = point.gap;
+  touch.normal_impulse = point.impulse_W.dot(n_W);
+  touch.friction_impulse_W = point.impulse_W - touch.normal_impulse * n_W;
+  return touch;
+}
+
+void Touching::inherit(const Touching& other, PairTouches& opened) {
   for (TouchingPoint& point : points) {
     const Index m = other.matching(point);
     if (m == kNone) continue;
@@ -125,6 +136,9 @@ void Touching::inherit(const Touching& other) {
     const Index m = other.matching(couple);
     if (m != kNone) couple.force_W = other.couples[m].force_W;
   }
+  for (std::size_t k = 0; k < other.points.size(); ++k)
+    if (!other.points[k].impulse_W.isZero(0.0) && matching(other.points[k]) == kNone)
+      opened.emplace_back(other.points[k].pair, touchOf(other.points[k], other.law[k].frame.col(2)));
 }
 
 void expectLastForces(const Contacts& contacts, Touching& touching) {
@@ -140,22 +154,20 @@ void expectLastForces(const Contacts& contacts, Touching& touching) {
   }
 }
 
-void storeTouching(const Touching& touching, const std::vector<Index>& pairs, Contacts& contacts) {
-  for (const Index k : pairs) contacts.pairs[k].size = 0, contacts.pairs[k].exact = true;
+void storeTouching(const Touching& touching, const PairTouches& opened, const std::vector<Index>& pairs,
+                   StepStore& step) {
+  Contacts& contacts = step.contacts;
+  for (const Index k : pairs) step.dropTouches(k), contacts.pairs[k].exact = true;
+  for (const auto& [k, touch] : opened)
+    step.earlier.add(contacts.pairs[k].id_i, contacts.pairs[k].id_j, touch);
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
     ContactPair& pair = contacts.pairs[point.pair];
     if (pair.size++ == 0) pair.first = static_cast<Index>(contacts.touches.size());
-    Touch touch;
-    touch.feature = point.feature;
+    Touch touch = touchOf(point, n_W);
     touch.normal = std::max(point.force_W.dot(n_W), 0.0);
     touch.friction_W = point.force_W - point.force_W.dot(n_W) * n_W;
-    touch.p_W = point.p_W;
-    touch.n_W = n_W;
-    touch.separation = point.gap;
-    touch.normal_impulse = point.impulse_W.dot(n_W);
-    touch.friction_impulse_W = point.impulse_W - touch.normal_impulse * n_W;
     contacts.touches.push_back(touch);
   }
 }

@@ -29,6 +29,9 @@ struct TouchingCouple {
   Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
 };
 
+/// A point with its normal and its impulse, and without its force.
+Touch touchOf(const TouchingPoint& point, const Vec3& n_W);
+
 struct Touching {
   std::vector<TouchingPoint> points;  ///< by pair
   std::vector<CoulombPoint> law;      ///< of the same points, without impulse, and driven by led sides alone
@@ -39,8 +42,9 @@ struct Touching {
   bool has(Index pair) const;  ///< a point of this pair
   /// The couple of the same pair; kNone when there is none.
   Index matching(const TouchingCouple& other) const;
-  /// Takes over forces and impulses of another instant.
-  void inherit(const Touching& other);
+  /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
+  /// opened ones.
+  void inherit(const Touching& other, PairTouches& opened);
 };
 
 /// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept
@@ -52,7 +56,9 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
 /// Takes the forces of the last step for what is expected.
 void expectLastForces(const Contacts& contacts, Touching& touching);
 
-/// Hands the points and their forces on to the step, as the touches of these pairs.
-void storeTouching(const Touching& touching, const std::vector<Index>& pairs, Contacts& contacts);
+/// Hands the points and their forces on to the step, as the touches of these pairs, and the impulses of those
+/// that have opened.
+void storeTouching(const Touching& touching, const PairTouches& opened, const std::vector<Index>& pairs,
+                   StepStore& step);
 
 }  // namespace rbs
