@@ -197,6 +197,9 @@ class World {
   /// Edit counter, 1 for a new world. It grows with every edit. Changes of the solver settings and of the
   /// goal do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
   std::uint64_t edits() const;
+  /// How many bodies have been analysed so far for the effects that they need. An edit analyses the bodies
+  /// that it is about; where it switches an effect, or whom others may meet, all bodies.
+  std::uint64_t bodiesAnalysed() const;
   const SceneDef& scene() const;  ///< settings as they are now; `bodies` is empty
   /// The scene as it is now, bodies and velocities included. A frozen body is static in it. Wrenches, grabs
   /// and holds are left out.

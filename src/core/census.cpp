@@ -21,8 +21,6 @@ auto fields(const Census& c) {
 
 using Layer = CensusTally::Layer;
 
-thread_local std::uint64_t looked_at = 0;
-
 Layer layerOf(const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
   return Layer(t.group, t.mask, t.movable());
@@ -100,7 +98,6 @@ static_assert(kCounts[3] == &Census::collidable && kCounts[9] == &Census::turned
 
 // All but what turns it, which the effects decide.
 CensusTally::Entry lookAt(const SceneStore& scene, const BodyEffects& body, Index i) {
-  ++looked_at;
   const Traits& t = scene.bodies.traits[i];
   const bool moved = t.moved_by_forces(), meets = body.mayMeet(i);
   const std::array<bool, kCounts.size() - 1> features{
@@ -188,6 +185,7 @@ bool operator==(const Census& a, const Census& b) {
 Census takeCensus(SceneStore& scene) {
   const Index n = scene.bodies.size();
   CensusTally tally;
+  tally.looks = scene.tally.looks + n;
   for (Index i = 0; i < n; ++i) ++tally.layers[layerOf(scene.bodies, i)];
   tally.partnered = partneredOf(tally.layers);
   scene.tally = std::move(tally);
@@ -246,6 +244,7 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
     if (others && tally.partnered.count(layer) != partnered.count(layer)) return false;
   }
 
+  tally.looks += bodies.size();
   countSurroundings(scene, tally.census);
   const BodyEffects body(scene);
   for (const Index i : bodies) {
@@ -294,10 +293,6 @@ void uncountBody(SceneStore& scene, Index i) {
     for (; place != roster.end(); ++place) --*place;
   }
   startSweep(scene);
-}
-
-std::uint64_t bodiesLookedAt() {
-  return looked_at;
 }
 
 double SceneStore::frictionOf(Index i, Index j) const {

@@ -62,6 +62,7 @@ struct CensusTally {
   std::map<Layer, Index> layers;  ///< how many bodies are of a kind
   std::set<Layer> partnered;      ///< kinds that may meet another body, one of the two moved by forces
   std::vector<Entry> entries;     ///< by body
+  std::uint64_t looks = 0;        ///< how many bodies have been looked at so far
   Census census;
 };
 
@@ -75,7 +76,5 @@ Census takeCensus(SceneStore& scene);
 Census takeCensus(SceneStore& scene, const std::vector<Index>& changed);
 /// Takes a body out of tally and lists, before it is erased.
 void uncountBody(SceneStore& scene, Index i);
-/// How many bodies the censuses of this thread have looked at.
-std::uint64_t bodiesLookedAt();
 
 }  // namespace rbs

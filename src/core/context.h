@@ -136,6 +136,25 @@ struct PendingImpact {
   std::uint32_t stamp_i, stamp_j;  ///< valid while both bodies still carry these stamps
 };
 
+/// Gives the bodies of a problem their places in it. The array that it fills goes by all bodies, is lent by
+/// the step, and is given back as it was: so a problem costs what its own bodies cost.
+class Slots {
+ public:
+  explicit Slots(std::vector<Index>& lent) : slot_(lent) {}
+  Slots(const Slots&) = delete;
+  Slots& operator=(const Slots&) = delete;
+  ~Slots() {
+    for (const Index i : filled_) slot_[i] = kNone;
+  }
+  /// The place of a body; kNone when it has none.
+  Index operator[](Index i) const { return slot_[i]; }
+  void set(Index i, Index slot) { slot_[i] = slot, filled_.push_back(i); }
+
+ private:
+  std::vector<Index>& slot_;
+  std::vector<Index> filled_;
+};
+
 /// Bodies that contacts tie together, and the contacts. One body without contacts is in flight.
 struct Island {
   std::vector<Index> bodies;  ///< movers only
@@ -158,11 +177,13 @@ struct StepStore {
   EarlierImpulses earlier;             ///< of this step of the World, all its divisions
   std::vector<char> supported;         ///< by body: some contact carried it in the last step
   std::vector<Standing> standing;      ///< by pair
+  std::vector<char> crowded;           ///< by body: some pair of it is Standing::Parting; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
   std::vector<Index> island;               ///< by body: its place in `islands`; kNone if it is no mover
   std::vector<double> contact_seconds;     ///< by row of the contact method's table
+  std::vector<Index> slot;                 ///< by body: kNone; lent to Slots
   std::vector<Index> woken;                ///< bodies that must not sleep on
   std::vector<std::vector<Index>> to_bed;  ///< groups that sleep from the next step on
   std::vector<Pose> before;                ///< by body: pose at t0, for the body that must be put back
@@ -175,6 +196,7 @@ struct StepStore {
   /// or for none when all that move are ballistic.
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
+  bool isCrowded(Index i) const { return !crowded.empty() && crowded[i]; }
   /// Makes room for what a pair's contact is found to be now: keeps the impulses of its touches, if they are
   /// of this step, and drops the touches.
   void dropTouches(Index pair);

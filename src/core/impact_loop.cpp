@@ -26,8 +26,7 @@ class ImpactLoop {
       : context_(context),
         step_(context.step),
         found_(step_.contacts.pairs.size()),
-        neighbourhood_(context.scene.sweep.order, step_.bounds),
-        crowded_(overlaps::crowdedBodies(step_)) {
+        neighbourhood_(context.scene.sweep.order, step_.bounds) {
     const std::uint64_t pairs = step_.contacts.pairs.size();
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -211,7 +210,7 @@ class ImpactLoop {
   void consider(Index i, Index j, double from) {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
       return;
-    if (crowded_[i] && crowded_[j]) return;  // as in impacts::find()
+    if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::find()
     const Index pair = findPair(std::min(i, j), std::max(i, j));
     const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
     if (standing == Standing::Parting) return;
@@ -244,7 +243,6 @@ class ImpactLoop {
   StepStore& step_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   Neighbourhood neighbourhood_;
-  std::vector<char> crowded_;  // by body
   std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;

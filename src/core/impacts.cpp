@@ -164,10 +164,9 @@ void find(Context& context) {
   }
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
   // number.
-  const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-    if (step.standing[k] == Standing::Parting || (crowded[i] && crowded[j])) continue;
+    if (step.standing[k] == Standing::Parting || (step.isCrowded(i) && step.isCrowded(j))) continue;
     if (step.standing[k] == Standing::Contact && context.scene.restitutionOf(i, j) == 0.0) continue;
     const Outlook outlook = predict(context, i, j, step.t0);
     if (outlook.impact) {

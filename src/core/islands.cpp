@@ -194,10 +194,9 @@ void link(Context& context) {
     island.contact = island.contact || step.standing[k] == Standing::Contact;
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
-  const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (Island& island : step.islands)
     island.exact =
-        !overlaps::ruleOver(context, island, crowded) &&
+        !overlaps::ruleOver(context, island) &&
         (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
 }
 

@@ -171,22 +171,19 @@ void find(Context& context) {
   if (deep.size() <= kFew) return;
   std::vector<Index> others(bodies.size(), 0);
   for (const Index k : deep) ++others[pairs[k].i], ++others[pairs[k].j];
-  for (const Index k : deep)
-    if (std::min(others[pairs[k].i], others[pairs[k].j]) > kFew) step.standing[k] = Standing::Parting;
+  for (const Index k : deep) {
+    if (std::min(others[pairs[k].i], others[pairs[k].j]) <= kFew) continue;
+    step.standing[k] = Standing::Parting;
+    step.crowded.resize(bodies.size(), 0);
+    step.crowded[pairs[k].i] = step.crowded[pairs[k].j] = 1;
+  }
 }
 
-std::vector<char> crowdedBodies(const StepStore& step) {
-  std::vector<char> crowded(step.island.size(), 0);
-  for (std::size_t k = 0; k < step.standing.size(); ++k)
-    if (step.standing[k] == Standing::Parting)
-      crowded[step.contacts.pairs[k].i] = crowded[step.contacts.pairs[k].j] = 1;
-  return crowded;
-}
-
-bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded) {
-  if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return crowded[i]; }))
+bool ruleOver(const Context& context, const Island& island) {
+  const StepStore& step = context.step;
+  if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return step.isCrowded(i); }))
     return true;
-  const auto isDeepPair = [&](Index k) { return isDeep(context, context.step.contacts.pairs[k]); };
+  const auto isDeepPair = [&](Index k) { return isDeep(context, step.contacts.pairs[k]); };
   return std::count_if(island.pairs.begin(), island.pairs.end(), isDeepPair) > kFewToSolve;
 }
 

@@ -21,12 +21,9 @@ Need need(const Census& census);
 /// Finds the pairs of crowds (Standing::Parting).
 void find(Context& context);
 
-/// By body: whether it is part of a crowd.
-std::vector<char> crowdedBodies(const StepStore& step);
-
 /// Whether overlaps decide how an island moves, and not forces that an exact solve could find: some of its
 /// bodies are `crowded`, or many of its pairs overlap deeply.
-bool ruleOver(const Context& context, const Island& island, const std::vector<char>& crowded);
+bool ruleOver(const Context& context, const Island& island);
 
 /// Moves the bodies of crowds apart, as far as they may go in a step, and hands their overlaps on to the next
 /// step. Warns of deep overlaps in the first step after an edit.

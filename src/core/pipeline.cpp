@@ -187,10 +187,12 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   inherited = 0;
   supported.assign(n, 0);
   standing.clear();
+  crowded.clear();
   impacts.clear();
   stamp.assign(n, 0);
   islands.clear();
   island.assign(n, kNone);
+  slot.assign(n, kNone);
   woken.clear();
   to_bed.clear();
   contact_seconds.assign(kContactRows, 0.0);

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace rbs {
 
@@ -31,7 +32,7 @@ constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) {
   const Bodies& bodies = context.scene.bodies;
   const auto& list = context.step.contacts.pairs;
-  std::vector<Index> level(bodies.size(), kNone);
+  std::map<Index, std::uint32_t> level;  // of bodies that are known to stand on something
   std::uint32_t height = 0;
   // Pairs are few (kStay.pairs) and levels fewer: relaxed until nothing changes.
   for (bool changed = true; changed;) {
@@ -39,15 +40,18 @@ std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) 
     for (const Index k : pairs) {
       for (const auto& [a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
         if (!bodies.traits[b].moved_by_forces()) continue;
-        const Index below = bodies.traits[a].moved_by_forces() ? level[a] : 0;
-        if (below == kNone || level[b] <= below + 1) continue;
-        level[b] = below + 1;
+        const bool moves = bodies.traits[a].moved_by_forces();
+        const auto known = level.find(a);
+        if (moves && known == level.end()) continue;
+        const std::uint32_t above = (moves ? known->second : 0) + 1;
+        const auto [place, is_new] = level.try_emplace(b, above);
+        if (!is_new && place->second <= above) continue;
+        place->second = above;
         changed = true;
       }
     }
   }
-  for (const Index level_of_one : level)
-    if (level_of_one != kNone) height = std::max(height, level_of_one);
+  for (const auto& [body, level_of_one] : level) height = std::max(height, level_of_one);
   return height;
 }
 

@@ -20,6 +20,9 @@ std::uint64_t World::steps() const {
 std::uint64_t World::edits() const {
   return impl_->edits;
 }
+std::uint64_t World::bodiesAnalysed() const {
+  return impl_->scene.tally.looks;
+}
 const SceneDef& World::scene() const {
   return impl_->scene.settings;
 }

@@ -19,9 +19,9 @@ TEST(Census, AnEditLooksAtTheBodiesItIsAbout) {
     scene.bodies.push_back(ball("ball_" + std::to_string(k), 0.1, {0.3 * (k % 100), 0.3 * (k / 100), 0.1}));
   World world(scene);
   const auto looks = [&](const auto& edit) {
-    const std::uint64_t before = bodiesLookedAt();
+    const std::uint64_t before = world.bodiesAnalysed();
     edit();
-    return bodiesLookedAt() - before;
+    return world.bodiesAnalysed() - before;
   };
   BodyId added;
   EXPECT_EQ(looks([&] { added = world.addBody(ball("new", 0.1, {0.0, 0.0, 5.0})); }), 1u);

@@ -128,13 +128,13 @@ INSTANTIATE_TEST_SUITE_P(Friction, ContactLanesOf, testing::Values(0.0, 0.5));
 
 TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
   for (const unsigned seed : {1u, 2u, 3u}) {
-    Heap heap(seed, GetParam());
-    SolverContacts contacts(heap.context(), heap.batch());
+    Heap heap(seed, GetParam()), same(seed, GetParam());
+    SolverContacts contacts(heap.context(), heap.batch()), one_by_one(same.context(), same.batch());
     contacts.find(0.0, kStep, kSubStep);
+    one_by_one.find(0.0, kStep, kSubStep);
     std::size_t points = 0, slides = 0;
     for (const SolverBlock& block : contacts.blocks) points += static_cast<std::size_t>(block.size);
     ASSERT_GT(points, 200u);
-    SolverContacts one_by_one = contacts;
     ContactLanes lanes(contacts);
     lanes.take();
     for (const bool soft : {true, false, true, false}) {

@@ -70,13 +70,13 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       step_(context.step),
       pairs_(sorted(batch.pairs)),
       island_(context, sorted(batch.bodies)),
-      slot_(context.scene.bodies.size(), kNone),
+      slots_(context.step.slot),
       clock_(step_),
       now_(t0),
       end_(t1),
       span_(t1 - t0) {
   for (std::size_t k = 0; k < island_.indices().size(); ++k)
-    slot_[island_.indices()[k]] = static_cast<Index>(k);
+    slots_.set(island_.indices()[k], static_cast<Index>(k));
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   tolerance_ = settings.tolerance;
   aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
@@ -88,7 +88,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
 
 Touching Stepper::find(double time) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, pairs_, slot_, time, span_, reach_);
+  Touching found = findTouching(context_, pairs_, slots_, time, span_, reach_);
   clock_.charge(kCollide);
   return found;
 }

@@ -88,7 +88,7 @@ class Stepper {
   StepStore& step_;
   std::vector<Index> pairs_;
   IslandMotion island_;
-  std::vector<Index> slot_;  // by body: its place in the problem
+  Slots slots_;  // in the problem
   ContactClock clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at

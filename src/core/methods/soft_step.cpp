@@ -45,6 +45,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace rbs::soft_step {
 
@@ -64,7 +65,8 @@ constexpr double kSlowTurn = 1e-6;
 // step is cut into more than so many sub-steps.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 constexpr double kMostSubSteps = 256.0;
-// Share of the smaller length from which an overlap is deep: no contact makes one, but edits and hands do.
+// Share of the smaller length from which an overlap is deep: no contact makes one, but edits and user forces
+// do.
 constexpr double kDeep = 0.1;
 
 // Of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
@@ -204,7 +206,7 @@ void Solver<kRolling>::rebound() {
     SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
-      if (-block.e * point.u_0 <= slowest || !(point.pushed || point.sum_n > 0.0)) continue;
+      if (-block.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
       const double u_n = block.n.dot(contacts_.velocityAt(block, point));
       const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
       if (impulse <= 0.0) continue;
@@ -234,19 +236,17 @@ template <bool kRolling>
 void Solver<kRolling>::findWedged() {
   const StepStore& step = context_.step;
   const auto& traits = context_.scene.bodies.traits;
-  std::vector<char> wedged(step.islands.size(), 0);
+  std::set<Index> wedged;  // islands
   for (const SolverBlock& block : contacts_.blocks) {
     const auto points = contacts_.points.begin() + block.first;
     const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     const double deep = kDeep * std::min(traits[i.body].length, traits[j.body].length);
     if (std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
-      wedged[step.island[i.inv_mass > 0.0 ? i.body : j.body]] = 1;
+      wedged.insert(step.island[i.inv_mass > 0.0 ? i.body : j.body]);
   }
-  const std::vector<char> crowded = overlaps::crowdedBodies(step);
   for (const SolverBody& s : contacts_.bodies)
-    if (s.inv_mass > 0.0 && crowded[s.body]) wedged[step.island[s.body]] = 1;
-  for (Index k = 0; k < wedged.size(); ++k)
-    if (wedged[k]) wedged_.push_back({k, 0.0});
+    if (s.inv_mass > 0.0 && step.isCrowded(s.body)) wedged.insert(step.island[s.body]);
+  for (const Index island : wedged) wedged_.push_back({island, 0.0});
   if (wedged_.empty()) return;
   for (const SolverBody& s : contacts_.bodies)
     if (Wedged* island = wedgedIslandOf(s)) island->energy += kineticEnergy(s);

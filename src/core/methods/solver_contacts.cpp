@@ -34,7 +34,7 @@ void keepWithin(double margin, Manifold& manifold) {
 }  // namespace
 
 SolverContacts::SolverContacts(Context& context, const IslandBatch& batch)
-    : context_(context), batch_(batch), slot_(context.scene.bodies.size(), kNone) {
+    : context_(context), batch_(batch), slots_(context.step.slot) {
   bodies.reserve(batch.bodies.size() + 8);
   for (const Index i : batch.bodies) slotOf(i);
 }
@@ -60,11 +60,11 @@ SolverBody SolverContacts::makeBody(Index i) const {
 }
 
 Index SolverContacts::slotOf(Index i) {
-  if (slot_[i] == kNone) {
-    slot_[i] = static_cast<Index>(bodies.size());
+  if (slots_[i] == kNone) {
+    slots_.set(i, static_cast<Index>(bodies.size()));
     bodies.push_back(makeBody(i));
   }
-  return slot_[i];
+  return slots_[i];
 }
 
 // Points that can touch in what is left of the interval, with room to spare.
@@ -170,7 +170,8 @@ void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_b
     point.u_0 = old.u_0;
     point.guess_n = old.guess_n, point.guess_t_W = old.guess_t_W;
     point.l_n = old.l_n, point.l_t = turned(old.l_t);
-    point.pushed = old.pushed || old.sum_n > 0.0;
+    point.earlier_n = old.earlier_n + old.sum_n;
+    point.earlier_W = old.earlier_W + old.sum_n * old_block.n + inPlane(old_block, old.sum_t);
     break;
   }
 }
@@ -202,9 +203,11 @@ void SolverContacts::refresh(Index which, double now, double left) {
   const SolverBlock old = block;
   findPoints(block, now, left);
   for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
-  for (int k = old.first; k < old.first + old.size; ++k)
-    if (points[k].sum_n > 0.0 || !points[k].sum_t.isZero(0.0))
-      earlier_.emplace_back(old.pair, touchOf(old, points[k]));
+  for (int k = old.first; k < old.first + old.size; ++k) {
+    const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };
+    const auto first = points.begin() + block.first, last = first + block.size;
+    if (std::none_of(first, last, again)) opened_.emplace_back(old.pair, touchOf(old, points[k]));
+  }
 }
 
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
@@ -217,7 +220,7 @@ void SolverContacts::store(double h, double h_full) {
   }
   Contacts& contacts = context_.step.contacts;
   for (const Index k : batch_.pairs) context_.step.dropTouches(k);
-  for (const auto& [k, touch] : earlier_)
+  for (const auto& [k, touch] : opened_)
     context_.step.earlier.add(contacts.pairs[k].id_i, contacts.pairs[k].id_j, touch);
   for (const SolverBlock& block : blocks) {
     ContactPair& pair = contacts.pairs[block.pair];
@@ -243,8 +246,8 @@ Touch SolverContacts::touchOf(const SolverBlock& block, const SolverPoint& point
       point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
   touch.n_W = block.n;
   touch.separation = point.open;
-  touch.normal_impulse = point.sum_n;
-  touch.friction_impulse_W = inPlane(block, point.sum_t);
+  touch.normal_impulse = point.earlier_n + point.sum_n;
+  touch.friction_impulse_W = point.earlier_W - point.earlier_n * block.n + inPlane(block, point.sum_t);
   return touch;
 }
 

@@ -36,8 +36,9 @@ struct SolverPoint {
   Eigen::Vector2d l_t{0.0, 0.0};
   double guess_n = 0.0;  // the forces it began with, N
   Vec3 guess_t_W{0.0, 0.0, 0.0};
-  bool pushed = false;  // before the sub-steps that are summed up here
-  double sum_n = 0.0;   // over the sub-steps since the points of the pair were found
+  double earlier_n = 0.0;         // normal impulses until the points of the pair were found anew
+  Vec3 earlier_W{0.0, 0.0, 0.0};  // all of its impulse until then, on j
+  double sum_n = 0.0;             // over the sub-steps since
   Eigen::Vector2d sum_t{0.0, 0.0};
   double open;  // gap after the last sub-step, m
   std::uint32_t feature;
@@ -103,9 +104,9 @@ class SolverContacts {
 
   Context& context_;
   const IslandBatch& batch_;
-  double h_ = 0.0;           ///< of a sub-step, s
-  std::vector<Index> slot_;  ///< by body: its place in `bodies`
-  PairTouches earlier_;      ///< points as they were until those of their pairs were found anew
+  double h_ = 0.0;      ///< of a sub-step, s
+  Slots slots_;         ///< in `bodies`
+  PairTouches opened_;  ///< points that are gone, with what they have given
 };
 
 }  // namespace rbs

@@ -53,7 +53,7 @@ void addCouple(const Context& context, Index pair, std::size_t first, Touching& 
 
 }  // namespace
 
-Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
+Touching findTouching(const Context& context, const std::vector<Index>& pairs, const Slots& slots,
                       double time, double span, double reach) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
@@ -75,7 +75,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
     for (int p = 0; p < manifold.size; ++p) {
       const ManifoldPoint& found = manifold.points[p];
       CoulombPoint law;
-      law.i = slot[i], law.j = slot[j];
+      law.i = slots[i], law.j = slots[j];
       law.r_i = found.p_W - X_i.p_WB, law.r_j = found.p_W - X_j.p_WB;
       law.frame << t1, t2, manifold.n_W;
       law.mu = context.scene.frictionOf(i, j);

@@ -48,9 +48,9 @@ struct Touching {
 };
 
 /// Finds the points of an island's pairs at a time to which its bodies have been advanced. Points are kept
-/// when they can close within a span, s, at `reach` times the speeds that they have now. `slot` is, by body,
-/// its place in the Coulomb problem, kNone for those that forces do not move.
-Touching findTouching(const Context& context, const std::vector<Index>& pairs, const std::vector<Index>& slot,
+/// when they can close within a span, s, at `reach` times the speeds that they have now. `slots` are
+/// the places of bodies in the Coulomb problem; those that forces do not move have none.
+Touching findTouching(const Context& context, const std::vector<Index>& pairs, const Slots& slots,
                       double time, double span, double reach);
 
 /// Takes the forces of the last step for what is expected.

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a step allocates goes with the number of bodies: an island's share does not grow with the bodies of
+// others.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::size_t allocated = 0;  // bytes, so far
+}
+
+void* operator new(std::size_t size) {
+  allocated += size;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+
+namespace rbs::test {
+namespace {
+
+// Bytes that a step of so many separate stacks of two boxes allocates.
+double bytesAStep(int stacks, Fidelity fidelity, double spin) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  for (int k = 0; k < stacks; ++k)
+    for (int level = 0; level < 2; ++level) {
+      scene.bodies.push_back(box("box_" + std::to_string(k) + "_" + std::to_string(level),
+                                 Vec3(0.4, 0.4, 0.4), Vec3(k % 50, k / 50, 0.2 + 0.4 * level)));
+      scene.bodies.back().twist.w_WB.z() = spin;
+    }
+  scene.fidelity = fidelity;
+  World world(scene);
+  for (int k = 0; k < 3; ++k) world.step();
+  const std::size_t before = allocated;
+  constexpr int kSteps = 3;
+  for (int k = 0; k < kSteps; ++k) world.step();
+  return static_cast<double>(allocated - before) / kSteps;
+}
+
+class StepMemory : public testing::TestWithParam<std::pair<Fidelity, double>> {};
+
+// Islands that are solved exactly, together, and one by one because their bodies turn fast.
+INSTANTIATE_TEST_SUITE_P(Settings, StepMemory,
+                         testing::Values(std::pair(Fidelity::Accurate, 0.0),
+                                         std::pair(Fidelity::Interactive, 0.0),
+                                         std::pair(Fidelity::Interactive, 400.0)));
+
+TEST_P(StepMemory, GoesWithTheNumberOfBodies) {
+  const auto [fidelity, spin] = GetParam();
+  const double few = bytesAStep(250, fidelity, spin), many = bytesAStep(1000, fidelity, spin);
+  EXPECT_LE(many, 4.1 * few) << few << " bytes a step of 250 islands, " << many << " of 1000";
+  EXPECT_GE(many, 2.0 * few);
+}
+
+}  // namespace
+}  // namespace rbs::test
