@@ -17,7 +17,7 @@ PAGE = ROOT / 'docs/effects.md'
 CHART = ROOT / 'docs/pictures/effects_cost.png'
 STAGES = {'gravity': 'forces.gravity', 'buoyancy': 'forces.buoyancy', 'drag': 'forces.drag',
           'collision': 'broadphase.pairs', 'friction': 'contacts.friction', 'rolling': 'contacts.rolling',
-          'restitution': 'contacts.restitution', 'gyroscopic': 'rotation.gyroscopic', 'rotation': 'rotation.turn'}
+          'restitution': 'contacts.restitution', 'gyroscopic': 'rotation.gyroscopic', 'rotation': 'rotation.integrate'}
 
 
 def run(*command):

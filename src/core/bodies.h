@@ -38,7 +38,7 @@ struct Inertia {
 struct Traits {
   Shape shape;
   BodyKind kind = BodyKind::Dynamic;
-  bool held = false;     ///< led by a hand: kinematic until released
+  bool held = false;     ///< follows a drag: kinematic until released
   bool frozen = false;   ///< quarantined: static for good
   bool asleep = false;   ///< at rest and left out of the step (sleep.h)
   double mass = 0.0;     ///< kg, whatever the kind

@@ -43,7 +43,7 @@ std::set<Layer> partneredOf(const std::map<Layer, Index>& layers) {
 class BodyEffects {
  public:
   explicit BodyEffects(const SceneStore& scene) : scene_(scene) {
-    for (const HandGrab& grab : scene.grabs) pulled_.insert(grab.body);
+    for (const BodyGrab& grab : scene.grabs) pulled_.insert(grab.body);
     for (const TimedWrench& wrench : scene.wrenches) pulled_.insert(wrench.body);
   }
 

@@ -28,12 +28,12 @@ struct TimedWrench {
   bool commanded = false;  ///< the next command takes its place
 };
 
-struct HandGrab {
+struct BodyGrab {
   BodyId body;
   Grab grab;
 };
 
-struct HandHold {
+struct BodyHold {
   BodyId body;
   Pose target;
 };
@@ -82,8 +82,8 @@ struct SceneStore {
   Rosters rosters;
   CensusTally tally;
   std::vector<TimedWrench> wrenches;
-  std::vector<HandGrab> grabs;
-  std::vector<HandHold> holds;
+  std::vector<BodyGrab> grabs;
+  std::vector<BodyHold> holds;
   Contacts contacts;       ///< of the last step, and those of bodies asleep
   std::vector<Rest> rest;  ///< by body; empty unless some rest
   Sweep sweep;             ///< of the broad phase

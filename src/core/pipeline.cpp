@@ -63,7 +63,7 @@ struct Stage {
 };
 
 constexpr std::array kStages{
-    Stage{"hands.hold", holds::need, holds::run,
+    Stage{"user_force.drag", holds::need, holds::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.holds.size(), "bodies"};
           }},
@@ -76,7 +76,7 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.wrenches.size(), "wrenches"};
           }},
-    Stage{"forces.grab", grabs::need, grabs::run,
+    Stage{"user_force.spring", grabs::need, grabs::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.grabs.size(), "bodies"};
           }},
@@ -87,17 +87,17 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep"};
           }},
-    Stage{"overlaps.find", overlaps::need, overlaps::find, candidates},
-    Stage{"impacts.find", needOf<Effect::Impacts>, impacts::find, candidates},
-    Stage{"ballistic.fly", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
-    Stage{"islands.link", islands::need, islands::link,
+    Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
+    Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
+    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
+    Stage{"islands.build", islands::need, islands::link,
           [](const SceneStore&, const StepStore& step) {
             return Items{step.islands.size(), "islands"};
           }},
     Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
-    Stage{"overlaps.part", overlaps::need, overlaps::part, candidates},
-    Stage{"certificate", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
-    Stage{"sleep.settle", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
+    Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
+    Stage{"residuals.check", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
+    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
 };
 
 // Parts of islands.advance that a scene may do without. The first three are timed (methods.h).
@@ -161,7 +161,7 @@ constexpr std::array kParts{
     Part{"contacts.friction", needOf<Effect::Friction>, frictionPairs},
     Part{"contacts.rolling", needOf<Effect::Rolling>, rollingPairs},
     Part{"contacts.restitution", needOf<Effect::Restitution>, impactCount},
-    Part{"rotation.turn", needOf<Effect::Rotation>, turnedBodies},
+    Part{"rotation.integrate", needOf<Effect::Rotation>, turnedBodies},
     Part{"rotation.gyroscopic", needOf<Effect::Gyroscopic>, bodiesThat<&Inertia::gyroscopic>},
 };
 

@@ -43,16 +43,16 @@ void findWoken(Context& context) {
       context.step.woken.push_back(i);
 }
 
-// A group goes to sleep as a whole. What touches a body that is led and moves, or that a hand or a wrench
-// pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it is moved
-// apart without a velocity that tells it.
+// A group goes to sleep as a whole. What touches a kinematic body that moves, or that a user force or a
+// wrench pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it
+// is moved apart without a velocity that tells it.
 void settle(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
   scene.rest.resize(scene.bodies.size());
   const auto steps = static_cast<std::uint32_t>(std::ceil(kRest / step.h()));
   std::vector<char> pulled(scene.bodies.size(), 0);
-  for (const HandGrab& grab : scene.grabs) pulled[scene.bodies.indexOf(grab.body)] = 1;
+  for (const BodyGrab& grab : scene.grabs) pulled[scene.bodies.indexOf(grab.body)] = 1;
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
   for (const Island& island : step.islands) {

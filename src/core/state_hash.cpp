@@ -86,10 +86,10 @@ std::uint64_t stateHash(const SceneStore& scene) {
   for (const TimedWrench& w : scene.wrenches)
     hash.add(scene.bodies.indexOf(w.body)), hash.add(w.force_W), hash.add(w.torque_W), hash.add(w.point_B),
         hash.add(w.until), hash.add(w.commanded);
-  for (const HandGrab& g : scene.grabs)
+  for (const BodyGrab& g : scene.grabs)
     hash.add(scene.bodies.indexOf(g.body)), hash.add(g.grab.p_B), hash.add(g.grab.p_W),
         hash.add(g.grab.frequency), hash.add(g.grab.max_acceleration);
-  for (const HandHold& h : scene.holds) hash.add(scene.bodies.indexOf(h.body)), hash.add(h.target);
+  for (const BodyHold& h : scene.holds) hash.add(scene.bodies.indexOf(h.body)), hash.add(h.target);
   for (const ContactPair& pair : scene.contacts.pairs) {
     if (pair.size == 0) continue;
     hash.add(scene.bodies.indexOf(pair.id_i)), hash.add(scene.bodies.indexOf(pair.id_j));

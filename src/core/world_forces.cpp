@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What acts on single bodies from outside: impulses, wrenches, hands.
+// What acts on single bodies from outside: impulses, wrenches, user forces.
 #include "world_parts.h"
 
 #include "checks.h"
@@ -17,7 +17,7 @@ TimedWrench World::Impl::wrenchOf(BodyId id, const Vec3& force_W, const Vec3& to
   checkVector(point_W, Limits::max_position, "point", "m", problems);
   checkPositive(seconds, 1e9, "seconds", "s", problems);
   if (!bodies.traits[i].movable())
-    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
+    problems.push_back({"body", bodies.name[i], "a dynamic body that no drag holds"});
   throwIfAny(problems);
   const Pose pose = bodies.poseNow(i, scene.time);
   return {id, force_W, torque_W, pose.q_WB.conjugate() * (point_W - pose.p_WB), scene.time + seconds};
@@ -30,7 +30,7 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   checkVector(impulse_W, Limits::max_impulse, "impulse", "N s", problems);
   checkVector(point_W, Limits::max_position, "point", "m", problems);
   if (!bodies.traits[i].movable())
-    problems.push_back({"body", bodies.name[i], "a dynamic body that no hand holds"});
+    problems.push_back({"body", bodies.name[i], "a dynamic body that no drag holds"});
   throwIfAny(problems);
   Twist twist = bodies.twist[i];
   twist.v_WB += impulse_W / bodies.traits[i].mass;
@@ -77,9 +77,9 @@ void World::grab(BodyId id, const Grab& grab) {
   if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
     problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
   throwIfAny(problems);
-  for (HandGrab& hand : impl_->scene.grabs) {
-    if (hand.body != id) continue;
-    hand.grab = grab;
+  for (BodyGrab& pull : impl_->scene.grabs) {
+    if (pull.body != id) continue;
+    pull.grab = grab;
     ++impl_->edits;
     return;
   }
@@ -97,7 +97,7 @@ void World::hold(BodyId id, const Pose& target) {
     problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
   throwIfAny(problems);
   const Pose unit{target.p_WB, target.q_WB.normalized()};
-  for (HandHold& hold : impl_->scene.holds) {
+  for (BodyHold& hold : impl_->scene.holds) {
     if (hold.body != id) continue;
     hold.target = unit;
     ++impl_->edits;

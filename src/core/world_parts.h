@@ -71,7 +71,7 @@ struct World::Impl {
   }
 
   void letGo(BodyId id) {
-    const auto ofBody = [id](const auto& hand) { return hand.body == id; };
+    const auto ofBody = [id](const auto& pull) { return pull.body == id; };
     scene.grabs.erase(std::remove_if(scene.grabs.begin(), scene.grabs.end(), ofBody), scene.grabs.end());
     scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
   }

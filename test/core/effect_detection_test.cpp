@@ -79,7 +79,7 @@ std::vector<Need> needs() {
          s.bodies[0].shape = Box{{0.1, 0.2, 0.3}};
        },
        "1 body has"},
-      {Effect::Rotation, "rotation.turn",
+      {Effect::Rotation, "rotation.integrate",
        [](SceneDef& s) {
          s.bodies[0].shape = Box{{0.2, 0.2, 0.2}};
        },
@@ -215,7 +215,7 @@ TEST(Detection, MasksDecideWhoMayMeet) {
   scene.bodies[1].mask = 1;
   const World world(scene);
   EXPECT_FALSE(stage(world, "broadphase.pairs").active);
-  EXPECT_TRUE(stage(world, "ballistic.fly").active);
+  EXPECT_TRUE(stage(world, "ballistic.integrate").active);
 }
 
 // --- attitudes that nobody carries along
@@ -223,7 +223,7 @@ TEST(Detection, MasksDecideWhoMayMeet) {
 TEST(Attitude, OfABallWithoutFrictionIsEvaluatedWhenItIsRead) {
   SceneDef scene = twoBalls();
   World world(scene);
-  EXPECT_FALSE(stage(world, "rotation.turn").active);
+  EXPECT_FALSE(stage(world, "rotation.integrate").active);
   const Vec3 w(0.3, -0.2, 0.7);
   for (int k = 0; k < 120; ++k) {
     world.step();
@@ -330,7 +330,7 @@ TEST(Ballistic, AWorldOfBodiesThatMeetNobodyRunsTwoStagesAndAllocatesNothing) {
   std::vector<std::string> active;
   for (const StageInfo& row : world.pipeline())
     if (row.active) active.push_back(row.name);
-  EXPECT_THAT(active, ::testing::ElementsAre("forces.gravity", "ballistic.fly"));
+  EXPECT_THAT(active, ::testing::ElementsAre("forces.gravity", "ballistic.integrate"));
   world.step();
   const std::size_t before = allocations;
   for (int k = 0; k < 100; ++k) world.step();

@@ -22,7 +22,7 @@ SceneDef crateAndBall() {
   return scene;
 }
 
-// Boxes that fall on each other at a slant, with one that a hand pulls.
+// Boxes that fall on each other at a slant, with one that a user force pulls.
 World inMotion() {
   World world(crateAndBall());
   BodyDef slanted = box("slanted", Vec3(0.4, 0.6, 0.2), Vec3(0.3, 0.1, 1.6));
@@ -245,9 +245,9 @@ TEST(WorldEdits, WhatASceneDoesNotNeedDoesNotRun) {
   SceneDef scene = emptySpace(1.0 / 60.0);
   scene.bodies.push_back(ball("ball", 0.5, Vec3::Zero()));
   World world(scene);
-  for (const char* stage :
-       {"forces.gravity", "forces.drag", "forces.wrench", "forces.grab", "hands.hold", "broadphase.pairs",
-        "impacts.find", "narrowphase.collide", "contacts.friction", "rotation.gyroscopic"}) {
+  for (const char* stage : {"forces.gravity", "forces.drag", "forces.wrench", "user_force.spring",
+                            "user_force.drag", "broadphase.pairs", "impacts.predict", "narrowphase.collide",
+                            "contacts.friction", "rotation.gyroscopic"}) {
     EXPECT_FALSE(active(world, stage)) << stage;
   }
   world.setGravity({0.0, 0.0, -1.0});

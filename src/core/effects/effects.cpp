@@ -46,7 +46,8 @@ Need withContacts(const Census& c, Index bodies, const char* what) {
 Need needImpacts(const Census& c) {
   Need contacts = needCollision(c);
   if (!need(Effect::Collision, c).active) return {false, "no contacts: " + contacts.reason};
-  return {true, "the pairs whose bounds over a step overlap are looked at, however fast they are"};
+  return {true,
+          "continuous collision detection: every pair whose swept bounds overlap is checked, at any speed"};
 }
 
 Need needFriction(const Census& c) {
@@ -67,7 +68,7 @@ Need needRotation(const Census& c) {
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
   if (c.turned == 0) return {false, "nothing turns a body: attitudes are worked out when they are read"};
   return {true, count(c.turned, "body", "bodies") + " of " + std::to_string(c.moved_by_forces) +
-                    " may be turned, by contacts, hands or fluids"};
+                    " may be turned, by contacts, user forces or fluids"};
 }
 
 Need needGyroscopic(const Census& c) {
@@ -77,7 +78,7 @@ Need needGyroscopic(const Census& c) {
 
 // Nothing asks for it: it saves time and costs accuracy.
 Need needSleeping(const Census&) {
-  return {false, "no scene asks for it by itself: what bodies at rest would still settle by is lost"};
+  return {false, "off unless the scene enables it: a body that sleeps does not settle further"};
 }
 
 // --- the table of effects, in the order of kEffects

@@ -50,13 +50,13 @@ Need need(const Census& census);
 void run(Context& context);
 }  // namespace wrenches
 
-/// Springs by which a hand pulls at a body.
+/// User forces: springs that pull bodies to the mouse.
 namespace grabs {
 Need need(const Census& census);
 void run(Context& context);
 }  // namespace grabs
 
-/// Bodies led by a hand: their twist is set so that they reach their target.
+/// Bodies that follow a drag, as if kinematic: their twist is set so that they reach their target.
 namespace holds {
 Need need(const Census& census);
 void run(Context& context);

@@ -9,8 +9,8 @@
 namespace rbs::grabs {
 
 Need need(const Census& c) {
-  if (c.grabs == 0) return {false, "no hand holds a body"};
-  return {true, count(c.grabs, "hand pulls", "hands pull") + " at a body"};
+  if (c.grabs == 0) return {false, "no spring pulls at a body"};
+  return {true, count(c.grabs, "spring pulls", "springs pull") + " at a body"};
 }
 
 namespace {
@@ -19,9 +19,9 @@ constexpr double kWeightless = 1.0;  // m/s²
 constexpr double kBrake = 40.0;      // 1/s
 constexpr double kApproach = 8.0;    // 1/s
 
-// The turning that the hand does not brake: towards hanging, below the point that it holds, no faster than
-// a theta, theta being the angle that is left and a = kApproach. So the body falls freely until it is that
-// fast and then comes to rest as exp(-a t): sooner than any constant damping lets it, whose best, the
+// The turning that the user force does not brake: towards hanging, below the point that it holds, no faster
+// than a theta, theta being the angle that is left and a = kApproach. So the body falls freely until it is
+// that fast and then comes to rest as exp(-a t): sooner than any constant damping lets it, whose best, the
 // critical one, takes five times sqrt(l / g) of a pendulum of length l.
 //
 // r is the point from the centre of mass, e the direction against the load, and u x e / |u x e| with u = r /
@@ -64,13 +64,13 @@ void run(Context& context) {
   StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const double h = step.h();
-  for (const HandGrab& hand : context.scene.grabs) {
-    const Index i = bodies.indexOf(hand.body);
+  for (const BodyGrab& pull : context.scene.grabs) {
+    const Index i = bodies.indexOf(pull.body);
     if (i == kNone || !bodies.traits[i].moved_by_forces()) continue;
     const Inertia& inertia = bodies.inertia[i];
     const double mass = bodies.traits[i].mass;
     const Mat3 R_WB = bodies.R_WB(i);
-    const Vec3 r_W = R_WB * hand.grab.p_B;
+    const Vec3 r_W = R_WB * pull.grab.p_B;
     const Mat3 arm = crossMatrix(r_W);
     const Mat3 inertia_W = R_WB * inertia.moments.asDiagonal() * R_WB.transpose();
     const Mat3 inertia_P = inertia_W - mass * arm * arm;
@@ -81,15 +81,15 @@ void run(Context& context) {
     const Mat3 M = (Mat3::Identity() + inv_inertia_W * D).inverse();
     const Mat3 K = inertia.inv_mass * Mat3::Identity() - arm * M * inv_inertia_W * arm;
 
-    const Vec3 offset = bodies.pose[i].p_WB + r_W - hand.grab.p_W;
+    const Vec3 offset = bodies.pose[i].p_WB + r_W - pull.grab.p_W;
     const Vec3 v = bodies.twist[i].v_WB + h * step.load[i].a_W;
     const Vec3 w = M * (bodies.twist[i].w_WB + inv_inertia_W * (h * step.load[i].torque_W + D * permitted));
-    const double omega = 2.0 * kPi * hand.grab.frequency;
+    const double omega = 2.0 * kPi * pull.grab.frequency;
     const double bias = omega / (2.0 + h * omega);
     const double stiff = h * omega * (2.0 + h * omega);
     Vec3 impulse = -stiff / (1.0 + stiff) * (K.inverse() * (v + w.cross(r_W) + bias * offset));
 
-    const double cap = hand.grab.max_acceleration * mass * h;
+    const double cap = pull.grab.max_acceleration * mass * h;
     if (impulse.norm() > cap) impulse *= cap / impulse.norm();
     const Vec3 moment = r_W.cross(impulse);
     const Vec3 couple = -D * (w + M * (inv_inertia_W * moment) - permitted);

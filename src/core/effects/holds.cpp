@@ -8,18 +8,18 @@
 namespace rbs::holds {
 
 Need need(const Census& c) {
-  if (c.holds == 0) return {false, "no body is led by a hand"};
-  return {true, count(c.holds, "body is", "bodies are") + " led by a hand"};
+  if (c.holds == 0) return {false, "no body follows a drag"};
+  return {true, count(c.holds, "body follows a drag", "bodies follow drags")};
 }
 
-// The body closes on its target as exp(-t/tau): quick enough to follow a hand, and slow enough that a jump of
-// the hand is not a blow to what stands in the way.
+// The body closes on its target as exp(-t/tau): quick enough to follow a mouse, and slow enough that a jump
+// of the mouse is not a blow to what stands in the way.
 void run(Context& context) {
   constexpr double kTau = 1.0 / 30.0;  // s
   Bodies& bodies = context.scene.bodies;
   const double h = context.step.h();
   const double rate = -std::expm1(-h / kTau) / h;
-  for (const HandHold& hold : context.scene.holds) {
+  for (const BodyHold& hold : context.scene.holds) {
     const Index i = bodies.indexOf(hold.body);
     if (i == kNone) continue;
     const Pose& now = bodies.pose[i];
