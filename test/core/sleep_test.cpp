@@ -55,6 +55,19 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
+// The wind changes with time: what it does not move now it may move later.
+TEST(Sleep, WhatStandsInTheWindStaysAwake) {
+  for (const bool wind : {false, true}) {
+    SceneDef scene = crates(true);
+    scene.air = Air{};
+    if (wind) scene.wind = Wind{Vec3(0.5, 0.0, 0.0)};
+    World world(scene);
+    advance(world, 4.0);
+    EXPECT_EQ(asleep(world), wind ? 0u : 4u);
+    EXPECT_LT(stateOf(world, "apart").twist.v_WB.norm(), 1e-6) << "else it is awake because it moves";
+  }
+}
+
 // A mouse that rests, or a push that friction holds: the next command of either moves the body, though it
 // wakes nobody.
 TEST(Sleep, WhatIsPulledStaysAwake) {

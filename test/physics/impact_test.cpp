@@ -186,4 +186,28 @@ TEST_P(Impact, ARodThatFallsOnItsEdgeTurnsAsItsLeverSays) {
   EXPECT_NEAR(std::abs(stateOf(world, "rod").twist.w_WB.y()), J * lever / I, 1e-10 * J);
 }
 
+// Inelastic collapse: balls that lose almost all speed meet without number in a finite time (McNamara and
+// Young, "Inelastic collapse and clumping in a one-dimensional granular medium", Phys. Fluids A 4, 1992).
+// Each pair meets a few times; then the contact solver has it.
+TEST(InelasticCollapse, EndsAfterAFewMeetingsOfEachPair) {
+  constexpr int kBalls = 5, kMeetings = 7;
+  for (const Fidelity fidelity : kFidelities)
+    for (const double restitution : {0.02, 0.05, 0.07}) {
+      SceneDef scene = emptySpace(1.0 / 60.0);
+      scene.fidelity = fidelity;
+      for (int k = 0; k < kBalls; ++k) {
+        const int from_middle = k - kBalls / 2;
+        scene.bodies.push_back(ball("ball_" + std::to_string(k), 0.1, {0.5 * from_middle, 0.0, 0.0}));
+        scene.bodies.back().material.restitution = restitution;
+        scene.bodies.back().twist.v_WB.x() = -2.0 * from_middle;
+      }
+      World world(ordered(scene));
+      std::uint32_t most = 0;
+      for (int k = 0; k < 30; ++k) most = std::max(most, world.step().impacts);
+      EXPECT_LE(most, kMeetings * (kBalls - 1)) << fidelityName(fidelity) << ", e = " << restitution;
+      EXPECT_GT(most, 2 * (kBalls - 1));
+      EXPECT_NEAR(world.totals().momentum.x(), 0.0, 1e-9);
+    }
+}
+
 }  // namespace
