@@ -9,6 +9,8 @@
 #include <ctime>
 #include <map>
 #include <random>
+#include <set>
+#include <tuple>
 
 namespace rbs::test {
 namespace {
@@ -20,6 +22,7 @@ struct Observed {
   double worst = 0.0;  // imbalance, share of the impulses and the weight of the body
   std::string where;
   std::uint64_t impacts = 0, pushed = 0;  // impacts; bodies that some impulse pushed, by step
+  std::uint64_t twice = 0;                // points that are listed twice
 };
 
 // Weight alone: what other effects do to a momentum cannot be told from the motion.
@@ -51,6 +54,9 @@ Observed follow(const SceneDef& scene, int steps, double seconds) {
   for (int k = 0; k < steps && std::clock() < until; ++k) {
     run.impacts += world.step().impacts;
     const Snapshot after = world.snapshot();
+    std::set<std::tuple<BodyId, BodyId, double, double, double>> places;
+    for (const ContactPoint& p : after.contacts)
+      run.twice += !places.emplace(p.a, p.b, p.p_W.x(), p.p_W.y(), p.p_W.z()).second;
     std::map<BodyId, Vec3> sum;
     std::map<BodyId, double> size;
     for (const ContactPoint& point : after.contacts) {
@@ -90,6 +96,7 @@ TEST_P(ImpulseBalance, OfTheCatalogue) {
     scene.fidelity.preset = GetParam();
     const Observed run = follow(ordered(scene), 120, 1.0);
     EXPECT_LE(run.worst, 1e-11) << entry.name << ": " << run.where;
+    EXPECT_EQ(run.twice, 0u) << entry.name;
     impacts += run.impacts, pushed += run.pushed;
   }
   EXPECT_GT(impacts, 100u);
@@ -120,6 +127,7 @@ TEST_P(ImpulseBalance, OfBodiesThatTumbleInABox) {
       const Observed run = follow(ordered(withWeightAlone(scene)), 60, 20.0);
       EXPECT_LE(run.worst, 1e-11) << "e = " << restitution << ", " << divisions
                                   << " divisions: " << run.where;
+      EXPECT_EQ(run.twice, 0u);
       EXPECT_GT(run.pushed, 30u);
     }
 }
