@@ -44,7 +44,7 @@ double energyOf(const Context& context, Index i, const Pose& pose, const Twist& 
          bodies.traits[i].mass * context.scene.gravity_W.dot(pose.p_WB);
 }
 
-// From the dearest to the cheapest.
+// From the most expensive to the cheapest.
 int rank(std::string_view method) {
   constexpr std::array<std::string_view, 7> methods{"admm",      "interior_point", "newton", "gauss_seidel",
                                                     "soft_step", "guess",          ""};

@@ -9,7 +9,7 @@ namespace rbs::certificate {
 Need need(const Census& census);
 
 /// Adds what one solve says of an island to its certificate: the worst residuals, the sum of the iterations,
-/// the dearest solver.
+/// the most expensive solver.
 void add(IslandCertificate& certificate, const IslandCertificate& solve);
 
 /// Puts the deepest penetration and the certificates of the islands in contact into the report. A body whose

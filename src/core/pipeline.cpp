@@ -194,7 +194,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   island.assign(n, kNone);
   slot.assign(n, kNone);
   woken.clear();
-  to_bed.clear();
+  falling_asleep.clear();
   contact_seconds.assign(kContactRows, 0.0);
   before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
   twist_before.assign(scene.bodies.twist.begin(),

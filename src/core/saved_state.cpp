@@ -117,7 +117,7 @@ bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene) {
     scene.rest[rest.body].steps = rest.steps;
     if (rest.asleep_with) groups[*rest.asleep_with].push_back(rest.body);
   }
-  for (const auto& [oldest, group] : groups) sleep::putToBed(scene, group);
+  for (const auto& [oldest, group] : groups) sleep::putToSleep(scene, group);
   return true;
 }
 

@@ -68,7 +68,7 @@ void settle(Context& context) {
       rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
       ready = ready && rested >= steps && !pulled[i];
     }
-    if (ready) step.to_bed.push_back(island.bodies);
+    if (ready) step.falling_asleep.push_back(island.bodies);
   }
 }
 
@@ -80,7 +80,7 @@ bool isAsleep(const SceneStore& scene, const ContactPair& pair) {
 }
 
 // The number of a group is that of its oldest body, so that it means the same in a saved state.
-void putToBed(SceneStore& scene, const std::vector<Index>& bodies) {
+void putToSleep(SceneStore& scene, const std::vector<Index>& bodies) {
   const Index oldest = *std::min_element(bodies.begin(), bodies.end());
   for (const Index i : bodies) {
     scene.bodies.traits[i].asleep = true;

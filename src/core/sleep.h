@@ -13,14 +13,15 @@ namespace rbs::sleep {
 /// their bodies, and the step is to be begun again with them awake.
 void findWoken(Context& context);
 
-/// After the step: puts groups to sleep that have been at rest for long enough. Lists them in step.to_bed.
+/// After the step: finds the groups that have been at rest for long enough, and lists them in
+/// step.falling_asleep.
 void settle(Context& context);
 
 /// Whether a pair is left out of the step because one of the two sleeps. False when one of them has gone.
 bool isAsleep(const SceneStore& scene, const ContactPair& pair);
 
 /// Bodies to sleep, as one group, or awake again; then the census is to be taken.
-void putToBed(SceneStore& scene, const std::vector<Index>& bodies);
+void putToSleep(SceneStore& scene, const std::vector<Index>& bodies);
 void wake(SceneStore& scene, const std::vector<Index>& bodies);
 void wakeAll(SceneStore& scene);
 

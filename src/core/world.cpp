@@ -297,8 +297,8 @@ void World::Impl::advance(double to) {
   const auto isFrozen = [](const Warning& warning) { return warning.kind == "non_finite"; };
   const bool frozen = std::any_of(step.report.warnings.begin(), step.report.warnings.end(), isFrozen);
   if (frozen) descriptionsChanged();
-  for (const std::vector<Index>& group : step.to_bed) sleep::putToBed(scene, group);
-  if (some_expired || frozen || !step.to_bed.empty()) recount();
+  for (const std::vector<Index>& group : step.falling_asleep) sleep::putToSleep(scene, group);
+  if (some_expired || frozen || !step.falling_asleep.empty()) recount();
 }
 
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The contact points of the soft step, four pairs at a time.
 //
-// Gauss-Seidel takes pair after pair, each with the velocities that the one before has left, so that a
-// processor which could work on several numbers at once waits for one. But two pairs without a common
-// body that can be moved do not affect each other. So each pair gets a level: one more than the highest of
-// those before it that share such a body. To take level after level gives every pair the velocities that it
-// would have in the pairs' own order, and within a level four of them go side by side (level scheduling, as
-// of triangular systems: Y. Saad, "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
+// Gauss-Seidel is sequential: each pair reads the velocities that the pair before it wrote. Two pairs that
+// share no dynamic body are independent, so they can be solved at the same time. Each pair gets a level, one
+// more than the highest level of any earlier pair that shares a dynamic body with it. A pass takes the levels
+// in order, and the pairs of a level four at a time. Every pair then reads exactly the velocities that it
+// would read in the original order. This is level scheduling, known from triangular systems (Y. Saad,
+// "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
 #pragma once
 
 #include "methods/solver_contacts.h"
