@@ -121,7 +121,8 @@ class World {
   std::vector<BodyId> addBodies(const std::vector<BodyDef>& bodies);
   /// Removes a body, with the wrenches, grab or hold that act on it.
   void removeBody(BodyId id);
-  /// Removes all bodies, wrenches, grabs and holds. Time and settings stay.
+  /// Removes all bodies, wrenches, grabs and holds, and gives their memory back. Time and settings stay; what
+  /// the last step has reported is forgotten.
   void clear();
   /// Changes properties of a body. A new pose, shape or mass drops the contact forces that would warm-start
   /// its next step. Throws InvalidInput for mass and density together, and where the changed body would be

@@ -133,7 +133,8 @@ void World::clear() {
   scene.wrenches.clear();
   scene.grabs.clear();
   scene.holds.clear();
-  scene.contacts.clear();
+  scene.contacts = {};
+  impl_->step = {};
   impl_->edited(true);
 }
 

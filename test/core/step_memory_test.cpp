@@ -5,30 +5,35 @@
 
 #include <gtest/gtest.h>
 
+#include <malloc.h>
 #include <cstdlib>
 #include <new>
 
 namespace {
 std::size_t allocated = 0;  // bytes, so far
-}
+std::size_t live = 0;       // bytes, now
+}  // namespace
 
 void* operator new(std::size_t size) {
   allocated += size;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
+  void* memory = std::malloc(size);
+  if (!memory) throw std::bad_alloc();
+  live += malloc_usable_size(memory);
+  return memory;
 }
 void operator delete(void* memory) noexcept {
+  live -= malloc_usable_size(memory);
   std::free(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
+  operator delete(memory);
 }
 
 namespace rbs::test {
 namespace {
 
-// Bytes that a step of so many separate stacks of two boxes allocates.
-double bytesAStep(int stacks, Fidelity fidelity, double spin) {
+// So many separate stacks of two boxes.
+SceneDef stacksOf(int stacks, Fidelity fidelity, double spin) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   for (int k = 0; k < stacks; ++k)
     for (int level = 0; level < 2; ++level) {
@@ -37,7 +42,12 @@ double bytesAStep(int stacks, Fidelity fidelity, double spin) {
       scene.bodies.back().twist.w_WB.z() = spin;
     }
   scene.fidelity = fidelity;
-  World world(scene);
+  return scene;
+}
+
+// Bytes that a step allocates.
+double bytesAStep(int stacks, Fidelity fidelity, double spin) {
+  World world(stacksOf(stacks, fidelity, spin));
   for (int k = 0; k < 3; ++k) world.step();
   const std::size_t before = allocated;
   constexpr int kSteps = 3;
@@ -58,6 +68,19 @@ TEST_P(StepMemory, GoesWithTheNumberOfBodies) {
   const double few = bytesAStep(250, fidelity, spin), many = bytesAStep(1000, fidelity, spin);
   EXPECT_LE(many, 4.1 * few) << few << " bytes a step of 250 islands, " << many << " of 1000";
   EXPECT_GE(many, 2.0 * few);
+}
+
+TEST(Memory, IsGivenBackWhenAWorldIsCleared) {
+  const SceneDef scene = stacksOf(1000, Fidelity::Interactive, 0.0);
+  World world(stacksOf(1, Fidelity::Interactive, 0.0));
+  world.step();
+  world.clear();
+  const std::size_t empty = live;
+  world.addBodies(scene.bodies);
+  for (int k = 0; k < 3; ++k) world.step();
+  EXPECT_GT(live, empty + 1000000u);
+  world.clear();
+  EXPECT_LT(live, empty + 20000u);
 }
 
 }  // namespace
