@@ -89,11 +89,21 @@ struct Ray {
   Vec3 origin, d;
 };
 
-// From anywhere around the shape, near or far, and now and then inside; towards a place near it.
+// From anywhere around the shape, near or far, and now and then inside; towards a place near it. One in four
+// goes along an axis or a plane of the frame, but for components as small as rounding leaves them, or
+// smaller.
 Ray randomRay(Random& random, double size) {
-  const Vec3 origin = std::pow(10.0, random.uniform(-1.0, 2.0)) * size * random.direction();
+  const double distance = std::pow(10.0, random.uniform(-1.0, 2.0)) * size;
   const Vec3 target = size * random.inCube(1.2);
-  return {origin, (target - origin).normalized()};
+  if (random.below(4) > 0) {
+    const Vec3 origin = distance * random.direction();
+    return {origin, (target - origin).normalized()};
+  }
+  Vec3 d = random.direction();
+  for (int tiny = 1 + random.below(2), k = random.below(3); tiny > 0; --tiny, k = (k + 1) % 3)
+    d[k] = random.below(8) > 0 ? std::copysign(std::pow(10.0, random.uniform(-323.0, -5.0)), d[k]) : 0.0;
+  d.normalize();
+  return {target - distance * d, d};
 }
 
 struct Tally {

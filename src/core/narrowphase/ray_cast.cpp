@@ -88,16 +88,25 @@ Span spanOf(const Cylinder& cylinder, const LocalRay& ray) {
 // Below its apex the cone has |xy| <= k w, with w the depth under the apex. From where the ray is nearest to
 // the axis, where |xy| = near, it is inside while a t² + 2 b t + c <= 0 and w >= 0. A ray flatter than the
 // side (a > 0) is inside between the roots, and a steeper one beyond the root that is under the apex.
+//
+// A ray almost along the axis is nearest to it so far away that no digit of the cone would be left there. It
+// is looked at from its origin p instead, where b gains p.d over x and y, and the discriminant b² - a c is k²
+// |w d - s p|² - (p x d)², over x and y, with s the rate at which the ray sinks.
 void cutByCone(Span& span, const LocalRay& ray, double k, double apex) {
   const Vec3 across(ray.d.x(), ray.d.y(), 0.0);
   const double squared = across.squaredNorm();
-  const double start = squared > 0.0 ? -ray.origin.dot(across) / squared : 0.0;
+  const double nearest = squared > 0.0 ? -ray.origin.dot(across) / squared : 0.0;
+  const bool along = !(std::abs(nearest) <= 4.0 * (ray.origin.norm() + apex));
+  const double start = along ? 0.0 : nearest;
   const Vec3 from = ray.at(start);
   const double near = from.head<2>().norm(), w = apex - from.z(), sink = -ray.d.z();
 
-  const double a = squared - k * k * sink * sink, b = -k * k * w * sink;
+  const double a = squared - k * k * sink * sink, b = (along ? from.dot(across) : 0.0) - k * k * w * sink;
   const double c = (near - k * w) * (near + k * w);
-  const double discriminant = squared * (k * w - near) * (k * w + near) + k * k * sink * sink * near * near;
+  const double turn = from.x() * across.y() - from.y() * across.x();
+  const double discriminant =
+      along ? k * k * (w * across - sink * from).head<2>().squaredNorm() - turn * turn
+            : squared * (k * w - near) * (k * w + near) + k * k * sink * sink * near * near;
   if (!(discriminant >= 0.0)) return span.cutAll();
   const double sum = -(b + std::copysign(std::sqrt(discriminant), b));
   const double one = sum / a, other = c / sum;

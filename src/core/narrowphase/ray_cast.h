@@ -36,6 +36,7 @@ std::optional<RayEntry> castRayOnSupport(const Core& core, double radius, const 
   const auto fromTip = [&](const Vec3& p) { return SupportPoint{p - tip, p, tip, Vec3::Zero(), false}; };
 
   double scale = tip.cwiseAbs().maxCoeff() + radius;
+  const double last = d_B.dot(core(d_B) - origin_B) + radius;  // beyond it there is nothing of the shape
   Simplex simplex;
   simplex.add(fromTip(core(tip)));
   for (int k = 0; k < kIterations; ++k) {
@@ -49,6 +50,7 @@ std::optional<RayEntry> castRayOnSupport(const Core& core, double radius, const 
       const double approach = v.dot(d_B) / distance;
       if (!(approach > 0.0)) return std::nullopt;
       entry = {entry.distance + gap / approach, v / -distance};
+      if (entry.distance > last + rounding) return std::nullopt;
       const Vec3 advanced = origin_B + entry.distance * d_B;
       if (advanced == tip) break;
       tip = advanced;
