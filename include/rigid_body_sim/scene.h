@@ -148,8 +148,8 @@ struct Setting {
   /// 1e-6 for accurate, and on to 1e-9 where that is quick; 1e-12 for reference; 1e-9 for the others.
   std::optional<double> tolerance;
   /// Wall time after the start of a step at which its exact solves end, ms, 1e-6 to 1e6. Empty: they take as
-  /// long as they need. What is not solved by then keeps the best impulses found, and its IslandCertificate
-  /// has `converged` false. Results then differ from run to run.
+  /// long as they need. What is not solved by then keeps the best impulses found, and its IslandResiduals
+  /// have `converged` false. Results then differ from run to run.
   std::optional<double> max_solve_ms;
 
   /// The default settings: interactive.

@@ -80,7 +80,7 @@ struct Warning {
 /// Residuals are the worst over all solves, dimensionless. The soft step gives them as fractions of g h,
 /// where 9.81 m/s² stands in for g without gravity. The exact step gives them as fractions of the largest
 /// speed that the loads add in h, or of the fastest closing speed where that is larger.
-struct IslandCertificate {
+struct IslandResiduals {
   std::uint32_t bodies = 0,  ///< dynamic bodies
       contacts = 0;          ///< contact points, also those that nearly touch
   /// The solver: "soft_step", or the most expensive one that the exact step took: "guess" (the forces of the
@@ -114,7 +114,7 @@ struct StepReport {
   std::uint32_t deferred_impacts = 0;
   double deepest_penetration = 0;  ///< largest penetration depth at the end of the step, m, >= 0
   /// Residuals of the islands that have contact points, in the order of their first bodies.
-  std::vector<IslandCertificate> certificates;
+  std::vector<IslandResiduals> residuals;
   std::vector<Warning> warnings;  ///< trouble of this step; empty: none
 };
 

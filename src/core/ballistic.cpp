@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ballistic.h"
 
+#include "out_of_bounds.h"
+
 #include "integrate.h"
 #include "text.h"
 

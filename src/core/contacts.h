@@ -24,6 +24,11 @@ struct Touch {
   double normal_impulse = 0.0;             ///< over the part of the step that was solved last, N s
   Vec3 friction_impulse_W = Vec3::Zero();  ///< likewise, on body j
 
+  /// Takes an impulse on body j, N s, for its parts along n_W and across it.
+  void setImpulse(const Vec3& impulse_W) {
+    normal_impulse = impulse_W.dot(n_W);
+    friction_impulse_W = impulse_W - normal_impulse * n_W;
+  }
   /// Adds the impulse that the same point gave earlier in the step, when its normal may have been another:
   /// the whole of it stays normal_impulse n_W + friction_impulse_W.
   void addImpulseOf(const Touch& earlier) {
@@ -69,6 +74,10 @@ class EarlierImpulses {
   /// Adds those of a pair's touches, which are about to be replaced.
   void add(const ContactPair& pair, const std::vector<Touch>& touches) {
     for (Index t = pair.first; t < pair.first + pair.size; ++t) add(pair.id_i, pair.id_j, touches[t]);
+  }
+  /// Adds those of points that have opened.
+  void add(const PairTouches& opened, const std::vector<ContactPair>& pairs) {
+    for (const auto& [k, touch] : opened) add(pairs[k].id_i, pairs[k].id_j, touch);
   }
   /// Drops those of a body.
   void forget(BodyId id) {

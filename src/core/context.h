@@ -162,7 +162,7 @@ struct Island {
   bool contact = false;       ///< some of the pairs touch: Standing::Contact
   double time = 0.0;          ///< how far it has been advanced
   bool exact = false;         ///< its contacts are solved by the exact step
-  IslandCertificate certificate;
+  IslandResiduals residuals;
 };
 
 struct StepStore {
@@ -213,12 +213,6 @@ struct Context {
   StepStore& step;
   const Census& census;
 };
-
-/// Whether a body's state is within what an edit may ask for: beyond it a body is lost, and a saved state
-/// could not be read.
-bool withinLimits(const Pose& pose, const Twist& twist);
-/// Puts a body back to where it was at the start of the step and makes it static, with a warning.
-void freeze(Context& context, Index i, const Pose& before, const Twist& twist_before);
 
 /// Speed scale of a body of length L: what it gains by falling its own length, m/s. Without gravity
 /// the gravity of the Earth stands in, so that the scale is never zero.

@@ -4,11 +4,11 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
-#include "certificate.h"
 #include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
 #include "overlaps.h"
+#include "residuals.h"
 
 #include <algorithm>
 #include <map>
@@ -148,7 +148,7 @@ class ImpactLoop {
                              : (kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
                                    (kept.exact || gone.exact);
       kept.exact = exact;
-      certificate::add(kept.certificate, gone.certificate);
+      residuals::add(kept.residuals, gone.residuals);
       kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
       kept.pairs.insert(kept.pairs.end(), gone.pairs.begin(), gone.pairs.end());
       kept.contact = kept.contact || gone.contact;

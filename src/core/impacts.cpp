@@ -193,8 +193,7 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
     touch.feature = point.feature;
     touch.p_W = point.p_W, touch.n_W = meeting.manifold.n_W;
     touch.separation = point.separation;
-    touch.normal_impulse = impulses_W[k].dot(touch.n_W);
-    touch.friction_impulse_W = impulses_W[k] - touch.normal_impulse * touch.n_W;
+    touch.setImpulse(impulses_W[k]);
     context.step.earlier.add(bodies.id[i], bodies.id[j], touch);
   }
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;

@@ -8,7 +8,6 @@
 
 #include "ballistic.h"
 #include "broadphase/sweep_and_prune.h"
-#include "certificate.h"
 #include "effects/effects.h"
 #include "effects/rolling.h"
 #include "fidelity.h"
@@ -16,6 +15,7 @@
 #include "islands.h"
 #include "methods/methods.h"
 #include "overlaps.h"
+#include "residuals.h"
 #include "sleep.h"
 #include "text.h"
 
@@ -96,8 +96,8 @@ constexpr std::array kStages{
           }},
     Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
     Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
-    Stage{"residuals.check", certificate::need, certificate::run, bodiesOn<&Rosters::movers>},
-    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::settle, bodiesOn<&Rosters::movers>},
+    Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&Rosters::movers>},
+    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&Rosters::movers>},
 };
 
 // Parts of islands.advance that a scene may do without. The first three are timed (methods.h).

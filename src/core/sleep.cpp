@@ -46,7 +46,7 @@ void findWoken(Context& context) {
 // A group goes to sleep as a whole. What touches a kinematic body that moves, or that a user force or a
 // wrench pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it
 // is moved apart without a velocity that tells it.
-void settle(Context& context) {
+void update(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
   scene.rest.resize(scene.bodies.size());

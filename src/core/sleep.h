@@ -15,7 +15,7 @@ void findWoken(Context& context);
 
 /// After the step: finds the groups that have been at rest for long enough, and lists them in
 /// step.falling_asleep.
-void settle(Context& context);
+void update(Context& context);
 
 /// Whether a pair is left out of the step because one of the two sleeps. False when one of them has gone.
 bool isAsleep(const SceneStore& scene, const ContactPair& pair);

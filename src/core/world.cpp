@@ -118,6 +118,7 @@ std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
 void World::removeBody(BodyId id) {
   const Index i = impl_->require(id);
   impl_->letGo(id);
+  impl_->forgetContacts(id);
   SceneStore& scene = impl_->scene;
   scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
                                       [id](const TimedWrench& w) { return w.body == id; }),

@@ -63,7 +63,7 @@ struct World::Impl {
     pipeline.filter(census);
   }
 
-  // What is known of a body's contacts is void once it has been moved or reshaped.
+  // What is known of a body's contacts is void once it has been moved, reshaped or removed.
   void forgetContacts(BodyId id) {
     for (ContactPair& pair : scene.contacts.pairs)
       if (pair.id_i == id || pair.id_j == id) pair.size = 0;

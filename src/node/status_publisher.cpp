@@ -24,7 +24,7 @@ rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
   return msg;
 }
 
-rigid_body_sim::IslandStatus islandMsg(const IslandCertificate& island) {
+rigid_body_sim::IslandStatus islandMsg(const IslandResiduals& island) {
   rigid_body_sim::IslandStatus msg;
   msg.bodies = island.bodies;
   msg.contacts = island.contacts;
@@ -41,13 +41,13 @@ rigid_body_sim::IslandStatus islandMsg(const IslandCertificate& island) {
 }
 
 // A heap of a thousand bodies has hundreds of islands at times; nobody reads them all.
-void fillCertificates(std::vector<IslandCertificate> islands, rigid_body_sim::Status& msg) {
+void fillResiduals(std::vector<IslandResiduals> islands, rigid_body_sim::Status& msg) {
   constexpr std::size_t kMost = 20;
-  std::stable_sort(
-      islands.begin(), islands.end(),
-      [](const IslandCertificate& a, const IslandCertificate& b) { return a.contacts > b.contacts; });
+  std::stable_sort(islands.begin(), islands.end(), [](const IslandResiduals& a, const IslandResiduals& b) {
+    return a.contacts > b.contacts;
+  });
   if (islands.size() > kMost) islands.resize(kMost);
-  for (const IslandCertificate& island : islands) msg.certificates.push_back(islandMsg(island));
+  for (const IslandResiduals& island : islands) msg.residuals.push_back(islandMsg(island));
 }
 
 void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
@@ -116,7 +116,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
   fillDial(snapshot, msg);
-  fillCertificates(snapshot.report.certificates, msg);
+  fillResiduals(snapshot.report.residuals, msg);
   for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
   return msg;
 }

@@ -5,8 +5,8 @@
 //   --steps N     steps of each run (default: 600)
 //   --seconds S   processor time after which a run ends early (default: 60)
 //   SCENE         names in the catalogue or files (default: the catalogue)
-// A line for every scene and setting goes to standard output, with the hashes after 1, 10, 60, 200 and N steps;
-// "-" stands for steps that a run did not reach. The times go to standard error.
+// A line for every scene and setting goes to standard output, with the hashes after 1, 10, 60, 200 and N
+// steps; "-" stands for steps that a run did not reach. The times go to standard error.
 #include "rigid_body_sim/scenes.h"
 #include "rigid_body_sim/world.h"
 
@@ -23,7 +23,9 @@ namespace {
 
 using namespace rbs;
 
-double processorSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double processorSeconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 void run(const std::string& name, const std::string& file, Fidelity fidelity, int steps, double seconds) {
   SceneDef scene = readScene(file).scene;

@@ -132,7 +132,7 @@ TEST(Wrench, OfAnOddTimeGivesItsWholeImpulse) {
   EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), 0.21, 1e-12);
 }
 
-TEST(Certificate, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
+TEST(Bounds, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
   SceneDef scene = emptySpace(1.0);
   scene.bodies.push_back(ball("mote", 1e-6, Vec3(1.0, 2.0, 3.0)));
   scene.bodies.push_back(ball("stone", 0.5, Vec3::Zero()));

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -111,7 +112,7 @@ TEST(Tolerance, IsWhatTheExactStepStopsAt) {
     world.setFidelity(setting);
     double worst = 0.0;
     for (int k = 0; k < 60; ++k)
-      for (const IslandCertificate& island : world.step().certificates)
+      for (const IslandResiduals& island : world.step().residuals)
         worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
     EXPECT_GT(worst, residual_before);
     EXPECT_LT(worst, 100.0 * tolerance);
@@ -141,7 +142,7 @@ TEST(TimeForSolves, EndsThemWithTheBestTheyHaveAndSaysSo) {
     for (int k = 0; k < 120; ++k) {
       const StepReport& report = world.step();
       deepest = std::max(deepest, report.deepest_penetration);
-      for (const IslandCertificate& island : report.certificates) {
+      for (const IslandResiduals& island : report.residuals) {
         unsolved += !island.converged;
         iterations[limited] += island.iterations;
         if (!island.converged)
@@ -182,6 +183,21 @@ TEST(WorldEdits, AHandleIsNeverUsedAgain) {
   const BodyId again = world.addBody(box("crate", Vec3::Ones(), Vec3(0.0, 0.0, 0.5)));
   EXPECT_NE(again, crate);
   EXPECT_THROW(world.removeBody(crate), InvalidInput);
+}
+
+TEST(WorldEdits, ARemovedBodyTakesItsContactsAlong) {
+  SceneDef scene = crateAndBall();
+  scene.bodies.push_back(box("plank", Vec3(2.0, 0.6, 0.2), Vec3(0.1, 0.0, 1.1)));
+  World world(scene);
+  for (int k = 0; k < 40; ++k) world.step();
+  const BodyId crate = world.find("crate");
+  const auto touches = [&](const ContactPoint& c) { return c.a == crate || c.b == crate; };
+  const auto before = world.snapshot().contacts;
+  ASSERT_TRUE(std::any_of(before.begin(), before.end(), touches));
+  world.removeBody(crate);
+  const auto after = world.snapshot().contacts;
+  EXPECT_TRUE(std::none_of(after.begin(), after.end(), touches));
+  EXPECT_EQ(World(world.capture(), world.captureState()).stateHash(), world.stateHash());
 }
 
 TEST(WorldEdits, MassFollowsDensityAndDensityFollowsMass) {

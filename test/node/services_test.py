@@ -241,7 +241,7 @@ class ServicesTest(unittest.TestCase):
     def test_the_status_certifies_what_rests(self):
         call('set_fidelity', fidelity='reference')
         call('step', n=240)
-        islands = self.status.fresh().certificates
+        islands = self.status.fresh().residuals
         self.assertGreater(len(islands), 0)
         for island in islands:
             self.assertGreater(island.contacts, 0)

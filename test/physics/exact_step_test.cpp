@@ -127,9 +127,9 @@ TEST_P(ExactStep, AtRestNothingIsSolvedAndASmallPushIsAnswered) {
   int solved = 0;
   for (int k = 0; k < 60; ++k) {
     const StepReport& report = world.step();
-    ASSERT_EQ(report.certificates.size(), 1u);
-    EXPECT_TRUE(report.certificates[0].converged);
-    solved += report.certificates[0].iterations > 0;
+    ASSERT_EQ(report.residuals.size(), 1u);
+    EXPECT_TRUE(report.residuals[0].converged);
+    solved += report.residuals[0].iterations > 0;
   }
   EXPECT_LE(solved, 2);
   const double push = 1e-6 * 1000.0 * kGravity * GetParam().step;  // N s
@@ -151,8 +151,8 @@ TEST_P(ExactStep, ATowerAtRestIsNotSolved) {
   int solved = 0;
   for (int k = 0; k < 100; ++k) {
     const StepReport& report = world.step();
-    ASSERT_EQ(report.certificates.size(), 1u);
-    solved += report.certificates[0].iterations > 0;
+    ASSERT_EQ(report.residuals.size(), 1u);
+    solved += report.residuals[0].iterations > 0;
   }
   EXPECT_LE(solved, 10);
 }
@@ -364,8 +364,8 @@ TEST(Dial, InteractiveHandsStiffIslandsToTheExactStep) {
     tower.bodies.push_back(box("box_" + std::to_string(k), Vec3::Ones(), Vec3(0.0, 0.0, 0.5 + k)));
   World world(ordered(tower));
   advance(world, 2.0);
-  ASSERT_EQ(world.step().certificates.size(), 1u);
-  EXPECT_STRNE(world.step().certificates[0].method, "soft_step");
+  ASSERT_EQ(world.step().residuals.size(), 1u);
+  EXPECT_STRNE(world.step().residuals[0].method, "soft_step");
   EXPECT_NEAR(stateOf(world, "box_29").pose.p_WB.z(), 29.5, 1e-4);
 
   SceneDef pair = onFloor(1.0 / 60.0, 0.5);
@@ -388,7 +388,7 @@ TEST(ExactStepInMotion, PilesThatFallAreSolvedInFewIterations) {
     double iterations = 0.0;
     int unsolved = 0;
     while (world.time() < seconds) {
-      for (const IslandCertificate& island : world.step().certificates) {
+      for (const IslandResiduals& island : world.step().residuals) {
         iterations += island.iterations;
         unsolved += !island.converged;
       }

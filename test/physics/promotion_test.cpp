@@ -11,8 +11,8 @@ namespace {
 bool isExact(World& world, int steps = 30) {
   for (int k = 1; k < steps; ++k) world.step();
   const StepReport& report = world.step();
-  EXPECT_EQ(report.certificates.size(), 1u);
-  return !report.certificates.empty() && std::string(report.certificates[0].method) != "soft_step";
+  EXPECT_EQ(report.residuals.size(), 1u);
+  return !report.residuals.empty() && std::string(report.residuals[0].method) != "soft_step";
 }
 
 SceneDef stack(int boxes) {

@@ -101,8 +101,7 @@ class ExactRolling : public ::testing::TestWithParam<Fidelity> {
     const double stop = v.norm() / a;
     while (world.time() < stop + 0.2) {
       const StepReport& report = world.step();
-      for (const IslandCertificate& certificate : report.certificates)
-        EXPECT_TRUE(certificate.converged) << world.time();
+      for (const IslandResiduals& island : report.residuals) EXPECT_TRUE(island.converged) << world.time();
       const double t = std::min(world.time(), stop);
       const BodyState state = stateOf(world, name);
       ASSERT_LE((state.twist.v_WB - (1.0 - t / stop) * v).norm(), tolerance() * v.norm()) << world.time();
@@ -198,8 +197,7 @@ TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
   World world(ordered(scene));
   int solved = 0, failed = 0;
   for (int k = 0; k < 60 * 4; ++k)
-    for (const IslandCertificate& certificate : world.step().certificates)
-      ++(certificate.converged ? solved : failed);
+    for (const IslandResiduals& island : world.step().residuals) ++(island.converged ? solved : failed);
   EXPECT_EQ(failed, 0) << "of " << solved + failed;
   for (const BodyState& state : world.snapshot().states) EXPECT_LE(state.twist.v_WB.norm(), 1e-6);
 }

@@ -62,8 +62,8 @@ TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
   double largest = 0.0;
   for (int k = 0; k < 60; ++k) {
     const StepReport& report = world.step();
-    if (report.impacts > 0 || report.certificates.size() != 1) continue;
-    ASSERT_STREQ(report.certificates[0].method, "soft_step");
+    if (report.impacts > 0 || report.residuals.size() != 1) continue;
+    ASSERT_STREQ(report.residuals[0].method, "soft_step");
     const Snapshot now = world.snapshot();
     const auto speedOf = [&](BodyId id) {
       return now.states[static_cast<std::size_t>(now.find(id))].twist.v_WB;
@@ -76,7 +76,7 @@ TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
       else if (point.separation <= 0.0)
         expected = std::max(expected, -u_n);
     }
-    EXPECT_NEAR(report.certificates[0].signorini, expected / (kGravity * kStep), 1e-9) << "step " << k;
+    EXPECT_NEAR(report.residuals[0].signorini, expected / (kGravity * kStep), 1e-9) << "step " << k;
     largest = std::max(largest, expected);
   }
   EXPECT_GT(largest, 1e-3);  // there was something to tell
@@ -97,7 +97,7 @@ TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
   double largest = 0.0, told = 0.0;
   for (int k = 0; k < 12; ++k) {
     const StepReport& report = world.step();
-    if (report.impacts > 0 || report.certificates.size() != 1) continue;
+    if (report.impacts > 0 || report.residuals.size() != 1) continue;
     const Snapshot now = world.snapshot();
     const auto velocityAt = [&](BodyId id, const Vec3& p_W) -> Vec3 {
       const BodyState& state = now.states[static_cast<std::size_t>(now.find(id))];
@@ -114,7 +114,7 @@ TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
       expected = std::max(expected, u.norm());
     }
     largest = std::max(largest, expected);
-    told = std::max(told, report.certificates[0].dissipation * kGravity * kStep);
+    told = std::max(told, report.residuals[0].dissipation * kGravity * kStep);
   }
   EXPECT_GT(largest, 1e-3);
   EXPECT_NEAR(told / largest, 1.0, 0.3);  // its arms are those of the start of the step

@@ -3,7 +3,7 @@
 // kick expects of the next.
 #include "methods/exact_stepper.h"
 
-#include "certificate.h"
+#include "residuals.h"
 
 #include <Eigen/Cholesky>
 
@@ -67,23 +67,23 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
   }
   problem.until = step_.solve_until;
   const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
-  islandCertificate().iterations += static_cast<std::uint32_t>(result.iterations);
+  islandResiduals().iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }
 
-IslandCertificate& Stepper::islandCertificate() const {
-  return step_.islands[step_.island[island_.indices().front()]].certificate;
+IslandResiduals& Stepper::islandResiduals() const {
+  return step_.islands[step_.island[island_.indices().front()]].residuals;
 }
 
 // Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
-void Stepper::certify(const CoulombResult& result) const {
-  IslandCertificate solved;
+void Stepper::addResiduals(const CoulombResult& result) const {
+  IslandResiduals solved;
   solved.method = nameOf(result.solver);
   solved.signorini = result.signorini;
   solved.coulomb = result.coulomb;
   solved.dissipation = result.dissipation;
   solved.converged = result.converged;
-  certificate::add(islandCertificate(), solved);
+  residuals::add(islandResiduals(), solved);
 }
 
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
@@ -181,7 +181,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
 void Stepper::settle() {
   Movers after = island_.movers();
   Touching touching = touching_;
-  certify(kickAtInstant(touching, after, 0.0, Friction::Free));
+  addResiduals(kickAtInstant(touching, after, 0.0, Friction::Free));
   island_.setTwists(after);
   for (std::size_t k = 0; k < touching_.points.size(); ++k)
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;

@@ -178,7 +178,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
 
 bool Stepper::run() {
   const std::vector<BodyMotion> start = island_.save();
-  const IslandCertificate certified = islandCertificate();
+  const IslandResiduals before_solves = islandResiduals();
   touching_ = find(now_);
   expectLastForces(step_.contacts, touching_);
   double turn = 0.0;
@@ -208,11 +208,11 @@ bool Stepper::run() {
       stops_.push_back(segment.slip_left.of);
       cutAtStop(tau, segment);
     }
-    certify(segment.first);
-    certify(segment.second);
-    if (promoted_ && !islandCertificate().converged) {
+    addResiduals(segment.first);
+    addResiduals(segment.second);
+    if (promoted_ && !islandResiduals().converged) {
       island_.restore(start);
-      islandCertificate() = certified;
+      islandResiduals() = before_solves;
       return false;
     }
     island_.restore(segment.end);

@@ -81,8 +81,8 @@ class Stepper {
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;
-  IslandCertificate& islandCertificate() const;
-  void certify(const CoulombResult& result) const;
+  IslandResiduals& islandResiduals() const;
+  void addResiduals(const CoulombResult& result) const;
 
   Context& context_;
   StepStore& step_;

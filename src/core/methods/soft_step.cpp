@@ -93,12 +93,12 @@ class Solver {
     contacts_.find(t0_, dt_, h_);
     lanes_.take();
     if constexpr (kRolling) rolling_ = rolling::find(context_.scene, contacts_);
-    findWedged();
+    findDeepIslands();
   }
   void goOn();
   void end() { lanes_.giveBack(); }
   void rebound();
-  void holdWedged();
+  void limitEnergy();
   void store() { contacts_.store(h_, h_full_); }
   int subStepCount() const { return sub_steps_; }
 
@@ -108,22 +108,22 @@ class Solver {
   [[gnu::always_inline]] void kick();
   [[gnu::always_inline]] void drift();
   void solveRolling();
-  void findWedged();
+  void findDeepIslands();
 
   // An island in which bodies overlap deeply, and what it may do.
-  struct Wedged {
+  struct DeepIsland {
     Index island;
     double energy;           // kinetic, at the start of the step, J
     double led_speed = 0.0;  // of the fastest led body that pushes it, m/s
   };
   double kineticEnergy(const SolverBody& s) const;
-  Wedged* wedgedIslandOf(const SolverBody& s);
+  DeepIsland* deepIslandOf(const SolverBody& s);
 
   Context& context_;
   SolverContacts contacts_;
   ContactLanes lanes_;
   std::vector<rolling::Row> rolling_;
-  std::vector<Wedged> wedged_;  // by island
+  std::vector<DeepIsland> deep_islands_;  // by island
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
@@ -233,48 +233,48 @@ double Solver<kRolling>::kineticEnergy(const SolverBody& s) const {
 // overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what bodies that
 // are led may give it.
 template <bool kRolling>
-void Solver<kRolling>::findWedged() {
+void Solver<kRolling>::findDeepIslands() {
   const StepStore& step = context_.step;
   const auto& traits = context_.scene.bodies.traits;
-  std::set<Index> wedged;  // islands
+  std::set<Index> found;  // islands
   for (const SolverBlock& block : contacts_.blocks) {
     const auto points = contacts_.points.begin() + block.first;
     const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     const double deep = kDeep * std::min(traits[i.body].length, traits[j.body].length);
     if (std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
-      wedged.insert(step.island[i.inv_mass > 0.0 ? i.body : j.body]);
+      found.insert(step.island[i.inv_mass > 0.0 ? i.body : j.body]);
   }
   for (const SolverBody& s : contacts_.bodies)
-    if (s.inv_mass > 0.0 && step.isCrowded(s.body)) wedged.insert(step.island[s.body]);
-  for (const Index island : wedged) wedged_.push_back({island, 0.0});
-  if (wedged_.empty()) return;
+    if (s.inv_mass > 0.0 && step.isCrowded(s.body)) found.insert(step.island[s.body]);
+  for (const Index island : found) deep_islands_.push_back({island, 0.0});
+  if (deep_islands_.empty()) return;
   for (const SolverBody& s : contacts_.bodies)
-    if (Wedged* island = wedgedIslandOf(s)) island->energy += kineticEnergy(s);
+    if (DeepIsland* island = deepIslandOf(s)) island->energy += kineticEnergy(s);
   for (const SolverBlock& block : contacts_.blocks) {
     const SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     for (const auto& [led, pushed] : {std::pair(&i, &j), std::pair(&j, &i)})
-      if (Wedged* island = led->inv_mass > 0.0 || led->still ? nullptr : wedgedIslandOf(*pushed))
+      if (DeepIsland* island = led->inv_mass > 0.0 || led->still ? nullptr : deepIslandOf(*pushed))
         island->led_speed = std::max(island->led_speed, led->v.norm() + led->reach * led->w.norm());
   }
 }
 
 template <bool kRolling>
-typename Solver<kRolling>::Wedged* Solver<kRolling>::wedgedIslandOf(const SolverBody& s) {
+typename Solver<kRolling>::DeepIsland* Solver<kRolling>::deepIslandOf(const SolverBody& s) {
   if (s.inv_mass == 0.0) return nullptr;
   const Index island = context_.step.island[s.body];
-  const auto known = std::lower_bound(wedged_.begin(), wedged_.end(), island,
-                                      [](const Wedged& wedged, Index k) { return wedged.island < k; });
-  return known != wedged_.end() && known->island == island ? &*known : nullptr;
+  const auto known = std::lower_bound(deep_islands_.begin(), deep_islands_.end(), island,
+                                      [](const DeepIsland& deep, Index k) { return deep.island < k; });
+  return known != deep_islands_.end() && known->island == island ? &*known : nullptr;
 }
 
 // Takes the energy from the motions about the common centre first, which keeps the momentum.
 template <bool kRolling>
-void Solver<kRolling>::holdWedged() {
-  for (Wedged& island : wedged_) {
+void Solver<kRolling>::limitEnergy() {
+  for (DeepIsland& island : deep_islands_) {
     double mass = 0.0, energy = 0.0;
     Vec3 momentum = Vec3::Zero();
     for (const SolverBody& s : contacts_.bodies) {
-      if (wedgedIslandOf(s) != &island) continue;
+      if (deepIslandOf(s) != &island) continue;
       const Load& load = context_.step.load[s.body];
       island.energy += load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
       mass += 1.0 / s.inv_mass, momentum += s.v / s.inv_mass, energy += kineticEnergy(s);
@@ -286,7 +286,7 @@ void Solver<kRolling>::holdWedged() {
     const double share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
     const double rest = together > most ? std::sqrt(most / together) : 1.0;
     for (SolverBody& s : contacts_.bodies)
-      if (wedgedIslandOf(s) == &island) s.v = rest * common + share * (s.v - common), s.w *= share;
+      if (deepIslandOf(s) == &island) s.v = rest * common + share * (s.v - common), s.w *= share;
   }
 }
 
@@ -299,7 +299,7 @@ void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1)
   for (int k = 0; k < solver.subStepCount(); ++k) solver.goOn();
   solver.end();
   if (built::restitution && context.scene.effects[Effect::Restitution]) solver.rebound();
-  solver.holdWedged();
+  solver.limitEnergy();
   clock.charge(kSolve);
   solver.store();
   clock.charge(kStore);

@@ -2,9 +2,9 @@
 #include "methods/solver_contacts.h"
 
 #include "algebra.h"
-#include "certificate.h"
 #include "fidelity.h"
 #include "narrowphase/collide.h"
+#include "residuals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -220,8 +220,7 @@ void SolverContacts::store(double h, double h_full) {
   }
   Contacts& contacts = context_.step.contacts;
   for (const Index k : batch_.pairs) context_.step.dropTouches(k);
-  for (const auto& [k, touch] : opened_)
-    context_.step.earlier.add(contacts.pairs[k].id_i, contacts.pairs[k].id_j, touch);
+  context_.step.earlier.add(opened_, contacts.pairs);
   for (const SolverBlock& block : blocks) {
     ContactPair& pair = contacts.pairs[block.pair];
     pair.first = static_cast<Index>(contacts.touches.size());
@@ -234,7 +233,7 @@ void SolverContacts::store(double h, double h_full) {
       touch.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
       contacts.touches.push_back(touch);
     }
-    certify(block);
+    addResiduals(block);
   }
 }
 
@@ -252,11 +251,11 @@ Touch SolverContacts::touchOf(const SolverBlock& block, const SolverPoint& point
 }
 
 // How far the points of a block are from the law of contact after the last sub-step.
-void SolverContacts::certify(const SolverBlock& block) const {
+void SolverContacts::addResiduals(const SolverBlock& block) const {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const double gravity = context_.scene.gravity_W.norm();
   const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
-  IslandCertificate solved;
+  IslandResiduals solved;
   solved.method = "soft_step";
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
@@ -276,7 +275,7 @@ void SolverContacts::certify(const SolverBlock& block) const {
     solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
   }
   const Index mover = context_.step.island[i.body] == kNone ? j.body : i.body;
-  certificate::add(context_.step.islands[context_.step.island[mover]].certificate, solved);
+  residuals::add(context_.step.islands[context_.step.island[mover]].residuals, solved);
 }
 
 }  // namespace rbs

@@ -100,7 +100,7 @@ class SolverContacts {
   bool hasDrifted(const SolverBlock& block) const;
   static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
   Touch touchOf(const SolverBlock& block, const SolverPoint& point) const;
-  void certify(const SolverBlock& block) const;
+  void addResiduals(const SolverBlock& block) const;
 
   Context& context_;
   const IslandBatch& batch_;

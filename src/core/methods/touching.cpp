@@ -120,8 +120,7 @@ Touch touchOf(const TouchingPoint& point, const Vec3& n_W) {
   touch.p_W = point.p_W;
   touch.n_W = n_W;
   touch.separation = point.gap;
-  touch.normal_impulse = point.impulse_W.dot(n_W);
-  touch.friction_impulse_W = point.impulse_W - touch.normal_impulse * n_W;
+  touch.setImpulse(point.impulse_W);
   return touch;
 }
 
@@ -158,8 +157,7 @@ void storeTouching(const Touching& touching, const PairTouches& opened, const st
                    StepStore& step) {
   Contacts& contacts = step.contacts;
   for (const Index k : pairs) step.dropTouches(k), contacts.pairs[k].exact = true;
-  for (const auto& [k, touch] : opened)
-    step.earlier.add(contacts.pairs[k].id_i, contacts.pairs[k].id_j, touch);
+  step.earlier.add(opened, contacts.pairs);
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
