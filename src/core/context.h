@@ -8,7 +8,7 @@
 
 #include "bodies.h"
 #include "census.h"
-#include "contacts.h"
+#include "contact.h"
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
 
@@ -84,7 +84,7 @@ struct SceneStore {
   std::vector<TimedWrench> wrenches;
   std::vector<BodyGrab> grabs;
   std::vector<BodyHold> holds;
-  Contacts contacts;       ///< of the last step, and those of bodies asleep
+  Contacts contacts;
   std::vector<Rest> rest;  ///< by body; empty unless some rest
   Sweep sweep;             ///< of the broad phase
   double time = 0.0;
@@ -115,20 +115,6 @@ struct Load {
   Vec3 torque_W = Vec3::Zero();  ///< about the centre of mass, N m
 };
 
-/// How a pair takes part in a step.
-enum class Standing : char {
-  Open,     ///< may touch
-  Contact,  ///< touched when the step began, or came to stay together since
-  Awaited,  ///< left out of the contact solve until its pending impact
-  Apart,    ///< known not to touch in this step, unless an impact changes a course
-  Parting,  ///< overlaps deeply in a crowd: moved apart, and left out of impacts and contacts (overlaps.h)
-};
-
-/// Whether the contact solver must look at a pair.
-inline bool mayTouch(Standing standing) {
-  return standing == Standing::Open || standing == Standing::Contact;
-}
-
 /// An impact that has been located but not yet reached.
 struct PendingImpact {
   double time;
@@ -155,13 +141,13 @@ class Slots {
   std::vector<Index> filled_;
 };
 
-/// Bodies that contacts tie together, and the contacts. One body without contacts is in flight.
+/// Dynamic bodies that contacts connect, and the contacts. One body without contacts is in flight.
 struct Island {
-  std::vector<Index> bodies;  ///< movers only
-  std::vector<Index> pairs;   ///< in step.contacts.pairs
-  bool contact = false;       ///< some of the pairs touch: Standing::Contact
-  double time = 0.0;          ///< how far it has been advanced
-  bool exact = false;         ///< its contacts are solved by the exact step
+  std::vector<Index> bodies;
+  std::vector<Index> contacts;  ///< in scene.contacts.active
+  bool touching = false;        ///< some of the contacts touch
+  double time = 0.0;            ///< how far it has been advanced
+  bool exact = false;           ///< the exact step solves its contacts
   IslandResiduals residuals;
 };
 
@@ -172,12 +158,8 @@ struct StepStore {
   Vec3 air;                            ///< velocity of the air where there is drag, m/s
   std::vector<double> submerged;       ///< by body: share of its volume in the fluid; empty without a fluid
   std::vector<Bounds> bounds;          ///< by body: where it may be during the step
-  Contacts contacts;                   ///< candidate pairs; touches are added as they are solved
-  Index inherited = 0;                 ///< how many of the touches come from the last step
-  EarlierImpulses earlier;             ///< of this step of the World, all its divisions
   std::vector<char> supported;         ///< by body: some contact carried it in the last step
-  std::vector<Standing> standing;      ///< by pair
-  std::vector<char> crowded;           ///< by body: some pair of it is Standing::Parting; empty: of none
+  std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
@@ -197,9 +179,6 @@ struct StepStore {
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
   bool isCrowded(Index i) const { return !crowded.empty() && crowded[i]; }
-  /// Makes room for what a pair's contact is found to be now: keeps the impulses of its touches, if they are
-  /// of this step, and drops the touches.
-  void dropTouches(Index pair);
   /// Whether the time for exact solves is over, where there is a limit to it.
   bool isLate() const { return solve_until && std::chrono::steady_clock::now() >= *solve_until; }
   /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.

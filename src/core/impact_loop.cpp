@@ -25,9 +25,10 @@ class ImpactLoop {
   explicit ImpactLoop(Context& context)
       : context_(context),
         step_(context.step),
-        found_(step_.contacts.pairs.size()),
+        contacts_(context.scene.contacts),
+        found_(contacts_.active.size()),
         neighbourhood_(context.scene.sweep.order, step_.bounds) {
-    const std::uint64_t pairs = step_.contacts.pairs.size();
+    const std::uint64_t pairs = found_;
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
     // is the contact solver's, which stops it and lets it rebound at the end of the step.
@@ -55,9 +56,9 @@ class ImpactLoop {
       }
     }
     // What other impacts have sent off its course is not awaited any more.
-    for (Index k = 0; k < step_.contacts.pairs.size(); ++k)
-      if (step_.standing[k] == Standing::Awaited)
-        dismiss(step_.contacts.pairs[k].i, step_.contacts.pairs[k].j, false);
+    for (Index k = 0; k < contacts_.active.size(); ++k)
+      if (contacts_.active[k].state.awaitsImpact())
+        dismiss(contacts_.active[k].i, contacts_.active[k].j, false);
   }
 
  private:
@@ -80,7 +81,8 @@ class ImpactLoop {
     constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->pairs.size() > kSmall) cost += island->pairs.size();
+      if (island && island->time < impact.time && island->contacts.size() > kSmall)
+        cost += island->contacts.size();
     if (cost > cut_budget_) return false;
     cut_budget_ -= cost;
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
@@ -94,7 +96,7 @@ class ImpactLoop {
       tie(impact.i, impact.j);
       return;
     }
-    const impacts::Outcome outcome = impacts::resolve(context_, impact.i, impact.j, impact.time);
+    const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
     if (outcome == impacts::Outcome::Miss) {
       const auto later = impacts::predict(context_, impact.i, impact.j, impact.time).impact;
       if (later && later->time > impact.time) {
@@ -128,9 +130,10 @@ class ImpactLoop {
 
   // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
   // island of the two.
-  void tie(Index i, Index j, Standing standing = Standing::Contact) {
-    const Index pair = pairOf(i, j);
-    step_.standing[pair] = standing;
+  void tie(Index i, Index j, bool touches = true) {
+    const Index contact = placeOf(i, j);
+    PairState& state = contacts_.active[contact].state;
+    touches ? state.touch() : state.open();
     Index a = step_.island[i], b = step_.island[j];
     if (a == kNone) std::swap(a, b);
     if (b != kNone && a != b) {
@@ -145,57 +148,44 @@ class ImpactLoop {
       // afford.
       const bool exact = settingsOf(context_.scene.settings.fidelity).exact
                              ? kept.exact && gone.exact
-                             : (kept.exact || kept.pairs.empty()) && (gone.exact || gone.pairs.empty()) &&
-                                   (kept.exact || gone.exact);
+                             : (kept.exact || kept.contacts.empty()) &&
+                                   (gone.exact || gone.contacts.empty()) && (kept.exact || gone.exact);
       kept.exact = exact;
       residuals::add(kept.residuals, gone.residuals);
       kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
-      kept.pairs.insert(kept.pairs.end(), gone.pairs.begin(), gone.pairs.end());
-      kept.contact = kept.contact || gone.contact;
+      kept.contacts.insert(kept.contacts.end(), gone.contacts.begin(), gone.contacts.end());
+      kept.touching = kept.touching || gone.touching;
       gone.bodies.clear();
-      gone.pairs.clear();
+      gone.contacts.clear();
     }
-    if (standing == Standing::Contact) step_.islands[a].contact = true;
-    std::vector<Index>& pairs = step_.islands[a].pairs;
-    if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+    Island& island = step_.islands[a];
+    island.touching = island.touching || touches;
+    if (std::find(island.contacts.begin(), island.contacts.end(), contact) == island.contacts.end())
+      island.contacts.push_back(contact);
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
   // known.
   void dismiss(Index i, Index j, bool touches) {
     if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
-      step_.standing[pairOf(i, j)] = Standing::Apart;
+      contacts_.active[placeOf(i, j)].state.separate();
     } else {
-      tie(i, j, Standing::Open);
+      tie(i, j, false);
     }
   }
 
-  // The place of a pair in the list: searched for among the pairs of the broad phase, which are sorted, then
-  // among those added since; added if it is in neither.
-  Index pairOf(Index i, Index j) {
-    std::vector<ContactPair>& pairs = step_.contacts.pairs;
-    const Index known = findPair(i, j);
-    if (known != kNone) return known;
-    ContactPair pair;
-    pair.i = i, pair.j = j;
-    pair.id_i = context_.scene.bodies.id[i], pair.id_j = context_.scene.bodies.id[j];
-    pairs.push_back(pair);
-    step_.standing.push_back(Standing::Open);
-    return static_cast<Index>(pairs.size() - 1);
+  // The place of a contact; it is added where it is not there.
+  Index placeOf(Index i, Index j) {
+    const Index known = contacts_.find(i, j, found_);
+    return known != kNone ? known : contacts_.add(context_.scene.bodies, i, j);
   }
 
-  Index findPair(Index i, Index j) const {
-    const std::vector<ContactPair>& pairs = step_.contacts.pairs;
-    const auto end = pairs.begin() + static_cast<std::ptrdiff_t>(found_);
-    const auto key = std::pair(i, j);
-    const auto it = std::lower_bound(pairs.begin(), end, key,
-                                     [](const ContactPair& pair, const std::pair<Index, Index>& k) {
-                                       return std::pair(pair.i, pair.j) < k;
-                                     });
-    if (it != end && std::pair(it->i, it->j) == key) return static_cast<Index>(it - pairs.begin());
-    for (std::size_t k = found_; k < pairs.size(); ++k)
-      if (pairs[k].i == i && pairs[k].j == j) return static_cast<Index>(k);
-    return kNone;
+  // Where the impulses of an impact are kept. It may be one of a pair that was too far apart for a contact
+  // when the step began.
+  Contact& contactOf(const PendingImpact& impact) {
+    const Index known = contacts_.find(impact.i, impact.j, found_);
+    return known != kNone ? contacts_.active[known]
+                          : contacts_.dormantOf(context_.scene.bodies, impact.i, impact.j);
   }
 
   // Finds what body i will meet on its new course.
@@ -211,15 +201,15 @@ class ImpactLoop {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
       return;
     if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::find()
-    const Index pair = findPair(std::min(i, j), std::max(i, j));
-    const Standing standing = pair == kNone ? Standing::Open : step_.standing[pair];
-    if (standing == Standing::Parting) return;
-    if (standing == Standing::Contact && context_.scene.restitutionOf(i, j) == 0.0) return;
+    const Index place = contacts_.find(std::min(i, j), std::max(i, j), found_);
+    PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
+    if (state && state->isDepenetrating()) return;
+    if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
     const impacts::Outlook outlook = impacts::predict(context_, i, j, std::max(from, step_.timeOf(j)));
     if (outlook.impact) {
       queue_.push(*outlook.impact);
-      if (pair != kNone) step_.standing[pair] = Standing::Awaited;
-    } else if (standing == Standing::Awaited || (standing == Standing::Apart && outlook.touches)) {
+      if (state) state->awaitImpact();
+    } else if (state && (state->awaitsImpact() || (state->isSeparated() && outlook.touches))) {
       dismiss(std::min(i, j), std::max(i, j), outlook.touches);  // what it waited for will not come
     }
   }
@@ -241,6 +231,7 @@ class ImpactLoop {
 
   Context& context_;
   StepStore& step_;
+  Contacts& contacts_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   Neighbourhood neighbourhood_;
   std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;

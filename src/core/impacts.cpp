@@ -40,7 +40,7 @@ double lengthOf(const Bodies& bodies, Index i, Index j) {
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const auto in_contact = [&](Index k) {
-    return step.island[k] != kNone && step.islands[step.island[k]].contact;
+    return step.island[k] != kNone && step.islands[step.island[k]].touching;
   };
   const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
   const bool exact = free || settingsOf(context.scene.settings.fidelity).exact;
@@ -145,41 +145,41 @@ bool isFree(const Context& context, Index i) {
   const StepStore& step = context.step;
   if (!bodies.traits[i].moved_by_forces()) return true;
   if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
-  if (step.island[i] != kNone && step.islands[step.island[i]].contact) return false;
+  if (step.island[i] != kNone && step.islands[step.island[i]].touching) return false;
   return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic ||
          bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
 }
 
 void find(Context& context) {
   StepStore& step = context.step;
-  const std::vector<ContactPair>& pairs = step.contacts.pairs;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const ContactPair& pair = pairs[k];
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      if (step.contacts.touches[t].normal == 0.0 || step.standing[k] == Standing::Parting) continue;
-      step.standing[k] = Standing::Contact;
-      for (const Index i : {pair.i, pair.j})
-        step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
-    }
+  std::vector<Contact>& contacts = context.scene.contacts.active;
+  for (Contact& contact : contacts) {
+    const auto pushed = [](const SolvedPoint& point) { return point.normal != 0.0; };
+    if (contact.state.isDepenetrating() || std::none_of(contact.points.begin(), contact.points.end(), pushed))
+      continue;
+    contact.state.touch();
+    for (const Index i : {contact.i, contact.j})
+      step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
   }
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
   // number.
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const auto [i, j] = std::pair(pairs[k].i, pairs[k].j);
-    if (step.standing[k] == Standing::Parting || (step.isCrowded(i) && step.isCrowded(j))) continue;
-    if (step.standing[k] == Standing::Contact && context.scene.restitutionOf(i, j) == 0.0) continue;
+  for (Contact& contact : contacts) {
+    const auto [i, j] = std::pair(contact.i, contact.j);
+    if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) continue;
+    if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) continue;
     const Outlook outlook = predict(context, i, j, step.t0);
     if (outlook.impact) {
       step.impacts.push_back(*outlook.impact);
-      step.standing[k] = Standing::Awaited;
+      contact.state.awaitImpact();
     } else if (!outlook.touches && isFree(context, i) && isFree(context, j)) {
-      step.standing[k] = Standing::Apart;
+      contact.state.separate();
     }
   }
 }
 
-Outcome resolve(Context& context, Index i, Index j, double time) {
+Outcome resolve(Context& context, Contact& contact, double time) {
   Bodies& bodies = context.scene.bodies;
+  const Index i = contact.i, j = contact.j;
   Meeting meeting(context, i, j, time);
   const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
   const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
@@ -189,12 +189,12 @@ Outcome resolve(Context& context, Index i, Index j, double time) {
       collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
   for (int k = 0; k < meeting.manifold.size; ++k) {
     const ManifoldPoint& point = meeting.manifold.points[k];
-    Touch touch;
-    touch.feature = point.feature;
-    touch.p_W = point.p_W, touch.n_W = meeting.manifold.n_W;
-    touch.separation = point.separation;
-    touch.setImpulse(impulses_W[k]);
-    context.step.earlier.add(bodies.id[i], bodies.id[j], touch);
+    SolvedPoint solved;
+    solved.feature = point.feature;
+    solved.p_W = point.p_W, solved.n_W = meeting.manifold.n_W;
+    solved.separation = point.separation;
+    solved.setImpulse(impulses_W[k]);
+    contact.addEarlier(solved);
   }
   bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
   bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;

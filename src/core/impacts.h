@@ -9,8 +9,8 @@
 
 namespace rbs::impacts {
 
-/// Finds the pairs that will impact during the step, and takes them out of the contact solve
-/// (Standing::Awaited), as those that will not even touch (Standing::Apart).
+/// Finds the pairs that will impact during the step, and takes them out of the contact solve with those that
+/// will not even touch.
 void find(Context& context);
 
 /// What is predicted of a pair from some time to the end of the step.
@@ -29,7 +29,8 @@ enum class Outcome {
   Stay,     ///< they stay together: from here on a contact
   Miss,     ///< they are not where they were expected
 };
-/// Resolves the impact of i and j at `time`.
-Outcome resolve(Context& context, Index i, Index j, double time);
+/// Resolves the impact of the two bodies of a contact at `time`. Its impulses are those of earlier in the
+/// step.
+Outcome resolve(Context& context, Contact& contact, double time);
 
 }  // namespace rbs::impacts

@@ -50,7 +50,7 @@ void append(std::vector<Index>& to, const std::vector<Index>& from) {
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
-  if (batch.pairs.empty()) {
+  if (batch.contacts.empty()) {
     flight::advance(context, batch, t0, t1);
   } else if (!exact || !exact_step::advance(context, batch, t0, t1)) {
     soft_step::advance(context, batch, t0, t1);
@@ -60,7 +60,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 // Whether an island is advanced by sub-steps of its own.
 bool isHasty(const Context& context, const Island& island) {
   const std::uint32_t sub_steps = settingsOf(context.scene.settings.fidelity).sub_steps;
-  return soft_step::subStep(context, island.pairs) < context.step.h() / sub_steps;
+  return soft_step::subStep(context, island.contacts) < context.step.h() / sub_steps;
 }
 
 // What is left of the step. Islands that no impact has cut are advanced together, by method.
@@ -68,48 +68,41 @@ void finish(Context& context) {
   StepStore& step = context.step;
   IslandBatch flyers, touching;
   for (Island& island : step.islands) {
-    const bool alone = !island.pairs.empty() && (island.exact || isHasty(context, island));
+    const bool alone = !island.contacts.empty() && (island.exact || isHasty(context, island));
     if (island.time > step.t0 || alone) {
       bringTo(context, island, step.t1);
     } else {
-      IslandBatch& batch = island.pairs.empty() ? flyers : touching;
+      IslandBatch& batch = island.contacts.empty() ? flyers : touching;
       append(batch.bodies, island.bodies);
-      append(batch.pairs, island.pairs);
+      append(batch.contacts, island.contacts);
       island.time = step.t1;
     }
-    step.report.flying += island.pairs.empty() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
-    step.report.islands += island.pairs.empty() ? 0 : 1;
+    step.report.flying += island.contacts.empty() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
+    step.report.islands += island.contacts.empty() ? 0 : 1;
   }
-  std::sort(touching.pairs.begin(), touching.pairs.end());
+  std::sort(touching.contacts.begin(), touching.contacts.end());
   advanceBatch(context, flyers, false, step.t0, step.t1);
   advanceBatch(context, touching, false, step.t0, step.t1);
 }
 
-// Leaves a pair to the contact solver from the start of the step.
-void openPair(StepStore& step, const Bodies& bodies, Index i, Index j) {
-  std::vector<ContactPair>& pairs = step.contacts.pairs;
-  ContactPair pair;
-  pair.i = i, pair.j = j, pair.id_i = bodies.id[i], pair.id_j = bodies.id[j];
-  const auto place =
-      std::lower_bound(pairs.begin(), pairs.end(), pair,
-                       [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
-  const std::ptrdiff_t k = place - pairs.begin();
-  if (place == pairs.end() || place->key() != pair.key()) {
-    pairs.insert(place, pair);
-    step.standing.insert(step.standing.begin() + k, Standing::Open);
-  }
-  step.standing[static_cast<std::size_t>(k)] = Standing::Open;
-}
+// What a step changes, as it is before any body moves.
+struct Beginning {
+  Contacts contacts;
+  std::vector<Bounds> bounds;
+  StepReport report;
+};
 
-// Puts the step back to where it was before any body moved, but for these pairs, which contacts are to solve
-// with.
-void beginAgain(Context& context, const StepStore& begun, const std::vector<std::pair<Index, Index>>& pairs) {
+// Puts the step back to its beginning, but for these pairs, which contacts are to solve with.
+void beginAgain(Context& context, Beginning& beginning, const std::vector<std::pair<Index, Index>>& pairs) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
   for (const Index i : context.scene.rosters.movers)
     bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
-  step = begun;
-  for (const auto& [i, j] : pairs) openPair(step, bodies, i, j);
+  for (const auto& [i, j] : pairs) beginning.contacts.open(bodies, i, j);
+  context.scene.contacts = beginning.contacts;
+  step.bounds = beginning.bounds;
+  step.report = beginning.report;
+  std::fill(step.stamp.begin(), step.stamp.end(), 0);
   step.islands.clear();
   link(context);
 }
@@ -119,28 +112,27 @@ bool mayOverlook(const Context& context) {
   const StepStore& step = context.step;
   if (!settingsOf(context.scene.settings.fidelity).exact || context.scene.rosters.movers.size() < 2)
     return false;
-  const auto stays = [&](const ContactPair& pair) {
-    return context.scene.restitutionOf(pair.i, pair.j) == 0.0;
+  const std::vector<Contact>& contacts = context.scene.contacts.active;
+  const auto stays = [&](const Contact& contact) {
+    return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
   };
-  const auto inContact = [](const Island& island) { return !island.pairs.empty(); };
+  const auto inContact = [](const Island& island) { return !island.contacts.empty(); };
   return std::any_of(step.islands.begin(), step.islands.end(), inContact) ||
-         (!step.impacts.empty() &&
-          std::any_of(step.contacts.pairs.begin(), step.contacts.pairs.end(), stays));
+         (!step.impacts.empty() && std::any_of(contacts.begin(), contacts.end(), stays));
 }
 
 // Contacts push bodies off the courses on which they were predicted to pass others. Where that makes a pair
 // overlap, the step is taken again with this pair among the contacts.
 void advanceOverlookingNone(Context& context) {
   constexpr int kMostTimes = 8;  // each push may reach one body further
-  StepStore begun = context.step;
+  Beginning beginning{context.scene.contacts, context.step.bounds, context.step.report};
   for (int times = 1;; ++times) {
     takeImpacts(context);
     finish(context);
     if (times == kMostTimes || context.step.isLate()) return;
     const std::vector<std::pair<Index, Index>> overlooked = findOverlooked(context);
     if (overlooked.empty()) return;
-    beginAgain(context, begun, overlooked);
-    begun = context.step;
+    beginAgain(context, beginning, overlooked);
   }
 }
 
@@ -153,7 +145,7 @@ void moveLedBodies(Context& context) {
 }  // namespace
 
 void bringTo(Context& context, Island& island, double time) {
-  advanceBatch(context, {island.bodies, island.pairs}, island.exact, island.time, time);
+  advanceBatch(context, {island.bodies, island.contacts}, island.exact, island.time, time);
   island.time = std::max(island.time, time);
 }
 
@@ -171,10 +163,9 @@ void link(Context& context) {
   DisjointSets sets(n);
   std::vector<char> mover(n, 0);
   for (const Index i : context.scene.rosters.movers) mover[i] = 1;
-  const std::vector<ContactPair>& pairs = step.contacts.pairs;
-  for (std::size_t k = 0; k < pairs.size(); ++k)
-    if (mayTouch(step.standing[k]) && mover[pairs[k].i] && mover[pairs[k].j])
-      sets.unite(pairs[k].i, pairs[k].j);
+  const std::vector<Contact>& contacts = context.scene.contacts.active;
+  for (const Contact& contact : contacts)
+    if (contact.state.isSolved() && mover[contact.i] && mover[contact.j]) sets.unite(contact.i, contact.j);
 
   for (const Index i : context.scene.rosters.movers) {
     const Index root = sets.root(i);
@@ -185,19 +176,20 @@ void link(Context& context) {
     step.island[i] = step.island[root];
     step.islands[step.island[i]].bodies.push_back(i);
   }
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (!mayTouch(step.standing[k])) continue;
-    const Index body = mover[pairs[k].i] ? pairs[k].i : pairs[k].j;
+  for (Index k = 0; k < contacts.size(); ++k) {
+    const Contact& contact = contacts[k];
+    if (!contact.state.isSolved()) continue;
+    const Index body = mover[contact.i] ? contact.i : contact.j;
     if (!mover[body]) continue;
     Island& island = step.islands[step.island[body]];
-    island.pairs.push_back(static_cast<Index>(k));
-    island.contact = island.contact || step.standing[k] == Standing::Contact;
+    island.contacts.push_back(k);
+    island.touching = island.touching || contact.state.isTouching();
   }
   const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   for (Island& island : step.islands)
     island.exact =
         !overlaps::ruleOver(context, island) &&
-        (settings.exact || (settings.promotes && !island.pairs.empty() && isPromoted(context, island)));
+        (settings.exact || (settings.promotes && !island.contacts.empty() && isPromoted(context, island)));
 }
 
 void advance(Context& context) {

@@ -27,31 +27,31 @@ constexpr Index kFewToSolve = 32;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
 
-double depthOf(const StepStore& step, const ContactPair& pair) {
+double depthOf(const Contact& contact) {
   double depth = 0.0;
-  for (Index t = pair.first; t < pair.first + pair.size; ++t)
-    depth = std::max(depth, -step.contacts.touches[t].separation);
+  for (const SolvedPoint& point : contact.points) depth = std::max(depth, -point.separation);
   return depth;
 }
 
-double lengthOf(const Bodies& bodies, const ContactPair& pair) {
-  return std::min(bodies.traits[pair.i].length, bodies.traits[pair.j].length);
+double lengthOf(const Bodies& bodies, const Contact& contact) {
+  return std::min(bodies.traits[contact.i].length, bodies.traits[contact.j].length);
 }
 
 // By how much the balls inscribed in two bodies overlap, m; negative when they are apart.
-double inscribedOverlap(const Bodies& bodies, const ContactPair& pair) {
-  return innerRadius(bodies.traits[pair.i].shape) + innerRadius(bodies.traits[pair.j].shape) -
-         (bodies.pose[pair.i].p_WB - bodies.pose[pair.j].p_WB).norm();
+double inscribedOverlap(const Bodies& bodies, const Contact& contact) {
+  return innerRadius(bodies.traits[contact.i].shape) + innerRadius(bodies.traits[contact.j].shape) -
+         (bodies.pose[contact.i].p_WB - bodies.pose[contact.j].p_WB).norm();
 }
 
 // Surely, without a look at the shapes.
-bool shareACentre(const Bodies& bodies, const ContactPair& pair) {
-  const double radii = innerRadius(bodies.traits[pair.i].shape) + innerRadius(bodies.traits[pair.j].shape);
-  return inscribedOverlap(bodies, pair) > kInscribed * radii;
+bool shareACentre(const Bodies& bodies, const Contact& contact) {
+  const double radii =
+      innerRadius(bodies.traits[contact.i].shape) + innerRadius(bodies.traits[contact.j].shape);
+  return inscribedOverlap(bodies, contact) > kInscribed * radii;
 }
 
-bool areMovable(const Bodies& bodies, const ContactPair& pair) {
-  return bodies.traits[pair.i].moved_by_forces() && bodies.traits[pair.j].moved_by_forces();
+bool areMovable(const Bodies& bodies, const Contact& contact) {
+  return bodies.traits[contact.i].moved_by_forces() && bodies.traits[contact.j].moved_by_forces();
 }
 
 // Places that fill a disc evenly (H. Vogel, "A better way to construct the sunflower head", Math. Biosci. 44,
@@ -70,12 +70,12 @@ Vec3 upOf(const SceneStore& scene) {
 // What remains of a body's way where something that forces do not move, and that it touches, is in it.
 void keepOut(const Context& context, std::vector<Vec3>& ways) {
   const Bodies& bodies = context.scene.bodies;
-  for (const ContactPair& pair : context.step.contacts.pairs) {
-    if (areMovable(bodies, pair)) continue;
-    const bool first = bodies.traits[pair.i].moved_by_forces();
-    Vec3& way = ways[first ? pair.i : pair.j];
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Vec3 n_W = (first ? 1.0 : -1.0) * context.step.contacts.touches[t].n_W;
+  for (const Contact& contact : context.scene.contacts.active) {
+    if (areMovable(bodies, contact)) continue;
+    const bool first = bodies.traits[contact.i].moved_by_forces();
+    Vec3& way = ways[first ? contact.i : contact.j];
+    for (const SolvedPoint& point : contact.points) {
+      const Vec3 n_W = (first ? 1.0 : -1.0) * point.n_W;
       way -= std::max(0.0, n_W.dot(way)) * n_W;
     }
   }
@@ -83,7 +83,7 @@ void keepOut(const Context& context, std::vector<Vec3>& ways) {
 
 // The way of each body of a crowd: the mean of those away from the bodies that it overlaps, the heavier one
 // of a pair going less far. No longer than what the body may go in the step.
-std::vector<Vec3> waysApart(const Context& context, const std::vector<Index>& crowded) {
+std::vector<Vec3> waysApart(const Context& context, const std::vector<Contact*>& crowded) {
   const Bodies& bodies = context.scene.bodies;
   const Vec3 up = upOf(context.scene);
   const double gravity = context.scene.gravity_W.norm();
@@ -91,17 +91,18 @@ std::vector<Vec3> waysApart(const Context& context, const std::vector<Index>& cr
   const Quat upright = Quat::FromTwoVectors(Vec3::UnitZ(), up);
   std::vector<Vec3> ways(bodies.size(), Vec3::Zero());
   std::vector<Index> others(bodies.size(), 0);
-  for (const Index k : crowded) {
-    const ContactPair& pair = context.step.contacts.pairs[k];
-    const double length = lengthOf(bodies, pair);
-    const Vec3 nudge = kNudge * length * (upright * (placeOnDisc(pair.id_j) - placeOnDisc(pair.id_i)));
-    const Vec3 offset = across * (bodies.pose[pair.j].p_WB - bodies.pose[pair.i].p_WB) + nudge;
+  for (const Contact* crowding : crowded) {
+    const Contact& contact = *crowding;
+    const double length = lengthOf(bodies, contact);
+    const Vec3 nudge =
+        kNudge * length * (upright * (placeOnDisc(contact.key.j) - placeOnDisc(contact.key.i)));
+    const Vec3 offset = across * (bodies.pose[contact.j].p_WB - bodies.pose[contact.i].p_WB) + nudge;
     if (offset.isZero(0.0)) continue;
     const Vec3 way = context.step.h() * fallSpeed(gravity, length) * offset.normalized();
-    const double m_i = bodies.traits[pair.i].mass, m_j = bodies.traits[pair.j].mass;
-    ways[pair.i] -= m_j / (m_i + m_j) * way;
-    ways[pair.j] += m_i / (m_i + m_j) * way;
-    ++others[pair.i], ++others[pair.j];
+    const double m_i = bodies.traits[contact.i].mass, m_j = bodies.traits[contact.j].mass;
+    ways[contact.i] -= m_j / (m_i + m_j) * way;
+    ways[contact.j] += m_i / (m_i + m_j) * way;
+    ++others[contact.i], ++others[contact.j];
   }
   for (Index i = 0; i < bodies.size(); ++i)
     if (others[i] > 0) ways[i] /= others[i];
@@ -110,34 +111,30 @@ std::vector<Vec3> waysApart(const Context& context, const std::vector<Index>& cr
 }
 
 // Keeps how deep a pair of a crowd is, for the next step and for readers: the forces are none.
-void keepDepth(Context& context, ContactPair& pair) {
-  const Bodies& bodies = context.scene.bodies;
-  Touch touch;
-  if (shareACentre(bodies, pair)) {
-    touch.separation = -inscribedOverlap(bodies, pair);
-    touch.p_W = 0.5 * (bodies.pose[pair.i].p_WB + bodies.pose[pair.j].p_WB);
+void keepDepth(const Bodies& bodies, Contact& contact) {
+  SolvedPoint point;
+  if (shareACentre(bodies, contact)) {
+    point.separation = -inscribedOverlap(bodies, contact);
+    point.p_W = 0.5 * (bodies.pose[contact.i].p_WB + bodies.pose[contact.j].p_WB);
   } else {
-    const Manifold manifold = collide(bodies.traits[pair.i].shape, bodies.pose[pair.i],
-                                      bodies.traits[pair.j].shape, bodies.pose[pair.j], 0.0);
-    touch.n_W = manifold.n_W;
+    const Manifold manifold = collide(bodies.traits[contact.i].shape, bodies.pose[contact.i],
+                                      bodies.traits[contact.j].shape, bodies.pose[contact.j], 0.0);
+    point.n_W = manifold.n_W;
     for (int p = 0; p < manifold.size; ++p)
-      if (manifold.points[p].separation < touch.separation)
-        touch.separation = manifold.points[p].separation, touch.p_W = manifold.points[p].p_W;
+      if (manifold.points[p].separation < point.separation)
+        point.separation = manifold.points[p].separation, point.p_W = manifold.points[p].p_W;
   }
-  pair.size = 0;
-  if (touch.separation >= 0.0) return;
-  pair.first = static_cast<Index>(context.step.contacts.touches.size());
-  pair.size = 1;
-  pair.exact = false;
-  context.step.contacts.touches.push_back(touch);
+  contact.beginSolve();
+  contact.exact = false;
+  if (point.separation < 0.0) contact.points.push_back(point);
 }
 
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   std::vector<Index> deep;
-  for (const ContactPair& pair : context.step.contacts.pairs)
-    if (pair.first >= context.step.inherited && depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair))
-      for (const Index i : {pair.i, pair.j})
+  for (const Contact& contact : context.scene.contacts.active)
+    if (contact.solved && depthOf(contact) > kDeep * lengthOf(bodies, contact))
+      for (const Index i : {contact.i, contact.j})
         if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
   std::sort(deep.begin(), deep.end());
   deep.erase(std::unique(deep.begin(), deep.end()), deep.end());
@@ -151,9 +148,9 @@ void warn(Context& context) {
 
 }  // namespace
 
-bool isDeep(const Context& context, const ContactPair& pair) {
+bool isDeep(const Context& context, const Contact& contact) {
   const Bodies& bodies = context.scene.bodies;
-  return shareACentre(bodies, pair) || depthOf(context.step, pair) > kDeep * lengthOf(bodies, pair);
+  return shareACentre(bodies, contact) || depthOf(contact) > kDeep * lengthOf(bodies, contact);
 }
 
 Need need(const Census& c) {
@@ -164,18 +161,17 @@ Need need(const Census& c) {
 void find(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  const std::vector<ContactPair>& pairs = step.contacts.pairs;
-  std::vector<Index> deep;
-  for (Index k = 0; k < pairs.size(); ++k)
-    if (areMovable(bodies, pairs[k]) && isDeep(context, pairs[k])) deep.push_back(k);
+  std::vector<Contact*> deep;
+  for (Contact& contact : context.scene.contacts.active)
+    if (areMovable(bodies, contact) && isDeep(context, contact)) deep.push_back(&contact);
   if (deep.size() <= kFew) return;
   std::vector<Index> others(bodies.size(), 0);
-  for (const Index k : deep) ++others[pairs[k].i], ++others[pairs[k].j];
-  for (const Index k : deep) {
-    if (std::min(others[pairs[k].i], others[pairs[k].j]) <= kFew) continue;
-    step.standing[k] = Standing::Parting;
+  for (const Contact* contact : deep) ++others[contact->i], ++others[contact->j];
+  for (Contact* contact : deep) {
+    if (std::min(others[contact->i], others[contact->j]) <= kFew) continue;
+    contact->state.depenetrate();
     step.crowded.resize(bodies.size(), 0);
-    step.crowded[pairs[k].i] = step.crowded[pairs[k].j] = 1;
+    step.crowded[contact->i] = step.crowded[contact->j] = 1;
   }
 }
 
@@ -183,19 +179,18 @@ bool ruleOver(const Context& context, const Island& island) {
   const StepStore& step = context.step;
   if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return step.isCrowded(i); }))
     return true;
-  const auto isDeepPair = [&](Index k) { return isDeep(context, step.contacts.pairs[k]); };
-  return std::count_if(island.pairs.begin(), island.pairs.end(), isDeepPair) > kFewToSolve;
+  const auto isDeepPair = [&](Index k) { return isDeep(context, context.scene.contacts.active[k]); };
+  return std::count_if(island.contacts.begin(), island.contacts.end(), isDeepPair) > kFewToSolve;
 }
 
 void part(Context& context) {
-  StepStore& step = context.step;
-  std::vector<Index> crowded;
-  for (Index k = 0; k < step.contacts.pairs.size(); ++k)
-    if (step.standing[k] == Standing::Parting) crowded.push_back(k);
+  std::vector<Contact*> crowded;
+  for (Contact& contact : context.scene.contacts.active)
+    if (contact.state.isDepenetrating()) crowded.push_back(&contact);
   if (!crowded.empty()) {
     const std::vector<Vec3> ways = waysApart(context, crowded);
     for (const Index i : context.scene.rosters.movers) context.scene.bodies.pose[i].p_WB += ways[i];
-    for (const Index k : crowded) keepDepth(context, step.contacts.pairs[k]);
+    for (Contact* contact : crowded) keepDepth(context.scene.bodies, *contact);
   }
   if (context.scene.just_edited) warn(context);
   context.scene.just_edited = false;

@@ -12,13 +12,13 @@
 
 namespace rbs::overlaps {
 
-/// Whether two bodies overlap so deeply that no contact has made it. By the touches of the last step; bodies
+/// Whether two bodies overlap so deeply that no contact has made it. By the points of the last step; bodies
 /// whose centres nearly coincide are told without them.
-bool isDeep(const Context& context, const ContactPair& pair);
+bool isDeep(const Context& context, const Contact& contact);
 
 Need need(const Census& census);
 
-/// Finds the pairs of crowds (Standing::Parting).
+/// Finds the pairs of crowds (PairState::isDepenetrating).
 void find(Context& context);
 
 /// Whether overlaps decide how an island moves, and not forces that an exact solve could find: some of its

@@ -17,11 +17,10 @@ constexpr double kClosed = 1e-7;  // of the smaller length: an overlap below it 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
 // Those that the contact solver has looked at, or is not to look at.
-Pairs knownPairs(const StepStore& step) {
+Pairs knownPairs(const Contacts& contacts) {
   Pairs known;
-  for (std::size_t k = 0; k < step.contacts.pairs.size(); ++k)
-    if (mayTouch(step.standing[k]) || step.standing[k] == Standing::Parting)
-      known.emplace_back(step.contacts.pairs[k].i, step.contacts.pairs[k].j);
+  for (const Contact& contact : contacts.active)
+    if (contact.state.isSolved() || contact.state.isDepenetrating()) known.emplace_back(contact.i, contact.j);
   std::sort(known.begin(), known.end());
   return known;
 }
@@ -44,14 +43,14 @@ Pairs findOverlooked(const Context& context) {
   const StepStore& step = context.step;
   std::vector<Index> pushed;
   for (const Island& island : step.islands)
-    if (!island.pairs.empty() && island.exact)
+    if (!island.contacts.empty() && island.exact)
       pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
   if (pushed.empty()) return {};
   std::vector<Bounds> bounds = step.bounds;
   Neighbourhood neighbourhood(scene.sweep.order, bounds);
   for (const Index i : pushed) neighbourhood.move(i, sweptBounds(scene.bodies, {}, i, 0.0));
 
-  const Pairs known = knownPairs(step);
+  const Pairs known = knownPairs(scene.contacts);
   Pairs found;
   const auto look = [&](Index a, Index b) {
     const Index i = std::min(a, b), j = std::max(a, b);

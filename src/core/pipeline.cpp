@@ -42,8 +42,8 @@ template <auto kRoster>
 Items bodiesOn(const SceneStore& scene, const StepStore&) {
   return {(scene.rosters.*kRoster).size(), "bodies"};
 }
-Items candidates(const SceneStore&, const StepStore& step) {
-  return {step.contacts.pairs.size(), "pairs"};
+Items candidates(const SceneStore& scene, const StepStore&) {
+  return {scene.contacts.active.size(), "pairs"};
 }
 Items points(const SceneStore&, const StepStore& step) {
   return {step.report.contacts, "points"};
@@ -124,18 +124,14 @@ struct Part {
 
 Items frictionPairs(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
-    n += i != kNone && j != kNone && scene.frictionOf(i, j) > 0.0;
-  }
+  for (const Contact* contact : scene.contacts.withPoints())
+    n += scene.frictionOf(scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j)) > 0.0;
   return {n, "pairs"};
 }
 Items rollingPairs(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
-    n += i != kNone && j != kNone && rolling::resists(scene, i, j);
-  }
+  for (const Contact* contact : scene.contacts.withPoints())
+    n += rolling::resists(scene, scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j));
   return {n, "pairs"};
 }
 Items impactCount(const SceneStore&, const StepStore& step) {
@@ -183,10 +179,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   airless.clear();
   submerged.clear();
   bounds.resize(n);
-  contacts.clear();
-  inherited = 0;
   supported.assign(n, 0);
-  standing.clear();
   crowded.clear();
   impacts.clear();
   stamp.assign(n, 0);
@@ -200,12 +193,6 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   twist_before.assign(scene.bodies.twist.begin(),
                       scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
   report = {};
-}
-
-void StepStore::dropTouches(Index k) {
-  ContactPair& pair = contacts.pairs[k];
-  if (pair.first >= inherited) earlier.add(pair, contacts.touches);
-  pair.size = 0;
 }
 
 void Pipeline::filter(const Census& census) {

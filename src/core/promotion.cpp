@@ -29,15 +29,15 @@ struct Stiffness {
 constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
 
 // The most contacts on the shortest way from a body to something that forces do not move.
-std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) {
+std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
   const Bodies& bodies = context.scene.bodies;
-  const auto& list = context.step.contacts.pairs;
+  const auto& list = context.scene.contacts.active;
   std::map<Index, std::uint32_t> level;  // of bodies that are known to stand on something
   std::uint32_t height = 0;
   // Pairs are few (kStay.pairs) and levels fewer: relaxed until nothing changes.
   for (bool changed = true; changed;) {
     changed = false;
-    for (const Index k : pairs) {
+    for (const Index k : contacts) {
       for (const auto& [a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
         if (!bodies.traits[b].moved_by_forces()) continue;
         const bool moves = bodies.traits[a].moved_by_forces();
@@ -59,16 +59,17 @@ std::uint32_t heightOf(const Context& context, const std::vector<Index>& pairs) 
 
 bool isPromoted(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
-  const auto& list = context.step.contacts.pairs;
+  const auto& list = context.scene.contacts.active;
   std::vector<Index> touching;
   bool was_exact = false;
-  for (const Index k : island.pairs) {
+  for (const Index k : island.contacts) {
     was_exact = was_exact || list[k].exact;
-    if (context.step.standing[k] == Standing::Contact) touching.push_back(k);
+    if (list[k].state.isTouching()) touching.push_back(k);
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
-  if (touching.empty()) touching = island.pairs;  // nothing is known yet of bodies that have just been made
-  if (island.pairs.size() > bounds.pairs) return false;
+  if (touching.empty())
+    touching = island.contacts;  // nothing is known yet of bodies that have just been made
+  if (island.contacts.size() > bounds.pairs) return false;
   const double gravity = context.scene.gravity_W.norm();
   for (const Index i : island.bodies) {
     const Traits& t = bodies.traits[i];

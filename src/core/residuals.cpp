@@ -35,13 +35,12 @@ void checkIslands(Context& context) {
   for (Island& island : step.islands) {
     IslandResiduals& residuals = island.residuals;
     if (*residuals.method == 0) continue;
-    for (const Index k : island.pairs) {
-      const ContactPair& pair = step.contacts.pairs[k];
-      if (pair.first < step.inherited) continue;
-      residuals.contacts += pair.size;
-      for (Index t = pair.first; t < pair.first + pair.size; ++t)
-        residuals.deepest_penetration =
-            std::max(residuals.deepest_penetration, -step.contacts.touches[t].separation);
+    for (const Index k : island.contacts) {
+      const Contact& contact = context.scene.contacts.active[k];
+      if (!contact.solved) continue;
+      residuals.contacts += static_cast<std::uint32_t>(contact.points.size());
+      for (const SolvedPoint& point : contact.points)
+        residuals.deepest_penetration = std::max(residuals.deepest_penetration, -point.separation);
     }
     if (residuals.contacts == 0) continue;
     residuals.bodies = static_cast<std::uint32_t>(island.bodies.size());
@@ -78,12 +77,11 @@ void run(Context& context) {
       if (!withinLimits(bodies.pose[i], bodies.twist[i]))
         freeze(context, i, step.before[i], step.twist_before[i]);
 
-  for (const ContactPair& pair : step.contacts.pairs) {
-    if (pair.first < step.inherited) continue;
-    step.report.contacts += pair.size;
-    for (Index t = pair.first; t < pair.first + pair.size; ++t)
-      step.report.deepest_penetration =
-          std::max(step.report.deepest_penetration, -step.contacts.touches[t].separation);
+  for (const Contact& contact : context.scene.contacts.active) {
+    if (!contact.solved) continue;
+    step.report.contacts += static_cast<std::uint32_t>(contact.points.size());
+    for (const SolvedPoint& point : contact.points)
+      step.report.deepest_penetration = std::max(step.report.deepest_penetration, -point.separation);
   }
   checkIslands(context);
 }

@@ -17,15 +17,13 @@ SavedState captureState(const SceneStore& scene) {
   SavedState state;
   state.time = scene.time;
   state.steps = scene.steps;
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
-    if (i == kNone || j == kNone || pair.size == 0) continue;
-    SavedState::Contact contact{i, j, {}, pair.exact};
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Touch& touch = scene.contacts.touches[t];
-      contact.points.push_back({touch.feature, touch.normal, touch.friction_W});
-    }
-    state.contacts.push_back(std::move(contact));
+  for (const Contact* contact : scene.contacts.withPoints()) {
+    if (contact->points.empty()) continue;
+    SavedState::Contact saved{
+        scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j), {}, contact->exact};
+    for (const SolvedPoint& point : contact->points)
+      saved.points.push_back({point.feature, point.normal, point.friction_W});
+    state.contacts.push_back(std::move(saved));
   }
   for (Index i = 0; i < scene.rest.size(); ++i) {
     if (scene.rest[i].steps == 0) continue;
@@ -78,25 +76,18 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
 }
 
 void restoreForces(const SavedState& saved, SceneStore& scene) {
-  Contacts& contacts = scene.contacts;
-  for (const SavedState::Contact& contact : saved.contacts) {
-    ContactPair pair;
-    pair.i = contact.a, pair.j = contact.b;
-    pair.id_i = scene.bodies.id[pair.i], pair.id_j = scene.bodies.id[pair.j];
-    pair.first = static_cast<Index>(contacts.touches.size());
-    pair.size = static_cast<Index>(contact.points.size());
-    pair.exact = contact.exact;
-    for (const SavedState::Contact::Point& point : contact.points) {
-      Touch touch;
-      touch.feature = point.feature;
-      touch.normal = point.normal;
-      touch.friction_W = point.tangent_W;
-      contacts.touches.push_back(touch);
+  for (const SavedState::Contact& known : saved.contacts) {
+    Contact contact = newContact(scene.bodies, known.a, known.b);
+    contact.exact = known.exact, contact.solved = true;
+    for (const SavedState::Contact::Point& point : known.points) {
+      SolvedPoint& restored = contact.points.emplace_back();
+      restored.feature = point.feature;
+      restored.normal = point.normal;
+      restored.friction_W = point.tangent_W;
     }
-    contacts.pairs.push_back(pair);
+    scene.contacts.active.push_back(std::move(contact));
   }
-  std::sort(contacts.pairs.begin(), contacts.pairs.end(),
-            [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
+  scene.contacts.endStep();
   for (const SavedState::Wrench& w : saved.wrenches)
     scene.wrenches.push_back(
         {scene.bodies.id[w.body], w.force_W, w.torque_W, w.point_B, w.until, w.commanded});

@@ -31,8 +31,8 @@ bool moves(const SceneStore& scene, Index i) {
 void findWoken(Context& context) {
   const SceneStore& scene = context.scene;
   std::vector<std::uint32_t> groups;
-  for (const ContactPair& pair : context.step.contacts.pairs)
-    for (const auto& [sleeper, other] : {std::pair(pair.i, pair.j), std::pair(pair.j, pair.i)})
+  for (const Contact& contact : scene.contacts.active)
+    for (const auto& [sleeper, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
       if (scene.bodies.traits[sleeper].asleep && moves(scene, other))
         groups.push_back(scene.rest[sleeper].group);
   if (groups.empty()) return;
@@ -56,12 +56,12 @@ void update(Context& context) {
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
   for (const Island& island : step.islands) {
-    const bool parts = std::any_of(island.pairs.begin(), island.pairs.end(), [&](Index k) {
-      return overlaps::isDeep(context, step.contacts.pairs[k]);
+    const bool parts = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index k) {
+      return overlaps::isDeep(context, scene.contacts.active[k]);
     });
-    bool ready = island.contact && !blown;
-    for (const Index k : island.pairs)
-      for (const Index i : {step.contacts.pairs[k].i, step.contacts.pairs[k].j})
+    bool ready = island.touching && !blown;
+    for (const Index k : island.contacts)
+      for (const Index i : {scene.contacts.active[k].i, scene.contacts.active[k].j})
         ready = ready && (scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
@@ -72,10 +72,9 @@ void update(Context& context) {
   }
 }
 
-bool isAsleep(const SceneStore& scene, const ContactPair& pair) {
-  const Index i = scene.bodies.indexOf(pair.id_i), j = scene.bodies.indexOf(pair.id_j);
-  if (i == kNone || j == kNone) return false;
-  const Traits &a = scene.bodies.traits[i], &b = scene.bodies.traits[j];
+bool isAsleep(const SceneStore& scene, const Contact& contact) {
+  const Traits& a = scene.bodies.traits[scene.bodies.indexOf(contact.key.i)];
+  const Traits& b = scene.bodies.traits[scene.bodies.indexOf(contact.key.j)];
   return (a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces();
 }
 

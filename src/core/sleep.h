@@ -17,8 +17,8 @@ void findWoken(Context& context);
 /// step.falling_asleep.
 void update(Context& context);
 
-/// Whether a pair is left out of the step because one of the two sleeps. False when one of them has gone.
-bool isAsleep(const SceneStore& scene, const ContactPair& pair);
+/// Whether a contact is left out of the step because one of its bodies sleeps and nothing moves the other.
+bool isAsleep(const SceneStore& scene, const Contact& contact);
 
 /// Bodies to sleep, as one group, or awake again; then the census is to be taken.
 void putToSleep(SceneStore& scene, const std::vector<Index>& bodies);

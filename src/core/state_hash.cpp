@@ -90,14 +90,12 @@ std::uint64_t stateHash(const SceneStore& scene) {
     hash.add(scene.bodies.indexOf(g.body)), hash.add(g.grab.p_B), hash.add(g.grab.p_W),
         hash.add(g.grab.frequency), hash.add(g.grab.max_acceleration);
   for (const BodyHold& h : scene.holds) hash.add(scene.bodies.indexOf(h.body)), hash.add(h.target);
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    if (pair.size == 0) continue;
-    hash.add(scene.bodies.indexOf(pair.id_i)), hash.add(scene.bodies.indexOf(pair.id_j));
-    hash.add(pair.exact);
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Touch& touch = scene.contacts.touches[t];
-      hash.add(touch.feature), hash.add(touch.normal), hash.add(touch.friction_W);
-    }
+  for (const Contact* contact : scene.contacts.withPoints()) {
+    if (contact->points.empty()) continue;
+    hash.add(scene.bodies.indexOf(contact->key.i)), hash.add(scene.bodies.indexOf(contact->key.j));
+    hash.add(contact->exact);
+    for (const SolvedPoint& point : contact->points)
+      hash.add(point.feature), hash.add(point.normal), hash.add(point.friction_W);
   }
   return hash.value();
 }

@@ -14,27 +14,6 @@ namespace rbs {
 
 // Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they
 // are, and drops everything else.
-void World::Impl::keepContacts() {
-  Contacts kept;
-  const auto keep = [&kept](ContactPair pair, const Contacts& from) {
-    const auto touches = from.touches.begin() + pair.first;
-    pair.first = static_cast<Index>(kept.touches.size());
-    kept.touches.insert(kept.touches.end(), touches, touches + pair.size);
-    kept.pairs.push_back(pair);
-  };
-  for (const ContactPair& pair : step.contacts.pairs)
-    if (pair.size > 0 && pair.first >= step.inherited) keep(pair, step.contacts);
-  if (scene.effects[Effect::Sleeping])
-    for (ContactPair pair : scene.contacts.pairs) {
-      if (pair.size == 0 || !sleep::isAsleep(scene, pair)) continue;
-      pair.i = scene.bodies.indexOf(pair.id_i), pair.j = scene.bodies.indexOf(pair.id_j);
-      keep(pair, scene.contacts);
-    }
-  std::swap(scene.contacts, kept);
-  std::sort(scene.contacts.pairs.begin(), scene.contacts.pairs.end(),
-            [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
-}
-
 std::string World::Impl::freeName(const Shape& shape, const std::unordered_set<std::string>& taken) {
   const std::string stem = shapeName(shape);
   std::uint64_t& number = next_number[stem];
@@ -118,8 +97,8 @@ std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
 void World::removeBody(BodyId id) {
   const Index i = impl_->require(id);
   impl_->letGo(id);
-  impl_->forgetContacts(id);
   SceneStore& scene = impl_->scene;
+  scene.contacts.remove(id);
   scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
                                       [id](const TimedWrench& w) { return w.body == id; }),
                        scene.wrenches.end());
@@ -179,7 +158,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   bodies.traits[i].frozen = old.frozen && !edit.kind && !edit.pose;
   bodies.refresh(i);
   // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
-  if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->forgetContacts(id);
+  if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->scene.contacts.forget(id);
   const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
                            !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
                            !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask &&
@@ -278,15 +257,13 @@ void World::setEffects(const EffectOverrides& effects) {
 
 void World::Impl::advance(double to) {
   Context context{scene, step, census};
-  const EarlierImpulses earlier = step.earlier;
   do {
-    step.earlier = earlier;
     sleep::wake(scene, step.woken);
     if (!step.woken.empty()) recount();
     step.begin(scene, scene.time, to);
     pipeline.run(context);
   } while (!step.woken.empty());
-  keepContacts();
+  scene.contacts.endStep();
   scene.time = to;
 
   // What the step itself has changed is no edit: a copy of the world that runs beside it has taken the step
@@ -325,13 +302,13 @@ const StepReport& World::step() {
     w.step.solve_until =
         std::chrono::steady_clock::now() +
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
-  w.step.earlier.clear();
+  w.scene.contacts.clearEarlier();
   w.pipeline.restartClocks();
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {
     const StepReport before = w.step.report;
-    for (const ContactPair& pair : w.scene.contacts.pairs)
-      if (!sleep::isAsleep(w.scene, pair)) w.step.earlier.add(pair, w.scene.contacts.touches);
+    for (Contact& contact : w.scene.contacts.active)
+      if (!sleep::isAsleep(w.scene, contact)) contact.addEarlier();
     w.advance(part == parts ? start + h : start + h * part / parts);
     addParts(before, w.step.report);
   }

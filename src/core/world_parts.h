@@ -63,13 +63,6 @@ struct World::Impl {
     pipeline.filter(census);
   }
 
-  // What is known of a body's contacts is void once it has been moved, reshaped or removed.
-  void forgetContacts(BodyId id) {
-    for (ContactPair& pair : scene.contacts.pairs)
-      if (pair.id_i == id || pair.id_j == id) pair.size = 0;
-    step.earlier.forget(id);
-  }
-
   void letGo(BodyId id) {
     const auto ofBody = [id](const auto& pull) { return pull.body == id; };
     scene.grabs.erase(std::remove_if(scene.grabs.begin(), scene.grabs.end(), ofBody), scene.grabs.end());
@@ -79,7 +72,6 @@ struct World::Impl {
   // A wrench about the centre of mass, from now on. Throws InvalidInput.
   TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                        double seconds) const;
-  void keepContacts();
   void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);

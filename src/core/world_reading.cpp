@@ -82,34 +82,30 @@ namespace {
 
 // The points at the end of the step and those that have opened in it, each with all that it has given in the
 // step. What sleeps is held by the forces with which it fell asleep.
-std::vector<ContactPoint> contactPoints(const SceneStore& scene, const EarlierImpulses& earlier) {
-  std::map<EarlierImpulses::Key, Touch> opened = earlier.touches();
+std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   std::vector<ContactPoint> points;
-  const auto add = [&points](BodyId i, BodyId j, const Touch& touch) {
-    points.push_back(
-        {i, j, touch.p_W, touch.n_W, touch.separation, touch.normal_impulse, touch.friction_impulse_W});
-  };
-  for (const ContactPair& pair : scene.contacts.pairs) {
-    const bool asleep = sleep::isAsleep(scene, pair);
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      Touch touch = scene.contacts.touches[t];
+  for (const Contact* contact : scene.contacts.withPoints()) {
+    std::vector<SolvedPoint> opened = contact->earlier;
+    const auto add = [&](const SolvedPoint& p) {
+      points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
+                        p.friction_impulse_W});
+    };
+    const bool asleep = sleep::isAsleep(scene, *contact);
+    for (SolvedPoint point : contact->points) {
       if (asleep) {
-        touch.normal_impulse = touch.normal * scene.settings.step;
-        touch.friction_impulse_W = touch.friction_W * scene.settings.step;
+        point.normal_impulse = point.normal * scene.settings.step;
+        point.friction_impulse_W = point.friction_W * scene.settings.step;
       }
-      const auto given = opened.find({pair.id_i, pair.id_j, touch.feature});
+      const auto given = std::find_if(opened.begin(), opened.end(),
+                                      [&](const SolvedPoint& p) { return p.feature == point.feature; });
       if (given != opened.end()) {
-        touch.addImpulseOf(given->second);
+        point.addImpulseOf(*given);
         opened.erase(given);
       }
-      add(pair.id_i, pair.id_j, touch);
+      add(point);
     }
+    for (const SolvedPoint& point : opened) add(point);
   }
-  if (opened.empty()) return points;
-  for (const auto& [key, touch] : opened) add(std::get<0>(key), std::get<1>(key), touch);
-  std::stable_sort(points.begin(), points.end(), [](const ContactPoint& p, const ContactPoint& q) {
-    return std::tie(p.a, p.b) < std::tie(q.a, q.b);
-  });
   return points;
 }
 
@@ -129,7 +125,7 @@ Snapshot World::snapshot() const {
   s.states.reserve(bodies.size());
   for (Index i = 0; i < bodies.size(); ++i)
     s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});
-  s.contacts = contactPoints(w.scene, w.step.earlier);
+  s.contacts = contactPoints(w.scene);
   s.pipeline = pipeline();
   s.report = w.step.report;
   s.totals = totals();

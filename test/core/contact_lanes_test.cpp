@@ -46,11 +46,8 @@ class Heap {
     for (Index i = 0; i < store_.bodies.size(); ++i)
       for (Index j = i + 1; j < store_.bodies.size(); ++j) {
         if (step_.island[i] == kNone && step_.island[j] == kNone) continue;
-        ContactPair pair;
-        pair.i = i, pair.j = j, pair.id_i = store_.bodies.id[i], pair.id_j = store_.bodies.id[j];
-        batch_.pairs.push_back(static_cast<Index>(step_.contacts.pairs.size()));
-        step_.contacts.pairs.push_back(pair);
-        step_.standing.push_back(Standing::Contact);
+        batch_.contacts.push_back(store_.contacts.add(store_.bodies, i, j));
+        store_.contacts.active.back().state.touch();
       }
   }
 

@@ -2,6 +2,7 @@
 #include "broadphase/sweep_and_prune.h"
 
 #include "broadphase/bounds.h"
+#include "sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,18 +72,14 @@ void sortByLowerEnd(Sweep& sweep, const std::vector<Bounds>& bounds) {
   }
 }
 
-void addPair(Context& context, Index a, Index b) {
-  const Bodies& bodies = context.scene.bodies;
-  ContactPair pair;
-  pair.i = std::min(a, b);
-  pair.j = std::max(a, b);
-  pair.id_i = bodies.id[pair.i];
-  pair.id_j = bodies.id[pair.j];
-  context.step.contacts.pairs.push_back(pair);
+using Pairs = std::vector<std::pair<Index, Index>>;  // i before j
+
+void addPair(Index a, Index b, Pairs& found) {
+  found.emplace_back(std::min(a, b), std::max(a, b));
 }
 
 // The bounds stand in the order of the sweep, so that it runs through memory from front to back.
-std::uint64_t sweepAlong(Context& context, int axis) {
+std::uint64_t sweepAlong(const Context& context, int axis, Pairs& found) {
   const Bodies& bodies = context.scene.bodies;
   const std::vector<Index>& order = context.scene.sweep.order;
   std::vector<Bounds> sorted;
@@ -94,14 +91,14 @@ std::uint64_t sweepAlong(Context& context, int axis) {
     std::size_t m = k + 1;
     for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
       if (a.overlaps(sorted[m]) && mayCollide(bodies.traits[order[k]], bodies.traits[order[m]]))
-        addPair(context, order[k], order[m]);
+        addPair(order[k], order[m], found);
     tests += m - k - 1;
   }
   return tests;
 }
 
 // A plane has no bounds: its distance to a body's bounds is taken instead.
-void sweepPlanes(Context& context) {
+void sweepPlanes(const Context& context, Pairs& found) {
   const Bodies& bodies = context.scene.bodies;
   for (const Index plane : context.scene.rosters.planes) {
     const Vec3 n = bodies.pose[plane].q_WB * Vec3::UnitZ();
@@ -109,24 +106,9 @@ void sweepPlanes(Context& context) {
     for (const Index b : context.scene.rosters.collidable) {
       const Vec3 lo = context.step.bounds[b].lo.head<3>(), hi = context.step.bounds[b].hi.head<3>();
       const double lowest = 0.5 * (n.dot(lo + hi) - n.cwiseAbs().dot(hi - lo));
-      if (lowest <= offset && mayCollide(bodies.traits[plane], bodies.traits[b])) addPair(context, plane, b);
+      if (lowest <= offset && mayCollide(bodies.traits[plane], bodies.traits[b])) addPair(plane, b, found);
     }
   }
-}
-
-// Hands the touches of the last step's pairs on to the same pairs of this one; both are sorted by key.
-void inheritTouches(const Contacts& last, StepStore& step) {
-  auto old = last.pairs.begin();
-  for (ContactPair& pair : step.contacts.pairs) {
-    while (old != last.pairs.end() && old->key() < pair.key()) ++old;
-    if (old == last.pairs.end() || old->key() != pair.key()) continue;
-    pair.first = static_cast<Index>(step.contacts.touches.size());
-    pair.size = old->size;
-    pair.exact = old->exact;
-    const auto touches = last.touches.begin() + old->first;
-    step.contacts.touches.insert(step.contacts.touches.end(), touches, touches + old->size);
-  }
-  step.inherited = static_cast<Index>(step.contacts.touches.size());
 }
 
 }  // namespace
@@ -146,15 +128,14 @@ void run(Context& context) {
   Sweep& sweep = scene.sweep;
   if (sweep.fresh) chooseAxis(sweep, step.bounds);
   sortByLowerEnd(sweep, step.bounds);
-  step.report.overlap_tests = sweepAlong(context, sweep.axis);
+  Pairs found;
+  step.report.overlap_tests = sweepAlong(context, sweep.axis, found);
   sweep.fresh = step.report.overlap_tests > 2 * sweep.tests + kFewTests * collidable.size();
-  sweepPlanes(context);
-  std::vector<ContactPair>& pairs = step.contacts.pairs;
-  std::sort(pairs.begin(), pairs.end(),
-            [](const ContactPair& a, const ContactPair& b) { return a.key() < b.key(); });
-  inheritTouches(scene.contacts, step);
-  step.standing.assign(pairs.size(), Standing::Open);
-  step.report.pairs = static_cast<std::uint32_t>(pairs.size());
+  sweepPlanes(context, found);
+  std::sort(found.begin(), found.end());
+  scene.contacts.update(scene.bodies, found,
+                        [&](const Contact& contact) { return sleep::isAsleep(scene, contact); });
+  step.report.pairs = static_cast<std::uint32_t>(found.size());
 }
 
 }  // namespace rbs::sweep_and_prune

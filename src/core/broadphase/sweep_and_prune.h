@@ -6,9 +6,8 @@
 
 namespace rbs::sweep_and_prune {
 
-/// Fills step.bounds and step.contacts: every pair of bodies whose swept bounds overlap, that may collide by
-/// group and mask, and of which at least one moves. Pairs are sorted by key and carry the touches
-/// they had in the last step.
+/// Fills step.bounds, and makes scene.contacts those of every pair of bodies whose swept bounds overlap, that
+/// may collide by group and mask, and of which at least one moves.
 void run(Context& context);
 
 /// Whether two bodies may collide at all.

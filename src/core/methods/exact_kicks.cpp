@@ -258,7 +258,7 @@ void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double t
     point.impulse_W += impulse_W;
     if (m == kNone) {
       if (!point.impulse_W.isZero(0.0))
-        segment.opened.emplace_back(point.pair, touchOf(point, law.frame.col(2)));
+        segment.opened.emplace_back(point.contact, solvedPoint(point, law.frame.col(2)));
       continue;
     }
     later.points[m].force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);

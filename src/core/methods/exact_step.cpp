@@ -68,7 +68,7 @@ bool overlaps(const Touching& touching) {
 Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1)
     : context_(context),
       step_(context.step),
-      pairs_(sorted(batch.pairs)),
+      active_(sorted(batch.contacts)),
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
       clock_(step_),
@@ -88,7 +88,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
 
 Touching Stepper::find(double time) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, pairs_, slots_, time, span_, reach_);
+  Touching found = findTouching(context_, active_, slots_, time, span_, reach_);
   clock_.charge(kCollide);
   return found;
 }
@@ -97,7 +97,7 @@ Touching Stepper::find(double time) {
 // it together.
 bool Stepper::overlooked(const Touching& later) const {
   return std::any_of(later.points.begin(), later.points.end(), [&](const TouchingPoint& point) {
-    return point.gap < -kTouch * point.length && !touching_.has(point.pair);
+    return point.gap < -kTouch * point.length && !touching_.has(point.contact);
   });
 }
 
@@ -180,7 +180,7 @@ bool Stepper::run() {
   const std::vector<BodyMotion> start = island_.save();
   const IslandResiduals before_solves = islandResiduals();
   touching_ = find(now_);
-  expectLastForces(step_.contacts, touching_);
+  expectLastForces(context_.scene.contacts, touching_);
   double turn = 0.0;
   const Bodies& bodies = context_.scene.bodies;
   for (const Index i : island_.indices())
@@ -226,7 +226,7 @@ bool Stepper::run() {
 
 void Stepper::store() {
   clock_.charge(kSolve);
-  storeTouching(touching_, opened_, pairs_, step_);
+  storeTouching(touching_, opened_, active_, context_.scene.contacts);
   clock_.charge(kStore);
 }
 

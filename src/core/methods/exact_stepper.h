@@ -41,7 +41,7 @@ class Stepper {
     std::vector<Vec3> couples;
   };
   // What may stop: the sliding of a point, or the turning of a pair.
-  using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // pair; feature of the point
+  using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // contact; feature of the point
   // What a segment has left of the sliding, or turning, that has lost the most of its speed.
   struct Left {
     double share = 1.0;  // <= 0: it has stopped
@@ -52,7 +52,7 @@ class Stepper {
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
-    PairTouches opened;           // in its course
+    PointsOfContacts opened;      // in its course
     CoulombResult first, second;  // of its kicks
     Left slip_left;
   };
@@ -86,7 +86,7 @@ class Stepper {
 
   Context& context_;
   StepStore& step_;
-  std::vector<Index> pairs_;
+  std::vector<Index> active_;  // contacts
   IslandMotion island_;
   Slots slots_;  // in the problem
   ContactClock clock_;
@@ -97,7 +97,7 @@ class Stepper {
   bool promoted_;            // by a setting that has another method for it
   double slow_;              // a slip below is none
   Touching touching_;        // now
-  PairTouches opened_;       // so far
+  PointsOfContacts opened_;  // so far
   std::vector<Stop> stops_;  // at which segments have been cut
 };
 

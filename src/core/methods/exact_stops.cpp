@@ -56,9 +56,9 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const M
     const Mat3& frame = touching_.couples[k].law.frame;
     const bool free = friction == Friction::Free;
     if (!slip.couples[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
-      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>(), {touching_.couples[k].pair, {}});
+      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>(), {touching_.couples[k].contact, {}});
     if (slip.couples[k][2] != 0.0 && !(free && std::abs(u[2]) > slow_))
-      keeps(left_W, frame.col(2) * slip.couples[k][2], {touching_.couples[k].pair, {}});
+      keeps(left_W, frame.col(2) * slip.couples[k][2], {touching_.couples[k].contact, {}});
   }
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     if (slip.points[k].isZero(0.0)) continue;
@@ -67,7 +67,7 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const M
     const Vec3 u = velocityAt(movers, later.law[m]);
     if (friction == Friction::Free && u.head<2>().norm() > slow_) continue;
     keeps(later.law[m].frame * u, touching_.law[k].frame.leftCols<2>() * slip.points[k],
-          {touching_.points[k].pair, touching_.points[k].feature});
+          {touching_.points[k].contact, touching_.points[k].feature});
   }
   return least;
 }

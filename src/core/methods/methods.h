@@ -10,10 +10,10 @@
 
 namespace rbs {
 
-/// Islands that are advanced together: all their bodies and all their pairs.
+/// Islands that are advanced together: all their bodies and all their contacts.
 struct IslandBatch {
-  std::vector<Index> bodies;  ///< movers
-  std::vector<Index> pairs;   ///< in step.contacts.pairs
+  std::vector<Index> bodies;
+  std::vector<Index> contacts;  ///< in scene.contacts.active
 };
 
 /// The rows of the methods that solve contacts; step.contact_seconds has their times.
@@ -43,8 +43,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The length of a sub-step that these pairs (in step.contacts.pairs) ask for, s; at most the setting's.
-double subStep(const Context& context, const std::vector<Index>& pairs);
+/// The length of a sub-step that these contacts (in scene.contacts.active) ask for, s; at most the setting's.
+double subStep(const Context& context, const std::vector<Index>& contacts);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step

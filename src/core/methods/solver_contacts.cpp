@@ -85,22 +85,22 @@ void SolverContacts::find(double now, double left, double h) {
   const EffectOverrides& overrides = context_.scene.settings.effects;
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
-  blocks.reserve(batch_.pairs.size());
-  points.reserve(4 * batch_.pairs.size());
-  for (const Index k : batch_.pairs) {
-    if (!mayTouch(context_.step.standing[k])) continue;
-    const ContactPair& pair = context_.step.contacts.pairs[k];
-    const Traits& a = store.traits[pair.i];
-    const Traits& b = store.traits[pair.j];
+  blocks.reserve(batch_.contacts.size());
+  points.reserve(4 * batch_.contacts.size());
+  for (const Index k : batch_.contacts) {
+    const Contact& contact = context_.scene.contacts.active[k];
+    if (!contact.state.isSolved()) continue;
+    const Traits& a = store.traits[contact.i];
+    const Traits& b = store.traits[contact.j];
     SolverBlock block;
-    block.i = slotOf(pair.i);
-    block.j = slotOf(pair.j);
-    block.mu = context_.scene.frictionOf(pair.i, pair.j);
+    block.i = slotOf(contact.i);
+    block.j = slotOf(contact.j);
+    block.mu = context_.scene.frictionOf(contact.i, contact.j);
     block.rough = block.mu > 0.0 || friction_forced;
-    block.e = context_.scene.restitutionOf(pair.i, pair.j);
-    const double load = (context_.step.load[pair.j].a_W - context_.step.load[pair.i].a_W).norm();
+    block.e = context_.scene.restitutionOf(contact.i, contact.j);
+    const double load = (context_.step.load[contact.j].a_W - context_.step.load[contact.i].a_W).norm();
     block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
-    block.pair = k;
+    block.contact = k;
     findPoints(block, now, left);
     for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
     blocks.push_back(block);
@@ -144,16 +144,13 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
-  const Contacts& contacts = context_.step.contacts;
-  const ContactPair& pair = contacts.pairs[block.pair];
-  for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-    const Touch& touch = contacts.touches[t];
-    if (touch.feature != point.feature) continue;
-    point.guess_n = touch.normal;
-    point.guess_t_W = touch.friction_W;
-    point.l_n = touch.normal * h;
+  for (const SolvedPoint& last : context_.scene.contacts.active[block.contact].points) {
+    if (last.feature != point.feature) continue;
+    point.guess_n = last.normal;
+    point.guess_t_W = last.friction_W;
+    point.l_n = last.normal * h;
     if (block.mu > 0.0)
-      point.l_t = h * Eigen::Vector2d(block.t1.dot(touch.friction_W), block.t2.dot(touch.friction_W));
+      point.l_t = h * Eigen::Vector2d(block.t1.dot(last.friction_W), block.t2.dot(last.friction_W));
     break;
   }
 }
@@ -206,7 +203,7 @@ void SolverContacts::refresh(Index which, double now, double left) {
   for (int k = old.first; k < old.first + old.size; ++k) {
     const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };
     const auto first = points.begin() + block.first, last = first + block.size;
-    if (std::none_of(first, last, again)) opened_.emplace_back(old.pair, touchOf(old, points[k]));
+    if (std::none_of(first, last, again)) opened_.emplace_back(old.contact, solvedPoint(old, points[k]));
   }
 }
 
@@ -218,36 +215,33 @@ void SolverContacts::store(double h, double h_full) {
     if (context_.step.island[s.body] == kNone) continue;
     context_.scene.bodies.twist[s.body] = {s.v, s.w};
   }
-  Contacts& contacts = context_.step.contacts;
-  for (const Index k : batch_.pairs) context_.step.dropTouches(k);
-  context_.step.earlier.add(opened_, contacts.pairs);
+  std::vector<Contact>& active = context_.scene.contacts.active;
+  for (const Index k : batch_.contacts) active[k].beginSolve();
+  for (const auto& [k, point] : opened_) active[k].addEarlier(point);
   for (const SolverBlock& block : blocks) {
-    ContactPair& pair = contacts.pairs[block.pair];
-    pair.first = static_cast<Index>(contacts.touches.size());
-    pair.size = static_cast<Index>(block.size);
-    pair.exact = false;
+    Contact& contact = active[block.contact];
+    contact.exact = false;
     for (int k = block.first; k < block.first + block.size; ++k) {
       const SolverPoint& point = points[k];
-      Touch touch = touchOf(block, point);
-      touch.normal = (point.l_n + rest * point.guess_n) / (h + rest);
-      touch.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
-      contacts.touches.push_back(touch);
+      SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
+      solved.normal = (point.l_n + rest * point.guess_n) / (h + rest);
+      solved.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
     }
     addResiduals(block);
   }
 }
 
 // A point with its impulses, and without its forces.
-Touch SolverContacts::touchOf(const SolverBlock& block, const SolverPoint& point) const {
-  Touch touch;
-  touch.feature = point.feature;
-  touch.p_W =
+SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPoint& point) const {
+  SolvedPoint solved;
+  solved.feature = point.feature;
+  solved.p_W =
       point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
-  touch.n_W = block.n;
-  touch.separation = point.open;
-  touch.normal_impulse = point.earlier_n + point.sum_n;
-  touch.friction_impulse_W = point.earlier_W - point.earlier_n * block.n + inPlane(block, point.sum_t);
-  return touch;
+  solved.n_W = block.n;
+  solved.separation = point.open;
+  solved.normal_impulse = point.earlier_n + point.sum_n;
+  solved.friction_impulse_W = point.earlier_W - point.earlier_n * block.n + inPlane(block, point.sum_t);
+  return solved;
 }
 
 // How far the points of a block are from the law of contact after the last sub-step.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contact points of a batch of islands: where its pairs touch, what resists there, and what the last step
-// and the next one know of it. Shared by the methods that solve contacts by impulses.
+// The contact points of a batch of islands: where its bodies touch, what resists there, and what the last
+// step and the next one know of it. Shared by the methods that solve contacts by impulses.
 #pragma once
 
 #include "methods/methods.h"
@@ -36,7 +36,7 @@ struct SolverPoint {
   Eigen::Vector2d l_t{0.0, 0.0};
   double guess_n = 0.0;  // the forces it began with, N
   Vec3 guess_t_W{0.0, 0.0, 0.0};
-  double earlier_n = 0.0;         // normal impulses until the points of the pair were found anew
+  double earlier_n = 0.0;         // normal impulses until the points of the contact were found anew
   Vec3 earlier_W{0.0, 0.0, 0.0};  // all of its impulse until then, on j
   double sum_n = 0.0;             // over the sub-steps since
   Eigen::Vector2d sum_t{0.0, 0.0};
@@ -45,14 +45,14 @@ struct SolverPoint {
   Vec3 p_W;
 };
 
-/// The points of a pair.
+/// The points of a contact.
 struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
   double mu, e;
   bool rough;                                 // its friction is solved for
   double push;                                // largest speed of separation, m/s
-  Index pair;                                 // in step.contacts.pairs
+  Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
   double stray;                               // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies when they were found
@@ -62,7 +62,7 @@ class SolverContacts {
  public:
   SolverContacts(Context& context, const IslandBatch& batch);
 
-  /// Finds the points of all pairs at time `now`, with `left` s to go, and the impulses that the forces of
+  /// Finds the points of all contacts at time `now`, with `left` s to go, and the impulses that the forces of
   /// the last step make of a sub-step of length h.
   void find(double now, double left, double h);
   /// The blocks that have drifted from where their points were found.
@@ -80,7 +80,7 @@ class SolverContacts {
     }
     return u;
   }
-  /// Writes the velocities to the bodies, and the touches to the step. `h` is the length of a sub-step,
+  /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
   /// `h_full` that of one that nothing cuts short.
   void store(double h, double h_full);
 
@@ -99,14 +99,14 @@ class SolverContacts {
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasDrifted(const SolverBlock& block) const;
   static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
-  Touch touchOf(const SolverBlock& block, const SolverPoint& point) const;
+  SolvedPoint solvedPoint(const SolverBlock& block, const SolverPoint& point) const;
   void addResiduals(const SolverBlock& block) const;
 
   Context& context_;
   const IslandBatch& batch_;
-  double h_ = 0.0;      ///< of a sub-step, s
-  Slots slots_;         ///< in `bodies`
-  PairTouches opened_;  ///< points that are gone, with what they have given
+  double h_ = 0.0;           ///< of a sub-step, s
+  Slots slots_;              ///< in `bodies`
+  PointsOfContacts opened_;  ///< points that are gone, with what they have given
 };
 
 }  // namespace rbs

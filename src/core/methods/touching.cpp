@@ -26,10 +26,11 @@ Vec3 velocityAt(const Twist& twist, const Vec3& r) {
   return twist.v_WB + twist.w_WB.cross(r);
 }
 
-// The couple of a pair whose points have just been found, from the `first` on; none where it resists nothing.
-void addCouple(const Context& context, Index pair, std::size_t first, Touching& out) {
+// The couple of a contact whose points have just been found, from the `first` on; none where it resists
+// nothing.
+void addCouple(const Context& context, Index contact, std::size_t first, Touching& out) {
   const SceneStore& scene = context.scene;
-  const Index i = context.step.contacts.pairs[pair].i, j = context.step.contacts.pairs[pair].j;
+  const Index i = scene.contacts.active[contact].i, j = scene.contacts.active[contact].j;
   if (first == out.law.size() || !rolling::resists(scene, i, j)) return;
   const CoulombPoint& point = out.law[first];
   const auto turns = [&](Index slot, Index body) {
@@ -48,22 +49,23 @@ void addCouple(const Context& context, Index pair, std::size_t first, Touching& 
   if (law.j == kNone) led_W += scene.bodies.twist[j].w_WB;
   if (law.i == kNone) led_W -= scene.bodies.twist[i].w_WB;
   law.drive = law.radius * (law.frame.transpose() * led_W);
-  out.couples.push_back({pair, law});
+  out.couples.push_back({contact, law});
 }
 
 }  // namespace
 
-Touching findTouching(const Context& context, const std::vector<Index>& pairs, const Slots& slots,
+Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
                       double time, double span, double reach) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const double gravity = context.scene.gravity_W.norm();
   Touching out;
-  out.points.reserve(4 * pairs.size());
-  out.law.reserve(4 * pairs.size());
-  for (const Index k : pairs) {
-    if (!mayTouch(step.standing[k])) continue;
-    const Index i = step.contacts.pairs[k].i, j = step.contacts.pairs[k].j;
+  out.points.reserve(4 * active.size());
+  out.law.reserve(4 * active.size());
+  for (const Index k : active) {
+    const Contact& contact = context.scene.contacts.active[k];
+    if (!contact.state.isSolved()) continue;
+    const Index i = contact.i, j = contact.j;
     const Traits &a = bodies.traits[i], &b = bodies.traits[j];
     const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
     const double length = std::min(a.length, b.length);
@@ -94,37 +96,36 @@ Touching findTouching(const Context& context, const std::vector<Index>& pairs, c
 }
 
 Index Touching::matching(const TouchingPoint& other) const {
-  auto p = std::lower_bound(points.begin(), points.end(), other.pair,
-                            [](const TouchingPoint& point, Index pair) { return point.pair < pair; });
-  for (; p != points.end() && p->pair == other.pair; ++p)
+  auto p = std::lower_bound(points.begin(), points.end(), other.contact,
+                            [](const TouchingPoint& point, Index k) { return point.contact < k; });
+  for (; p != points.end() && p->contact == other.contact; ++p)
     if (p->feature == other.feature) return static_cast<Index>(p - points.begin());
   return kNone;
 }
 
-bool Touching::has(Index pair) const {
-  const auto p = std::lower_bound(points.begin(), points.end(), pair,
-                                  [](const TouchingPoint& point, Index k) { return point.pair < k; });
-  return p != points.end() && p->pair == pair;
+bool Touching::has(Index contact) const {
+  const auto p = std::lower_bound(points.begin(), points.end(), contact,
+                                  [](const TouchingPoint& point, Index k) { return point.contact < k; });
+  return p != points.end() && p->contact == contact;
 }
 
 Index Touching::matching(const TouchingCouple& other) const {
-  const auto c =
-      std::lower_bound(couples.begin(), couples.end(), other.pair,
-                       [](const TouchingCouple& couple, Index pair) { return couple.pair < pair; });
-  return c != couples.end() && c->pair == other.pair ? static_cast<Index>(c - couples.begin()) : kNone;
+  const auto c = std::lower_bound(couples.begin(), couples.end(), other.contact,
+                                  [](const TouchingCouple& couple, Index k) { return couple.contact < k; });
+  return c != couples.end() && c->contact == other.contact ? static_cast<Index>(c - couples.begin()) : kNone;
 }
 
-Touch touchOf(const TouchingPoint& point, const Vec3& n_W) {
-  Touch touch;
-  touch.feature = point.feature;
-  touch.p_W = point.p_W;
-  touch.n_W = n_W;
-  touch.separation = point.gap;
-  touch.setImpulse(point.impulse_W);
-  return touch;
+SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W) {
+  SolvedPoint solved;
+  solved.feature = point.feature;
+  solved.p_W = point.p_W;
+  solved.n_W = n_W;
+  solved.separation = point.gap;
+  solved.setImpulse(point.impulse_W);
+  return solved;
 }
 
-void Touching::inherit(const Touching& other, PairTouches& opened) {
+void Touching::inherit(const Touching& other, PointsOfContacts& opened) {
   for (TouchingPoint& point : points) {
     const Index m = other.matching(point);
     if (m == kNone) continue;
@@ -137,36 +138,30 @@ void Touching::inherit(const Touching& other, PairTouches& opened) {
   }
   for (std::size_t k = 0; k < other.points.size(); ++k)
     if (!other.points[k].impulse_W.isZero(0.0) && matching(other.points[k]) == kNone)
-      opened.emplace_back(other.points[k].pair, touchOf(other.points[k], other.law[k].frame.col(2)));
+      opened.emplace_back(other.points[k].contact, solvedPoint(other.points[k], other.law[k].frame.col(2)));
 }
 
 void expectLastForces(const Contacts& contacts, Touching& touching) {
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
-    const ContactPair& pair = contacts.pairs[point.pair];
-    for (Index t = pair.first; t < pair.first + pair.size; ++t) {
-      const Touch& touch = contacts.touches[t];
-      if (touch.feature != point.feature) continue;
-      point.force_W = touch.friction_W + (touch.normal - n_W.dot(touch.friction_W)) * n_W;
-    }
+    for (const SolvedPoint& last : contacts.active[point.contact].points)
+      if (last.feature == point.feature)
+        point.force_W = last.friction_W + (last.normal - n_W.dot(last.friction_W)) * n_W;
   }
 }
 
-void storeTouching(const Touching& touching, const PairTouches& opened, const std::vector<Index>& pairs,
-                   StepStore& step) {
-  Contacts& contacts = step.contacts;
-  for (const Index k : pairs) step.dropTouches(k), contacts.pairs[k].exact = true;
-  step.earlier.add(opened, contacts.pairs);
+void storeTouching(const Touching& touching, const PointsOfContacts& opened, const std::vector<Index>& active,
+                   Contacts& contacts) {
+  for (const Index k : active) contacts.active[k].beginSolve(), contacts.active[k].exact = true;
+  for (const auto& [k, point] : opened) contacts.active[k].addEarlier(point);
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
-    ContactPair& pair = contacts.pairs[point.pair];
-    if (pair.size++ == 0) pair.first = static_cast<Index>(contacts.touches.size());
-    Touch touch = touchOf(point, n_W);
-    touch.normal = std::max(point.force_W.dot(n_W), 0.0);
-    touch.friction_W = point.force_W - point.force_W.dot(n_W) * n_W;
-    contacts.touches.push_back(touch);
+    SolvedPoint solved = solvedPoint(point, n_W);
+    solved.normal = std::max(point.force_W.dot(n_W), 0.0);
+    solved.friction_W = point.force_W - point.force_W.dot(n_W) * n_W;
+    contacts.active[point.contact].points.push_back(solved);
   }
 }
 

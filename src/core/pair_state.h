@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How a contact takes part in a step. Every step begins with Candidate.
+//
+//   Candidate      --touch()-------> Touching        its points bore a force at the end of the last step
+//   Candidate      --awaitImpact()-> AwaitingImpact  the two will collide before the end of the step
+//   Candidate      --separate()----> Separated       their predicted motions do not meet
+//   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (overlaps.h); until the end of the step
+//   Touching       --awaitImpact()-> AwaitingImpact  they close, and rebound by their restitution
+//   AwaitingImpact --touch()-------> Touching        the impact has been resolved, and the two stay together
+//   AwaitingImpact --open()--------> Candidate       another impact came before it: what comes now is not known,
+//   AwaitingImpact --separate()----> Separated       or it is known that they will not meet
+//   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide,
+//   Separated      --open()--------> Candidate       or will touch, or contacts pushed them into each other
+//   Separated      --touch()-------> Touching        an impact left them together
+//
+// The contact solver takes candidates and what touches.
+#pragma once
+
+#include <cassert>
+
+namespace rbs {
+
+class PairState {
+ public:
+  /// The contact solver looks at the pair: it touches, or may touch in this step.
+  bool isSolved() const { return at_ == At::Candidate || at_ == At::Touching; }
+  /// Its points bore a force when the step began, or an impact has left the bodies together since.
+  bool isTouching() const { return at_ == At::Touching; }
+  /// It is left out of the solve until an impact that has been predicted.
+  bool awaitsImpact() const { return at_ == At::AwaitingImpact; }
+  /// It is known not to touch in this step, unless an impact changes a course.
+  bool isSeparated() const { return at_ == At::Separated; }
+  /// It overlaps deeply in a crowd: its bodies are moved apart, without impacts and contact forces
+  /// (overlaps.h).
+  bool isDepenetrating() const { return at_ == At::Depenetrating; }
+
+  void open() { go(At::Candidate); }
+  void touch() { go(At::Touching); }
+  void awaitImpact() { go(At::AwaitingImpact); }
+  void separate() {
+    assert(at_ != At::Touching);
+    go(At::Separated);
+  }
+  void depenetrate() {
+    assert(at_ == At::Candidate);
+    go(At::Depenetrating);
+  }
+
+ private:
+  enum class At : char { Candidate, Touching, AwaitingImpact, Separated, Depenetrating };
+  void go(At to) {
+    assert(at_ != At::Depenetrating);
+    at_ = to;
+  }
+  At at_ = At::Candidate;
+};
+
+}  // namespace rbs
