@@ -9,6 +9,7 @@
 #include "bodies.h"
 #include "census.h"
 #include "contact.h"
+#include "island.h"
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
 
@@ -139,16 +140,6 @@ class Slots {
  private:
   std::vector<Index>& slot_;
   std::vector<Index> filled_;
-};
-
-/// Dynamic bodies that contacts connect, and the contacts. One body without contacts is in flight.
-struct Island {
-  std::vector<Index> bodies;
-  std::vector<Index> contacts;  ///< in scene.contacts.active
-  bool touching = false;        ///< some of the contacts touch
-  double time = 0.0;            ///< how far it has been advanced
-  bool exact = false;           ///< the exact step solves its contacts
-  IslandResiduals residuals;
 };
 
 struct StepStore {

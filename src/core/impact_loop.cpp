@@ -6,9 +6,9 @@
 #include "broadphase/sweep_and_prune.h"
 #include "fidelity.h"
 #include "impacts.h"
+#include "island_step.h"
 #include "islands.h"
 #include "overlaps.h"
-#include "residuals.h"
 
 #include <algorithm>
 #include <map>
@@ -81,19 +81,18 @@ class ImpactLoop {
     constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->contacts.size() > kSmall)
-        cost += island->contacts.size();
+      if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
     if (cost > cut_budget_) return false;
     cut_budget_ -= cost;
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island) islands::bringTo(context_, *island, impact.time);
+      if (island) advanceTo(context_, *island, impact.time);
     return true;
   }
 
   void take(const PendingImpact& impact) {
     if (!bringBoth(impact) || isCollapsing(impact)) {
       ++step_.report.deferred_impacts;
-      tie(impact.i, impact.j);
+      connect(impact.i, impact.j);
       return;
     }
     const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
@@ -102,12 +101,12 @@ class ImpactLoop {
       if (later && later->time > impact.time) {
         queue_.push(*later);
       } else {
-        tie(impact.i, impact.j);
+        connect(impact.i, impact.j);
       }
       return;
     }
     ++step_.report.impacts;
-    if (outcome == impacts::Outcome::Stay) tie(impact.i, impact.j);
+    if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
       ++step_.stamp[i];
@@ -130,38 +129,22 @@ class ImpactLoop {
 
   // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
   // island of the two.
-  void tie(Index i, Index j, bool touches = true) {
+  void connect(Index i, Index j, bool touches = true) {
     const Index contact = placeOf(i, j);
     PairState& state = contacts_.active[contact].state;
     touches ? state.touch() : state.open();
     Index a = step_.island[i], b = step_.island[j];
     if (a == kNone) std::swap(a, b);
     if (b != kNone && a != b) {
-      if (a > b) std::swap(a, b);
-      Island& kept = step_.islands[a];
-      Island& gone = step_.islands[b];
-      const double time = std::max(kept.time, gone.time);
-      islands::bringTo(context_, kept, time);
-      islands::bringTo(context_, gone, time);
-      for (const Index body : gone.bodies) step_.island[body] = a;
-      // A body that flew joins the method of what it met; of two methods the one that any number of rows can
-      // afford.
-      const bool exact = settingsOf(context_.scene.settings.fidelity).exact
-                             ? kept.exact && gone.exact
-                             : (kept.exact || kept.contacts.empty()) &&
-                                   (gone.exact || gone.contacts.empty()) && (kept.exact || gone.exact);
-      kept.exact = exact;
-      residuals::add(kept.residuals, gone.residuals);
-      kept.bodies.insert(kept.bodies.end(), gone.bodies.begin(), gone.bodies.end());
-      kept.contacts.insert(kept.contacts.end(), gone.contacts.begin(), gone.contacts.end());
-      kept.touching = kept.touching || gone.touching;
-      gone.bodies.clear();
-      gone.contacts.clear();
+      const double time = std::max(step_.islands[a].time, step_.islands[b].time);
+      for (const Index k : {std::min(a, b), std::max(a, b)}) advanceTo(context_, step_.islands[k], time);
+      a = islands::merge(context_, a, b);
     }
     Island& island = step_.islands[a];
     island.touching = island.touching || touches;
-    if (std::find(island.contacts.begin(), island.contacts.end(), contact) == island.contacts.end())
-      island.contacts.push_back(contact);
+    const Edge edge = islands::edgeOf(contacts_, contact);
+    if (std::find(island.edges.begin(), island.edges.end(), edge) == island.edges.end())
+      island.edges.push_back(edge);
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
@@ -170,7 +153,7 @@ class ImpactLoop {
     if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
       contacts_.active[placeOf(i, j)].state.separate();
     } else {
-      tie(i, j, false);
+      connect(i, j, false);
     }
   }
 
@@ -217,8 +200,8 @@ class ImpactLoop {
   // Past the budget of impacts the contact solver stops what would pass through.
   void overBudget(const PendingImpact& impact) {
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island) islands::bringTo(context_, *island, impact.time);
-    tie(impact.i, impact.j);
+      if (island) advanceTo(context_, *island, impact.time);
+    connect(impact.i, impact.j);
     if (!warned_) {
       step_.report.warnings.push_back(
           {"impact_budget", "too many impacts in one step, the first left over between bodies '" +

@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Islands: bodies that contacts tie together, each advanced by the method it needs.
+// Islands: the connected parts of the constraint graph, over the bodies that forces move.
 #pragma once
 
 #include "context.h"
+
+#include <vector>
 
 namespace rbs::islands {
 
 Need need(const Census& census);
 
-/// Groups the movers by the pairs that do not wait for an impact. Fills step.islands and step.island.
-void link(Context& context);
+/// The edge of contact k.
+Edge edgeOf(const Contacts& contacts, Index k);
 
-/// Advances an island to this time, if it is not there yet.
-void bringTo(Context& context, Island& island, double time);
+/// Makes the islands of the step from the edges of all kinds of constraints, and chooses their solvers. Fills
+/// step.islands and step.island.
+void build(Context& context);
 
-/// Advances every island to the end of the step, from impact to impact: at each impact the two islands it
-/// concerns are brought to its time, the impact is resolved, they are linked anew if the bodies stay
-/// together, and go on over the rest of the step.
-void advance(Context& context);
+/// Makes the islands that these edges connect. Edges of bodies that forces do not move are left out.
+void connect(Context& context, const std::vector<Edge>& edges);
+
+/// Makes one island of two that have been advanced to the same time, and gives the place of it.
+Index merge(Context& context, Index a, Index b);
 
 }  // namespace rbs::islands

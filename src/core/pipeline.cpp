@@ -17,6 +17,7 @@
 #include "overlaps.h"
 #include "residuals.h"
 #include "sleep.h"
+#include "step_controller.h"
 #include "text.h"
 
 #include <algorithm>
@@ -90,11 +91,11 @@ constexpr std::array kStages{
     Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
     Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
     Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
-    Stage{"islands.build", islands::need, islands::link,
+    Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
             return Items{step.islands.size(), "islands"};
           }},
-    Stage{"islands.advance", islands::need, islands::advance, bodiesOn<&Rosters::movers>},
+    Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&Rosters::movers>},
     Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
     Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&Rosters::movers>},
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&Rosters::movers>},
@@ -233,7 +234,7 @@ std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore
   };
   for (std::size_t row = 0; row < kStages.size(); ++row) {
     add(kStages[row], seconds_[row]);
-    if (kStages[row].run != islands::advance) continue;
+    if (kStages[row].run != step_controller::run) continue;
     for (std::size_t part = 0; part < kParts.size(); ++part)
       add(kParts[part], part < kContactRows ? contact_seconds_[part] : 0.0);
   }

@@ -56,13 +56,14 @@ void update(Context& context) {
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
   for (const Island& island : step.islands) {
-    const bool parts = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index k) {
-      return overlaps::isDeep(context, scene.contacts.active[k]);
+    const bool parts = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+      return edge.kind == ConstraintKind::Contact &&
+             overlaps::isDeep(context, scene.contacts.active[edge.of]);
     });
     bool ready = island.touching && !blown;
-    for (const Index k : island.contacts)
-      for (const Index i : {scene.contacts.active[k].i, scene.contacts.active[k].j})
-        ready = ready && (scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
+    for (const Edge& edge : island.edges)
+      for (const Index i : edge.bodies)
+        ready = ready && (i == kNone || scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
       rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;

@@ -2,6 +2,7 @@
 // Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and
 // gone through in the pairs' own order, with responses from whole matrices.
 #include "methods/contact_lanes.h"
+#include "islands.h"
 
 #include "algebra.h"
 #include "census.h"
@@ -46,7 +47,8 @@ class Heap {
     for (Index i = 0; i < store_.bodies.size(); ++i)
       for (Index j = i + 1; j < store_.bodies.size(); ++j) {
         if (step_.island[i] == kNone && step_.island[j] == kNone) continue;
-        batch_.contacts.push_back(store_.contacts.add(store_.bodies, i, j));
+        const Index contact = store_.contacts.add(store_.bodies, i, j);
+        batch_.edges.push_back(islands::edgeOf(store_.contacts, contact));
         store_.contacts.active.back().state.touch();
       }
   }

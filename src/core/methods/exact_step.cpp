@@ -53,6 +53,14 @@ constexpr int kMostCorrections = 4;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
+std::vector<Index> contactsOf(const std::vector<Edge>& edges) {
+  std::vector<Index> contacts;
+  for (const Edge& edge : edges)
+    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
+  std::sort(contacts.begin(), contacts.end());
+  return contacts;
+}
+
 std::vector<Index> sorted(std::vector<Index> list) {
   std::sort(list.begin(), list.end());
   return list;
@@ -68,7 +76,7 @@ bool overlaps(const Touching& touching) {
 Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1)
     : context_(context),
       step_(context.step),
-      active_(sorted(batch.contacts)),
+      active_(contactsOf(batch.edges)),
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
       clock_(step_),

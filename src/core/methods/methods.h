@@ -10,10 +10,10 @@
 
 namespace rbs {
 
-/// Islands that are advanced together: all their bodies and all their contacts.
+/// Islands that are advanced together: all their bodies and all their edges.
 struct IslandBatch {
   std::vector<Index> bodies;
-  std::vector<Index> contacts;  ///< in scene.contacts.active
+  std::vector<Edge> edges;
 };
 
 /// The rows of the methods that solve contacts; step.contact_seconds has their times.
@@ -43,8 +43,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The length of a sub-step that these contacts (in scene.contacts.active) ask for, s; at most the setting's.
-double subStep(const Context& context, const std::vector<Index>& contacts);
+/// The length of a sub-step that these edges ask for, s; at most the setting's.
+double subStep(const Context& context, const std::vector<Edge>& edges);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step

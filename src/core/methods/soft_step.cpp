@@ -83,7 +83,7 @@ class Solver {
  public:
   Solver(Context& context, const IslandBatch& batch, double t0, double t1)
       : context_(context), contacts_(context, batch), lanes_(contacts_), t0_(t0), dt_(t1 - t0) {
-    h_full_ = subStep(context, batch.contacts);
+    h_full_ = subStep(context, batch.edges);
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
     soft_ = softness(h_, h_full_);
@@ -307,12 +307,13 @@ void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1)
 
 }  // namespace
 
-double subStep(const Context& context, const std::vector<Index>& contacts) {
+double subStep(const Context& context, const std::vector<Edge>& edges) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   double h = step.h() / settingsOf(context.scene.settings.fidelity).sub_steps;
-  for (const Index k : contacts) {
-    const Contact& contact = context.scene.contacts.active[k];
+  for (const Edge& edge : edges) {
+    if (edge.kind != ConstraintKind::Contact) continue;
+    const Contact& contact = context.scene.contacts.active[edge.of];
     const Index i = contact.i, j = contact.j;
     const double length = std::min(bodies.traits[i].length, bodies.traits[j].length);
     const double load = (step.load[j].a_W - step.load[i].a_W).norm();

@@ -85,10 +85,11 @@ void SolverContacts::find(double now, double left, double h) {
   const EffectOverrides& overrides = context_.scene.settings.effects;
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
-  blocks.reserve(batch_.contacts.size());
-  points.reserve(4 * batch_.contacts.size());
-  for (const Index k : batch_.contacts) {
-    const Contact& contact = context_.scene.contacts.active[k];
+  blocks.reserve(batch_.edges.size());
+  points.reserve(4 * batch_.edges.size());
+  for (const Edge& edge : batch_.edges) {
+    if (edge.kind != ConstraintKind::Contact) continue;
+    const Contact& contact = context_.scene.contacts.active[edge.of];
     if (!contact.state.isSolved()) continue;
     const Traits& a = store.traits[contact.i];
     const Traits& b = store.traits[contact.j];
@@ -100,7 +101,7 @@ void SolverContacts::find(double now, double left, double h) {
     block.e = context_.scene.restitutionOf(contact.i, contact.j);
     const double load = (context_.step.load[contact.j].a_W - context_.step.load[contact.i].a_W).norm();
     block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
-    block.contact = k;
+    block.contact = edge.of;
     findPoints(block, now, left);
     for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
     blocks.push_back(block);
@@ -216,7 +217,8 @@ void SolverContacts::store(double h, double h_full) {
     context_.scene.bodies.twist[s.body] = {s.v, s.w};
   }
   std::vector<Contact>& active = context_.scene.contacts.active;
-  for (const Index k : batch_.contacts) active[k].beginSolve();
+  for (const Edge& edge : batch_.edges)
+    if (edge.kind == ConstraintKind::Contact) active[edge.of].beginSolve();
   for (const auto& [k, point] : opened_) active[k].addEarlier(point);
   for (const SolverBlock& block : blocks) {
     Contact& contact = active[block.contact];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "overlooked.h"
+#include "missed_contacts.h"
 
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
@@ -38,12 +38,12 @@ bool overlap(const Context& context, Index i, Index j) {
 
 }  // namespace
 
-Pairs findOverlooked(const Context& context) {
+Pairs findMissedContacts(const Context& context) {
   const SceneStore& scene = context.scene;
   const StepStore& step = context.step;
   std::vector<Index> pushed;
   for (const Island& island : step.islands)
-    if (!island.contacts.empty() && island.exact)
+    if (!island.flies() && island.exact)
       pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
   if (pushed.empty()) return {};
   std::vector<Bounds> bounds = step.bounds;

@@ -8,7 +8,10 @@
 // It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of
 // the soft step do not show. So only islands are promoted in which nothing moves faster than what gravity
 // adds in a step or two.
-#include "promotion.h"
+#include "solver_choice.h"
+
+#include "fidelity.h"
+#include "overlaps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,21 +58,24 @@ std::uint32_t heightOf(const Context& context, const std::vector<Index>& contact
   return height;
 }
 
-}  // namespace
-
+// Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
+// before the step alone, so that every machine decides alike. An island that was exact in the last step
+// stays so until it is clearly no longer that kind (hysteresis).
 bool isPromoted(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
   const auto& list = context.scene.contacts.active;
   std::vector<Index> touching;
   bool was_exact = false;
-  for (const Index k : island.contacts) {
+  std::vector<Index> contacts;
+  for (const Edge& edge : island.edges)
+    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
+  for (const Index k : contacts) {
     was_exact = was_exact || list[k].exact;
     if (list[k].state.isTouching()) touching.push_back(k);
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
-  if (touching.empty())
-    touching = island.contacts;  // nothing is known yet of bodies that have just been made
-  if (island.contacts.size() > bounds.pairs) return false;
+  if (touching.empty()) touching = contacts;  // nothing is known yet of bodies that have just been made
+  if (island.edges.size() > bounds.pairs) return false;
   const double gravity = context.scene.gravity_W.norm();
   for (const Index i : island.bodies) {
     const Traits& t = bodies.traits[i];
@@ -87,6 +93,21 @@ bool isPromoted(const Context& context, const Island& island) {
   }
   return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness ||
          (touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height);
+}
+
+}  // namespace
+
+bool isExact(const Context& context, const Island& island) {
+  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  return !overlaps::ruleOver(context, island) &&
+         (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
+}
+
+// A body that flew joins the method of what it met; of two methods the one that any number of rows can
+// afford.
+bool isExactTogether(const Context& context, const Island& a, const Island& b) {
+  if (settingsOf(context.scene.settings.fidelity).exact) return a.exact && b.exact;
+  return (a.exact || a.flies()) && (b.exact || b.flies()) && (a.exact || b.exact);
 }
 
 }  // namespace rbs
