@@ -154,10 +154,10 @@ struct StepStore {
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
-  std::vector<Index> island;            ///< by body: its place in `islands`; kNone if it is no mover
-  std::vector<double> contact_seconds;  ///< by row of the contact method's table
-  std::vector<Index> slot;              ///< by body: kNone; lent to Slots
-  std::vector<Index> woken;             ///< bodies that must not sleep on
+  std::vector<Index> island;        ///< by body: its place in `islands`; kNone if it is no mover
+  std::vector<double> row_seconds;  ///< by row of the inner step
+  std::vector<Index> slot;          ///< by body: kNone; lent to Slots
+  std::vector<Index> woken;         ///< bodies that must not sleep on
   std::vector<std::vector<Index>> falling_asleep;  ///< groups that sleep from the next step on
   std::vector<Pose> before;         ///< by body: pose at t0, for the body that must be put back
   std::vector<Twist> twist_before;  ///< by body, at t0

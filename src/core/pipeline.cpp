@@ -2,8 +2,9 @@
 // THE table of stages: a step of the world is these rows, in this order. A newcomer starts reading here.
 //
 // Each row says when the scene needs it; a row that is not needed is not called. islands.advance hands
-// batches of islands to the methods (methods/), whose rows stand below it: flight for bodies that nothing
-// touches, the soft step or the exact step for bodies in contact.
+// islands to the methods: flight for bodies that nothing touches, the soft step or the exact step for bodies
+// in contact. What a method does is the second table, methods/inner_step.h; its rows stand below
+// islands.advance.
 #include "pipeline.h"
 
 #include "ballistic.h"
@@ -13,7 +14,7 @@
 #include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
-#include "methods/methods.h"
+#include "methods/inner_step.h"
 #include "overlaps.h"
 #include "residuals.h"
 #include "sleep.h"
@@ -101,7 +102,8 @@ constexpr std::array kStages{
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&Rosters::movers>},
 };
 
-// Parts of islands.advance that a scene may do without. The first three are timed (methods.h).
+// Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed, and
+// effects within them.
 std::string contactLaw(const Setting& setting) {
   const FidelitySettings settings = settingsOf(setting);
   const std::string name = std::string(fidelityName(setting.preset)) +
@@ -152,12 +154,14 @@ Items turnedBodies(const SceneStore& scene, const StepStore&) {
 }
 
 constexpr std::array kParts{
-    Part{kContactRowNames[kCollide], needOf<Effect::Collision>, candidates},
-    Part{kContactRowNames[kSolve], needSolver, points},
-    Part{kContactRowNames[kStore], needOf<Effect::Collision>, points},
+    Part{kInnerRowNames[kCollide], needOf<Effect::Collision>, candidates},
+    Part{kInnerRowNames[kPrepare], needOf<Effect::Collision>, points},
+    Part{kInnerRowNames[kSolve], needSolver, points},
+    Part{kInnerRowNames[kIntegrate], islands::need, bodiesOn<&Rosters::movers>},
+    Part{kInnerRowNames[kRestitution], needOf<Effect::Restitution>, impactCount},
+    Part{kInnerRowNames[kStore], needOf<Effect::Collision>, points},
     Part{"contacts.friction", needOf<Effect::Friction>, frictionPairs},
     Part{"contacts.rolling", needOf<Effect::Rolling>, rollingPairs},
-    Part{"contacts.restitution", needOf<Effect::Restitution>, impactCount},
     Part{"rotation.integrate", needOf<Effect::Rotation>, turnedBodies},
     Part{"rotation.gyroscopic", needOf<Effect::Gyroscopic>, bodiesThat<&Inertia::gyroscopic>},
 };
@@ -189,7 +193,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   slot.assign(n, kNone);
   woken.clear();
   falling_asleep.clear();
-  contact_seconds.assign(kContactRows, 0.0);
+  row_seconds.assign(kInnerRows, 0.0);
   before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
   twist_before.assign(scene.bodies.twist.begin(),
                       scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
@@ -201,12 +205,12 @@ void Pipeline::filter(const Census& census) {
   for (std::size_t row = 0; row < kStages.size(); ++row)
     if (kStages[row].need(census).active) active_.push_back(row);
   seconds_.assign(kStages.size(), 0.0);
-  contact_seconds_.assign(kContactRows, 0.0);
+  row_seconds_.assign(kInnerRows, 0.0);
 }
 
 void Pipeline::restartClocks() {
   std::fill(seconds_.begin(), seconds_.end(), 0.0);
-  std::fill(contact_seconds_.begin(), contact_seconds_.end(), 0.0);
+  std::fill(row_seconds_.begin(), row_seconds_.end(), 0.0);
 }
 
 void Pipeline::run(Context& context) {
@@ -219,8 +223,7 @@ void Pipeline::run(Context& context) {
     mark = now;
     if (!context.step.woken.empty()) return;  // to be begun again
   }
-  for (std::size_t row = 0; row < kContactRows; ++row)
-    contact_seconds_[row] += context.step.contact_seconds[row];
+  for (std::size_t row = 0; row < kInnerRows; ++row) row_seconds_[row] += context.step.row_seconds[row];
   context.step.report.seconds = secondsBetween(begin, mark);
 }
 
@@ -236,7 +239,7 @@ std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore
     add(kStages[row], seconds_[row]);
     if (kStages[row].run != step_controller::run) continue;
     for (std::size_t part = 0; part < kParts.size(); ++part)
-      add(kParts[part], part < kContactRows ? contact_seconds_[part] : 0.0);
+      add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0);
   }
   return rows;
 }

@@ -22,9 +22,9 @@ class Pipeline {
   std::vector<StageInfo> describe(const Census& census, const SceneStore& scene, const StepStore& step) const;
 
  private:
-  std::vector<std::size_t> active_;      // rows of the table
-  std::vector<double> seconds_;          // by row
-  std::vector<double> contact_seconds_;  // by row of the contact method
+  std::vector<std::size_t> active_;  // rows of the table
+  std::vector<double> seconds_;      // by row
+  std::vector<double> row_seconds_;  // by row of the inner step
 };
 
 }  // namespace rbs

@@ -48,7 +48,39 @@ void apply(SolverBody& i, SolverBody& j, const Vec3& impulse_W) {
   j.w += j.inv_inertia_W * impulse_W;
 }
 
-void solveRow(SolverContacts& contacts, Row& row) {
+}  // namespace
+
+double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
+  const double curved = curvature(bodies, i, n_W) + curvature(bodies, j, n_W);
+  return curved > 0.0 ? 1.0 / curved : 0.0;
+}
+
+void Resistance::prepare(const Context& context, const IslandBatch&, const SolverContacts& contacts) {
+  const SceneStore& scene = context.scene;
+  for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {
+    const SolverBlock& block = contacts.blocks[k];
+    const Index i = contacts.bodies[block.i].body, j = contacts.bodies[block.j].body;
+    if (!resists(scene, i, j)) continue;
+    const double lever = radius(scene.bodies, i, j, block.n);
+    if (lever == 0.0) continue;
+    const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
+    rows_.push_back({k, (a.rolling_resistance + b.rolling_resistance) * lever,
+                     (a.torsional_resistance + b.torsional_resistance) * lever});
+  }
+}
+
+void Resistance::warmStart(SolverContacts& contacts) const {
+  for (const Row& row : rows_) {
+    const SolverBlock& block = contacts.blocks[row.block];
+    apply(contacts.bodies[block.i], contacts.bodies[block.j], row.l_W);
+  }
+}
+
+void Resistance::solve(SolverContacts& contacts) {
+  for (Row& row : rows_) solveRow(contacts, row);
+}
+
+void Resistance::solveRow(SolverContacts& contacts, Row& row) {
   const SolverBlock& block = contacts.blocks[row.block];
   SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
   double pushed = 0.0;
@@ -80,39 +112,6 @@ void solveRow(SolverContacts& contacts, Row& row) {
   const Vec3 impulse_W = T * roll + spin * block.n;
   apply(i, j, impulse_W - row.l_W);
   row.l_W = impulse_W;
-}
-
-}  // namespace
-
-double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
-  const double curved = curvature(bodies, i, n_W) + curvature(bodies, j, n_W);
-  return curved > 0.0 ? 1.0 / curved : 0.0;
-}
-
-std::vector<Row> find(const SceneStore& scene, const SolverContacts& contacts) {
-  std::vector<Row> rows;
-  for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {
-    const SolverBlock& block = contacts.blocks[k];
-    const Index i = contacts.bodies[block.i].body, j = contacts.bodies[block.j].body;
-    if (!resists(scene, i, j)) continue;
-    const double lever = radius(scene.bodies, i, j, block.n);
-    if (lever == 0.0) continue;
-    const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
-    rows.push_back({k, (a.rolling_resistance + b.rolling_resistance) * lever,
-                    (a.torsional_resistance + b.torsional_resistance) * lever});
-  }
-  return rows;
-}
-
-void warmStart(SolverContacts& contacts, const std::vector<Row>& rows) {
-  for (const Row& row : rows) {
-    const SolverBlock& block = contacts.blocks[row.block];
-    apply(contacts.bodies[block.i], contacts.bodies[block.j], row.l_W);
-  }
-}
-
-void solve(SolverContacts& contacts, std::vector<Row>& rows) {
-  for (Row& row : rows) solveRow(contacts, row);
 }
 
 }  // namespace rbs::rolling

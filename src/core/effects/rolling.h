@@ -24,17 +24,23 @@ inline bool resists(const SceneStore& scene, Index i, Index j) {
 /// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; 0 where it is flat.
 double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 
-/// The resistance of one pair in the soft step.
-struct Row {
-  std::size_t block;        ///< in SolverContacts::blocks
-  double roll, spin;        ///< lever arms, m: torque over normal force
-  Vec3 l_W = Vec3::Zero();  ///< impulse of its torque in this sub-step, on j, N m s
-};
+/// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.
+class Resistance {
+ public:
+  void prepare(const Context& context, const IslandBatch& batch, const SolverContacts& contacts);
+  bool empty() const { return rows_.empty(); }
+  void warmStart(SolverContacts& contacts) const;
+  void solve(SolverContacts& contacts);
 
-std::vector<Row> find(const SceneStore& scene, const SolverContacts& contacts);
-/// Gives the bodies the impulses of the last sub-step again.
-void warmStart(SolverContacts& contacts, const std::vector<Row>& rows);
-/// One pass over the rows.
-void solve(SolverContacts& contacts, std::vector<Row>& rows);
+ private:
+  struct Row {
+    std::size_t block;        // in SolverContacts::blocks
+    double roll, spin;        // lever arms, m: torque over normal force
+    Vec3 l_W = Vec3::Zero();  // impulse of its torque in this sub-step, on j, N m s
+  };
+  static void solveRow(SolverContacts& contacts, Row& row);
+
+  std::vector<Row> rows_;
+};
 
 }  // namespace rbs::rolling

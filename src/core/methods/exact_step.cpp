@@ -73,13 +73,13 @@ bool overlaps(const Touching& touching) {
 
 }  // namespace
 
-Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1)
+Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock)
     : context_(context),
       step_(context.step),
       active_(contactsOf(batch.edges)),
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
-      clock_(step_),
+      clock_(clock),
       now_(t0),
       end_(t1),
       span_(t1 - t0) {
@@ -184,66 +184,77 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   return segment;
 }
 
-bool Stepper::run() {
-  const std::vector<BodyMotion> start = island_.save();
-  const IslandResiduals before_solves = islandResiduals();
+void Stepper::collide() {
   touching_ = find(now_);
+}
+
+void Stepper::prepare() {
+  start_ = island_.save();
+  before_solves_ = islandResiduals();
   expectLastForces(context_.scene.contacts, touching_);
   double turn = 0.0;
   const Bodies& bodies = context_.scene.bodies;
   for (const Index i : island_.indices())
     if (!std::holds_alternative<Sphere>(bodies.traits[i].shape))
       turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
-  const double longest =
+  longest_ =
       (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
-  while (end_ - now_ > 1e-12 * step_.h()) {
-    if (takeOverlapsAway()) {
-      const Touching before = std::move(touching_);
-      touching_ = find(now_);
-      touching_.inherit(before, opened_);
-    }
-    settle();
-    const double left = end_ - now_;
-    double tau = left > 1.5 * longest ? longest : left;
-    Segment segment = attempt(tau, Friction::Free);
-    while (reach_ < kFarthest && segment.first.converged && overlooked(segment.touching)) {
-      lookFarther();
-      segment = attempt(tau, Friction::Free);
-    }
-    const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
-    if (segment.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
-      cuts_ -= points;
-      stops_.push_back(segment.slip_left.of);
-      cutAtStop(tau, segment);
-    }
-    addResiduals(segment.first);
-    addResiduals(segment.second);
-    if (promoted_ && !islandResiduals().converged) {
-      island_.restore(start);
-      islandResiduals() = before_solves;
-      return false;
-    }
-    island_.restore(segment.end);
-    touching_ = std::move(segment.touching);
-    opened_.insert(opened_.end(), segment.opened.begin(), segment.opened.end());
-    now_ += tau;
-    reach_ = 1.0;
+}
+
+// A sub-step is a segment.
+bool Stepper::beginSubStep() {
+  return !has_failed_ && end_ - now_ > 1e-12 * step_.h();
+}
+
+void Stepper::solve() {
+  if (takeOverlapsAway()) {
+    const Touching before = std::move(touching_);
+    touching_ = find(now_);
+    touching_.inherit(before, opened_);
   }
-  return true;
+  settle();
+  const double left = end_ - now_;
+  tau_ = left > 1.5 * longest_ ? longest_ : left;
+  segment_ = attempt(tau_, Friction::Free);
+  while (reach_ < kFarthest && segment_.first.converged && overlooked(segment_.touching)) {
+    lookFarther();
+    segment_ = attempt(tau_, Friction::Free);
+  }
+  const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
+  if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
+    cuts_ -= points;
+    stops_.push_back(segment_.slip_left.of);
+    cutAtStop(tau_, segment_);
+  }
+  addResiduals(segment_.first);
+  addResiduals(segment_.second);
+  has_failed_ = promoted_ && !islandResiduals().converged;
+}
+
+// Goes to where the segment ends; back to the start, where another method is to begin.
+void Stepper::integrate() {
+  if (has_failed_) {
+    island_.restore(start_);
+    islandResiduals() = before_solves_;
+    return;
+  }
+  island_.restore(segment_.end);
+  touching_ = std::move(segment_.touching);
+  opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
+  now_ += tau_;
+  reach_ = 1.0;
 }
 
 void Stepper::store() {
-  clock_.charge(kSolve);
-  storeTouching(touching_, opened_, active_, context_.scene.contacts);
-  clock_.charge(kStore);
+  if (!has_failed_) storeTouching(touching_, opened_, active_, context_.scene.contacts);
 }
 
 bool advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return true;
-  Stepper stepper(context, batch, t0, t1);
-  if (!stepper.run()) return false;
-  stepper.store();
-  return true;
+  InnerClock clock(context.step);
+  Stepper method(context, batch, t0, t1, clock);
+  runInnerStep(method, clock);
+  return !method.hasFailed();
 }
 
 }  // namespace rbs::exact_step

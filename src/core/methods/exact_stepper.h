@@ -3,6 +3,7 @@
 // up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
 #pragma once
 
+#include "methods/inner_step.h"
 #include "methods/island_motion.h"
 #include "methods/methods.h"
 #include "methods/touching.h"
@@ -27,12 +28,18 @@ inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double sha
   return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
 }
 
-class Stepper {
+class Stepper : public InnerRows {
  public:
-  Stepper(Context& context, const IslandBatch& batch, double t0, double t1);
+  Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock);
 
-  bool run();
+  void collide();
+  void prepare();
+  bool beginSubStep();
+  void solve();
+  void integrate();
   void store();
+  /// Its solvers did not converge, at a setting that has another method: the island is as it was.
+  bool hasFailed() const { return has_failed_; }
 
  private:
   // How fast closed points slide, and couples turn, in their frames; zero where they do not.
@@ -89,7 +96,7 @@ class Stepper {
   std::vector<Index> active_;  // contacts
   IslandMotion island_;
   Slots slots_;  // in the problem
-  ContactClock clock_;
+  InnerClock& clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, aim_;
@@ -99,6 +106,11 @@ class Stepper {
   Touching touching_;        // now
   PointsOfContacts opened_;  // so far
   std::vector<Stop> stops_;  // at which segments have been cut
+  std::vector<BodyMotion> start_;
+  IslandResiduals before_solves_;
+  double longest_ = 0.0, tau_ = 0.0;  // a segment: at most, and this one, s
+  Segment segment_;                   // this one
+  bool has_failed_ = false;
 };
 
 }  // namespace rbs::exact_step

@@ -4,20 +4,46 @@
 #include "effects/effects.h"
 #include "effects_built.h"
 #include "integrate.h"
+#include "methods/inner_step.h"
 #include "methods/methods.h"
+
+#include <utility>
 
 namespace rbs::flight {
 
-void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
-  Bodies& bodies = context.scene.bodies;
-  for (const Index i : batch.bodies) {
-    const Load& load = context.step.load[i];
-    std::optional<Course> course;
-    if constexpr (built::drag)
-      course = drag::fly(context, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, t1 - t0);
-    fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, t1 - t0);
-    if (course) bodies.pose[i].p_WB = course->p_WB, bodies.twist[i].v_WB = course->v_WB;
+namespace {
+
+class Flight : public InnerRows {
+ public:
+  Flight(Context& context, const IslandBatch& batch, double seconds)
+      : context_(context), batch_(batch), seconds_(seconds) {}
+
+  bool beginSubStep() { return !std::exchange(begun_, true); }
+  void integrate() {
+    Bodies& bodies = context_.scene.bodies;
+    for (const Index i : batch_.bodies) {
+      const Load& load = context_.step.load[i];
+      std::optional<Course> course;
+      if constexpr (built::drag)
+        course = drag::fly(context_, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, seconds_);
+      fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, seconds_);
+      if (course) bodies.pose[i].p_WB = course->p_WB, bodies.twist[i].v_WB = course->v_WB;
+    }
   }
+
+ private:
+  Context& context_;
+  const IslandBatch& batch_;
+  double seconds_;
+  bool begun_ = false;
+};
+
+}  // namespace
+
+void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  InnerClock clock(context.step);
+  Flight method(context, batch, t1 - t0);
+  runInnerStep(method, clock);
 }
 
 }  // namespace rbs::flight

@@ -4,8 +4,6 @@
 
 #include "context.h"
 
-#include <array>
-#include <chrono>
 #include <vector>
 
 namespace rbs {
@@ -14,27 +12,6 @@ namespace rbs {
 struct IslandBatch {
   std::vector<Index> bodies;
   std::vector<Edge> edges;
-};
-
-/// The rows of the methods that solve contacts; step.contact_seconds has their times.
-enum ContactRow { kCollide, kSolve, kStore, kContactRows };
-inline constexpr std::array<const char*, kContactRows> kContactRowNames{"narrowphase.collide",
-                                                                        "contacts.solve", "contacts.store"};
-
-/// Charges the time since its last call to a row.
-class ContactClock {
- public:
-  explicit ContactClock(StepStore& step) : seconds_(step.contact_seconds) {}
-  void charge(ContactRow row) {
-    const auto now = Clock::now();
-    seconds_[row] += std::chrono::duration<double>(now - mark_).count();
-    mark_ = now;
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  std::vector<double>& seconds_;
-  Clock::time_point mark_ = Clock::now();
 };
 
 namespace flight {

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Adding a kind of constraint takes its own file: one that the program does not have goes through the graph
+// and the soft step here, beside contacts.
+#include "islands.h"
+#include "make_scene.h"
+#include "methods/soft_step.h"
+
+#include <gtest/gtest.h>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+constexpr auto kCoupling = static_cast<ConstraintKind>(1);
+
+// Two bodies that move with one velocity and turn as they like.
+class Coupling {
+ public:
+  void prepare(const Context&, const IslandBatch& batch, const SolverContacts& contacts) {
+    const auto slotOf = [&](Index body) -> std::size_t {
+      for (std::size_t k = 0; k < contacts.bodies.size(); ++k)
+        if (contacts.bodies[k].body == body) return k;
+      throw std::logic_error("a body of the island is not in the solver");
+    };
+    for (const Edge& edge : batch.edges)
+      if (edge.kind == kCoupling) rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1])});
+  }
+  bool empty() const { return rows_.empty(); }
+  void warmStart(SolverContacts& contacts) const {
+    for (const Row& row : rows_) push(contacts, row, row.impulse_W);
+  }
+  void solve(SolverContacts& contacts) {
+    for (Row& row : rows_) {
+      const SolverBody &i = contacts.bodies[row.i], &j = contacts.bodies[row.j];
+      const Vec3 change_W = (i.v - j.v) / (i.inv_mass + j.inv_mass);
+      push(contacts, row, change_W);
+      row.impulse_W += change_W;
+    }
+  }
+
+ private:
+  struct Row {
+    std::size_t i, j;
+    Vec3 impulse_W = Vec3::Zero();  // on j, N s
+  };
+  static void push(SolverContacts& contacts, const Row& row, const Vec3& impulse_W) {
+    contacts.bodies[row.i].v -= contacts.bodies[row.i].inv_mass * impulse_W;
+    contacts.bodies[row.j].v += contacts.bodies[row.j].inv_mass * impulse_W;
+  }
+  std::vector<Row> rows_;
+};
+
+struct Scene {
+  SceneStore scene;
+  StepStore step;
+  Census census;
+  Context context{scene, step, census};
+  static constexpr double kStep = 0.01;
+
+  explicit Scene(const Vec3& gravity) { scene.settings.gravity = gravity; }
+
+  Index add(const BodyDef& def) {
+    scene.bodies.append(BodyId{scene.bodies.size() + 1}, def);
+    return scene.bodies.size() - 1;
+  }
+  // One step of all islands that the couplings and contacts make.
+  void advance(const std::vector<std::pair<Index, Index>>& couplings,
+               const std::vector<std::pair<Index, Index>>& contacts) {
+    census = takeCensus(scene);
+    step.begin(scene, 0.0, kStep);
+    for (const Index i : scene.rosters.movers) step.load[i].a_W = scene.settings.gravity;
+    scene.contacts.update(scene.bodies, contacts, [](const Contact&) { return false; });
+    std::vector<Edge> edges;
+    for (Index k = 0; k < scene.contacts.active.size(); ++k)
+      edges.push_back(islands::edgeOf(scene.contacts, k));
+    for (const auto& [i, j] : couplings)
+      edges.push_back({kCoupling, static_cast<Index>(edges.size()), {i, j, kNone, kNone}});
+    islands::connect(context, edges);
+    for (const Island& island : step.islands) {
+      const IslandBatch batch{island.bodies, island.edges};
+      soft_step::SoftStep<Coupling> method(context, batch, 0.0, kStep);
+      InnerClock clock(step);
+      runInnerStep(method, clock);
+    }
+    scene.contacts.endStep();
+  }
+};
+
+TEST(ConstraintKind, OfItsOwnIsSolvedWithoutContacts) {
+  Scene scene(Vec3::Zero());
+  BodyDef light = ball("light", 0.1, Vec3::Zero()), heavy = ball("heavy", 0.1, Vec3(5.0, 0.0, 0.0));
+  light.mass = 1.0, heavy.mass = 3.0;
+  light.twist.v_WB = {4.0, 0.0, 2.0};
+  const Index i = scene.add(light), j = scene.add(heavy);
+  scene.advance({{i, j}}, {});
+  ASSERT_EQ(scene.step.islands.size(), 1u);
+  const Vec3 common(1.0, 0.0, 0.5);
+  EXPECT_LE((scene.scene.bodies.twist[i].v_WB - common).norm(), 1e-14);
+  EXPECT_LE((scene.scene.bodies.twist[j].v_WB - common).norm(), 1e-14);
+  EXPECT_LE((scene.scene.bodies.pose[j].p_WB - heavy.pose.p_WB - Scene::kStep * common).norm(), 1e-14);
+}
+
+// A ball stands on a plane and bears another, which is coupled to it and stands on nothing.
+TEST(ConstraintKind, OfItsOwnIsSolvedBesideContacts) {
+  Scene scene(Vec3(0.0, 0.0, -10.0));
+  BodyDef ground = body("ground", Plane{}, Vec3::Zero());
+  ground.kind = BodyKind::Static;
+  BodyDef standing = ball("standing", 0.1, Vec3(0.0, 0.0, 0.1)),
+          hanging = ball("hanging", 0.1, Vec3(5.0, 0.0, 7.0));
+  standing.mass = 2.0, hanging.mass = 1.0;
+  const Index plane = scene.add(ground), i = scene.add(standing), j = scene.add(hanging);
+  for (int k = 0; k < 200; ++k) scene.advance({{i, j}}, {{plane, i}});
+  ASSERT_EQ(scene.step.islands.size(), 1u);
+  ASSERT_EQ(scene.scene.contacts.active.at(0).points.size(), 1u);
+  const SolvedPoint& point = scene.scene.contacts.active[0].points[0];
+  EXPECT_NEAR(point.normal, 30.0, 0.3) << "the weight of both";
+  EXPECT_NEAR(point.normal_impulse, 30.0 * Scene::kStep, 0.003);
+  EXPECT_LE(scene.scene.bodies.twist[j].v_WB.norm(), 1e-3);
+  EXPECT_NEAR(scene.scene.bodies.pose[j].p_WB.z(), 7.0, 1e-3);
+}
+
+}  // namespace
