@@ -9,6 +9,7 @@
 #include "bodies.h"
 #include "census.h"
 #include "contact.h"
+#include "fidelity.h"
 #include "island.h"
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
@@ -144,6 +145,7 @@ class Slots {
 
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
+  SolverSettings solver;               ///< resolved from the scene's Setting
   std::vector<Load> load;              ///< by body; those of ballistic bodies are not filled in
   std::vector<Vec3> airless;           ///< by body: load.a_W without the drag; empty: there is none
   Vec3 air;                            ///< velocity of the air where there is drag, m/s

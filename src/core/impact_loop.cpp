@@ -4,7 +4,6 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
-#include "fidelity.h"
 #include "impacts.h"
 #include "island_step.h"
 #include "islands.h"
@@ -121,8 +120,7 @@ class ImpactLoop {
     constexpr int kMeetings = 6;
     if (context_.scene.restitutionOf(impact.i, impact.j) >= 1.0) return false;
     Meetings& met = meetings_[{impact.i, impact.j}];
-    if (impact.time - met.last > settingsOf(context_.scene.settings.fidelity).no_time * step_.h())
-      met.count = 0;
+    if (impact.time - met.last > step_.solver.no_time * step_.h()) met.count = 0;
     met.last = impact.time;
     return ++met.count > kMeetings;
   }

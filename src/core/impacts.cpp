@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "impacts.h"
 
-#include "fidelity.h"
 #include "methods/impact_law.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/time_of_impact.h"
@@ -43,7 +42,7 @@ double marginOf(const Context& context, Index i, Index j) {
     return step.island[k] != kNone && step.islands[step.island[k]].touching;
   };
   const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
-  const bool exact = free || settingsOf(context.scene.settings.fidelity).exact;
+  const bool exact = free || step.solver.exact;
   return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
 }
 
@@ -79,11 +78,10 @@ double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
-  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
   const double unseen = context.scene.restitutionOf(i, j) < 1.0
-                            ? settings.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
+                            ? step.solver.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
                             : 0.0;
-  return std::max(settings.slowest_impact * step.h() * a, unseen);
+  return std::max(step.solver.slowest_impact * step.h() * a, unseen);
 }
 
 // What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the

@@ -2,7 +2,6 @@
 #include "island_step.h"
 
 #include "algebra.h"
-#include "fidelity.h"
 #include "methods/methods.h"
 
 #include <algorithm>
@@ -22,8 +21,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 
 // Whether an island is advanced by sub-steps of its own.
 bool isHasty(const Context& context, const Island& island) {
-  const std::uint32_t sub_steps = settingsOf(context.scene.settings.fidelity).sub_steps;
-  return soft_step::subStep(context, island.edges) < context.step.h() / sub_steps;
+  return soft_step::subStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
 }
 
 template <class T>

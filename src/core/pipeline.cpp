@@ -11,7 +11,6 @@
 #include "broadphase/sweep_and_prune.h"
 #include "effects/effects.h"
 #include "effects/rolling.h"
-#include "fidelity.h"
 #include "impacts.h"
 #include "islands.h"
 #include "methods/inner_step.h"
@@ -105,7 +104,7 @@ constexpr std::array kStages{
 // Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed, and
 // effects within them.
 std::string contactLaw(const Setting& setting) {
-  const FidelitySettings settings = settingsOf(setting);
+  const SolverSettings settings = resolved(setting);
   const std::string name = std::string(fidelityName(setting.preset)) +
                            (setting.divisions > 1 ? " in " + count(setting.divisions, "part", "parts") : "") +
                            ": ";
@@ -180,6 +179,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
   t0 = from;
   t1 = to;
+  solver = resolved(scene.settings.fidelity);
   load.assign(n, {});
   airless.clear();
   submerged.clear();

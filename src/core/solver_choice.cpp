@@ -10,7 +10,6 @@
 // adds in a step or two.
 #include "solver_choice.h"
 
-#include "fidelity.h"
 #include "overlaps.h"
 
 #include <algorithm>
@@ -98,7 +97,7 @@ bool isPromoted(const Context& context, const Island& island) {
 }  // namespace
 
 bool isExact(const Context& context, const Island& island) {
-  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  const SolverSettings& settings = context.step.solver;
   return !overlaps::ruleOver(context, island) &&
          (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
 }
@@ -106,7 +105,7 @@ bool isExact(const Context& context, const Island& island) {
 // A body that flew joins the method of what it met; of two methods the one that any number of rows can
 // afford.
 bool isExactTogether(const Context& context, const Island& a, const Island& b) {
-  if (settingsOf(context.scene.settings.fidelity).exact) return a.exact && b.exact;
+  if (context.step.solver.exact) return a.exact && b.exact;
   return (a.exact || a.flies()) && (b.exact || b.flies()) && (a.exact || b.exact);
 }
 

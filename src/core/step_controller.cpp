@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step_controller.h"
 
-#include "fidelity.h"
 #include "impact_loop.h"
 #include "island_step.h"
 #include "islands.h"
@@ -38,7 +37,7 @@ void beginAgain(Context& context, Beginning& beginning, const std::vector<std::p
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!settingsOf(context.scene.settings.fidelity).exact || context.scene.rosters.movers.size() < 2)
+  if (!step.solver.exact || context.scene.rosters.movers.size() < 2)
     return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {

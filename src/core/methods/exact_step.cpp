@@ -29,8 +29,6 @@
 // (impact_loop.h).
 #include "methods/exact_stepper.h"
 
-#include "fidelity.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -85,7 +83,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       span_(t1 - t0) {
   for (std::size_t k = 0; k < island_.indices().size(); ++k)
     slots_.set(island_.indices()[k], static_cast<Index>(k));
-  const FidelitySettings settings = settingsOf(context.scene.settings.fidelity);
+  const SolverSettings& settings = context.step.solver;
   tolerance_ = settings.tolerance;
   aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
   corrections_ = settings.corrections;

@@ -3,7 +3,6 @@
 
 #include "effects/rolling.h"
 #include "effects_built.h"
-#include "fidelity.h"
 
 namespace rbs::soft_step {
 
@@ -38,7 +37,7 @@ Softness softness(double h, double h_full) {
 double subStep(const Context& context, const std::vector<Edge>& edges) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  double h = step.h() / settingsOf(context.scene.settings.fidelity).sub_steps;
+  double h = step.h() / step.solver.sub_steps;
   for (const Edge& edge : edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];

@@ -2,7 +2,6 @@
 #include "methods/solver_contacts.h"
 
 #include "algebra.h"
-#include "fidelity.h"
 #include "narrowphase/collide.h"
 #include "residuals.h"
 
@@ -118,7 +117,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const double margin = marginOf(block, left);
   Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
-  if (!settingsOf(context_.scene.settings.fidelity).all_points) {
+  if (!context_.step.solver.all_points) {
     keepWithin(marginOf(block, h_) + kStray * length, manifold);
     reduceToFour(manifold);
   }
