@@ -4,6 +4,7 @@
 
 #include "number_text.h"
 #include "rigid_body_sim/quote.h"
+#include "scene_fields.h"
 #include "text.h"
 
 #include <cmath>
@@ -34,6 +35,12 @@ class Faults {
   void vector(const std::string& path, const Vec3& v, double longest, const std::string& unit) {
     if (!(v.norm() <= longest))
       add(path, vectorText(v), "finite, at most " + numberText(longest) + " " + unit);
+  }
+  void within(const std::string& path, double x, const Range& range) {
+    number(path, x, range.low, range.high, range.unit);
+  }
+  void within(const std::string& path, const Vec3& v, const Range& range) {
+    vector(path, v, range.high, range.unit);
   }
   void append(std::vector<Problem> more) {
     problems_.insert(problems_.end(), std::make_move_iterator(more.begin()),
@@ -161,18 +168,14 @@ void checkSurroundings(const SceneDef& scene, Faults& faults) {
   faults.number("step", scene.step, Limits::min_step, Limits::max_step, "s");
   faults.append(validate(scene.fidelity));
   if (scene.goal) faults.append(validate(*scene.goal));
-  if (scene.air) {
-    faults.number("air.density", scene.air->density, Limits::min_density, Limits::max_density, "kg/m^3");
-  }
-  if (scene.wind) {
-    if (!scene.air) faults.add("wind", vectorText(scene.wind->velocity), "only together with air");
-    faults.vector("wind.velocity", scene.wind->velocity, Limits::max_wind, "m/s");
-    faults.number("wind.gust", scene.wind->gust, 0.0, Limits::max_wind, "m/s");
-  }
-  if (scene.fluid) {
-    faults.number("fluid.density", scene.fluid->density, Limits::min_density, Limits::max_density, "kg/m^3");
-    faults.number("fluid.level", scene.fluid->level, -Limits::max_position, Limits::max_position, "m");
-  }
+  if (scene.wind && !scene.air)
+    faults.add("wind", vectorText(scene.wind->velocity), "only together with air");
+  forEachSurrounding([&](const std::string& key, auto surrounding, auto type) {
+    if (!(scene.*surrounding)) return;
+    forEachField(type, [&](const char* name, auto field, const Range& range) {
+      faults.within(key + "." + name, *(scene.*surrounding).*field, range);
+    });
+  });
   faults.vector("view.eye", scene.view.eye, Limits::max_position, "m from the origin");
   faults.vector("view.target", scene.view.target, Limits::max_position, "m from the origin");
   if (scene.view.eye == scene.view.target) {

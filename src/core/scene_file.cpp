@@ -8,6 +8,7 @@
 #include "rigid_body_sim/file_access.h"
 #include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/scenes.h"
+#include "scene_fields.h"
 #include "scene_limits.h"
 #include "yaml_fields.h"
 
@@ -50,16 +51,11 @@ void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   top.read("step", scene.step);
   readFidelity(top, problems, scene);
   top.read("seed", scene.seed);
-  readGroup(top, "air", problems, [&](Fields& air) { air.read("density", scene.air.emplace().density); });
-  readGroup(top, "wind", problems, [&](Fields& wind) {
-    scene.wind.emplace();
-    wind.read("velocity", scene.wind->velocity);
-    wind.read("gust", scene.wind->gust);
-  });
-  readGroup(top, "fluid", problems, [&](Fields& fluid) {
-    scene.fluid.emplace();
-    fluid.read("density", scene.fluid->density);
-    fluid.read("level", scene.fluid->level);
+  forEachSurrounding([&](const char* key, auto surrounding, auto type) {
+    readGroup(top, key, problems, [&](Fields& fields) {
+      auto& value = (scene.*surrounding).emplace();
+      forEachField(type, [&](const char* name, auto field, Range) { fields.read(name, value.*field); });
+    });
   });
   readGroup(top, "effects", problems, [&](Fields& effects) {
     for (const Effect effect : kEffects)

@@ -3,6 +3,7 @@
 // what has the default's very bits is left out.
 #include "number_text.h"
 #include "rigid_body_sim/scenes.h"
+#include "scene_fields.h"
 #include "scene_limits.h"
 
 #include <cstdio>
@@ -190,18 +191,14 @@ std::string headText(const SceneDef& scene) {
   std::string result = "name: " + quoted(scene.name) + "\nproperty: " + quoted(scene.property) +
                        "\ngravity: " + text(scene.gravity) + "\nstep: " + text(scene.step) +
                        "\nfidelity: " + fidelityText(scene) + "\nseed: " + text(scene.seed) + "\n";
-  if (scene.air) result += "air: " + Line().add("density", text(scene.air->density)).close() + "\n";
-  if (scene.wind) {
-    result += "wind: " +
-              Line().add("velocity", text(scene.wind->velocity)).add("gust", text(scene.wind->gust)).close() +
-              "\n";
-  }
-  if (scene.fluid) {
-    result +=
-        "fluid: " +
-        Line().add("density", text(scene.fluid->density)).add("level", text(scene.fluid->level)).close() +
-        "\n";
-  }
+  forEachSurrounding([&](const char* key, auto surrounding, auto type) {
+    if (!(scene.*surrounding)) return;
+    Line line;
+    forEachField(type, [&](const char* name, auto field, Range) {
+      line.add(name, text(*(scene.*surrounding).*field));
+    });
+    result += key + (": " + line.close() + "\n");
+  });
   if (!scene.effects.empty()) {
     Line line;
     for (const auto& [effect, on] : scene.effects) line.add(effectName(effect), on ? "on" : "off");

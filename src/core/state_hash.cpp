@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "state_hash.h"
 
+#include "scene_fields.h"
+
 #include <cstring>
 #include <string>
 #include <type_traits>
@@ -54,6 +56,16 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
   hash.add(t.mask);
 }
 
+// What an absent surrounding hashes as: at least one of the numbers is one that no present surrounding has.
+template <class Surrounding>
+void addAbsent(Hash& hash, double Surrounding::*, const Range& range) {
+  hash.add(range.low < 0.0 ? 0.0 : -1.0);
+}
+template <class Surrounding>
+void addAbsent(Hash& hash, Vec3 Surrounding::*, const Range&) {
+  hash.add(Vec3::Zero().eval());
+}
+
 void addSettings(Hash& hash, const SceneDef& settings) {
   hash.add(settings.gravity);
   hash.add(settings.step);
@@ -63,11 +75,12 @@ void addSettings(Hash& hash, const SceneDef& settings) {
   hash.add(settings.fidelity.tolerance.value_or(0.0));
   hash.add(settings.fidelity.max_solve_ms.value_or(0.0));
   hash.add(settings.seed);
-  hash.add(settings.air ? settings.air->density : -1.0);
-  hash.add(settings.wind ? settings.wind->velocity : Vec3::Zero().eval());
-  hash.add(settings.wind ? settings.wind->gust : -1.0);
-  hash.add(settings.fluid ? settings.fluid->density : -1.0);
-  hash.add(settings.fluid ? settings.fluid->level : 0.0);
+  forEachSurrounding([&](const char*, auto surrounding, auto type) {
+    forEachField(type, [&](const char*, auto field, const Range& range) {
+      if (const auto& given = settings.*surrounding) return hash.add(*given.*field);
+      addAbsent(hash, field, range);
+    });
+  });
   for (const auto& [effect, on] : settings.effects) hash.add(static_cast<int>(effect)), hash.add(on);
 }
 
