@@ -35,6 +35,11 @@ inline constexpr std::array kEffects{Effect::Gravity,   Effect::Buoyancy,    Eff
                                      Effect::Rolling,   Effect::Restitution, Effect::Gyroscopic,
                                      Effect::Rotation,  Effect::Sleeping};
 
+/// Their names, in the same order.
+inline constexpr std::array<const char*, kEffects.size()> kEffectNames{
+    "gravity", "buoyancy",    "drag",       "collision", "impacts", "friction",
+    "rolling", "restitution", "gyroscopic", "rotation",  "sleeping"};
+
 /// The name of the enumerator in lower case: "gravity", "buoyancy", …
 const char* effectName(Effect effect);
 /// The effect of this name. Throws InvalidInput for any other name.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "census.h"
 
-#include "context.h"
 #include "effects/effects.h"
 
 #include <algorithm>
@@ -11,13 +10,6 @@
 namespace rbs {
 
 namespace {
-
-auto fields(const Census& c) {
-  return std::tie(c.bodies, c.moved_by_forces, c.led, c.asleep, c.collidable, c.shapes, c.ballistic,
-                  c.asymmetric, c.rough, c.bouncy, c.rolling, c.dragged, c.turned, c.grabs, c.holds,
-                  c.wrenches, c.gravity, c.air_density, c.fluid_density, c.fluid_level, c.wind, c.fidelity,
-                  c.overrides);
-}
 
 using Layer = CensusTally::Layer;
 
@@ -39,7 +31,8 @@ std::set<Layer> partneredOf(const std::map<Layer, Index>& layers) {
   return partnered;
 }
 
-// Decides for each body what it feels, as detected or as forced.
+// Decides for each body what it feels, as detected or as forced. Goes by what the bodies are known to ask
+// for.
 class BodyEffects {
  public:
   explicit BodyEffects(const SceneStore& scene) : scene_(scene) {
@@ -47,16 +40,15 @@ class BodyEffects {
     for (const TimedWrench& wrench : scene.wrenches) pulled_.insert(wrench.body);
   }
 
-  bool mayMeet(Index i) const { return scene_.tally.partnered.count(layerOf(scene_.bodies, i)) != 0; }
-  bool meets(Index i) const { return feels(Effect::Collision, mayMeet(i)); }
-  bool isDragged(Index i) const { return moved(i) && feels(Effect::Drag, traits(i).dragCoefficient() > 0.0); }
-  bool isBuoyant(Index i) const { return moved(i) && feels(Effect::Buoyancy, true); }
-  bool isBallistic(Index i) const {
-    return moved(i) && !isPulled(i) && !meets(i) && !isDragged(i) && !isBuoyant(i);
+  bool meets(Index i) const { return isOnFor(Effect::Collision, i); }
+  // Only movers feel what changes a motion.
+  bool feels(Effect effect, Index i) const { return moved(i) && isOnFor(effect, i); }
+  bool feelsSomeForce(Index i) const {
+    return std::any_of(effects::kRows.begin(), effects::kRows.end(),
+                       [&](const effects::Row& row) { return row.turns && feels(row.effect, i); });
   }
-  bool isGyroscopic(Index i) const {
-    return moved(i) && feels(Effect::Gyroscopic, !scene_.bodies.inertia[i].isotropic);
-  }
+  bool isBallistic(Index i) const { return moved(i) && !isPulled(i) && !meets(i) && !feelsSomeForce(i); }
+  bool isGyroscopic(Index i) const { return feels(Effect::Gyroscopic, i); }
 
   // Whether something may turn body i, or change its spin.
   bool mayBeTurned(Index i) const {
@@ -65,23 +57,27 @@ class BodyEffects {
     const bool ball = std::holds_alternative<Sphere>(t.shape);
     const bool by_contact =
         meets(i) && (!ball || (on(Effect::Friction) && t.material.friction > 0.0) || on(Effect::Rolling));
-    const bool by_fluids = (isDragged(i) && std::holds_alternative<Box>(t.shape)) || (isBuoyant(i) && !ball);
-    return isGyroscopic(i) || by_contact || by_fluids || isPulled(i);
+    const bool by_force = std::any_of(
+        effects::kRows.begin(), effects::kRows.end(),
+        [&](const effects::Row& row) { return row.turns && row.turns(t) && feels(row.effect, i); });
+    return isGyroscopic(i) || by_contact || by_force || isPulled(i);
   }
   // Whether the step asks for its attitude.
   bool showsAttitude(Index i) const {
     return isPulled(i) ||
-           (!std::holds_alternative<Sphere>(traits(i).shape) && (meets(i) || isDragged(i) || isBuoyant(i)));
+           (!std::holds_alternative<Sphere>(traits(i).shape) && (meets(i) || feelsSomeForce(i)));
   }
 
  private:
   const Traits& traits(Index i) const { return scene_.bodies.traits[i]; }
   bool moved(Index i) const { return traits(i).moved_by_forces(); }
   bool on(Effect effect) const { return scene_.effects[effect]; }
-  // An effect that is on is felt by the bodies that ask for it, and by all when it is forced on.
-  bool feels(Effect effect, bool asks) const {
+  // An effect that is on is so for the bodies that ask for it, and for all when it is forced on.
+  bool isOnFor(Effect effect, Index i) const {
+    if (!on(effect)) return false;
     const auto forced = scene_.settings.effects.find(effect);
-    return on(effect) && (asks || (forced != scene_.settings.effects.end() && forced->second));
+    return scene_.tally.entries[i].asks[static_cast<std::size_t>(effect)] ||
+           (forced != scene_.settings.effects.end() && forced->second);
   }
   bool isPulled(Index i) const { return !pulled_.empty() && pulled_.count(scene_.bodies.id[i]) != 0; }
 
@@ -89,70 +85,62 @@ class BodyEffects {
   std::set<BodyId> pulled_;
 };
 
-// What a body is counted for, by the bits of its entry.
-constexpr std::array kCounts{&Census::moved_by_forces, &Census::led,   &Census::asleep, &Census::collidable,
-                             &Census::asymmetric,      &Census::rough, &Census::bouncy, &Census::rolling,
-                             &Census::dragged,         &Census::turned};
-constexpr std::uint32_t kCollidable = 1u << 3, kTurned = 1u << 9;
-static_assert(kCounts[3] == &Census::collidable && kCounts[9] == &Census::turned);
-
-// All but what turns it, which the effects decide.
-CensusTally::Entry lookAt(const SceneStore& scene, const BodyEffects& body, Index i) {
+// All but whether it asks for rotation, which what it feels decides.
+CensusTally::Entry lookAt(const SceneStore& scene, Index i) {
   const Traits& t = scene.bodies.traits[i];
-  const bool moved = t.moved_by_forces(), meets = body.mayMeet(i);
-  const std::array<bool, kCounts.size() - 1> features{
-      moved,
-      t.led(),
-      t.asleep,
-      meets,
-      moved && !scene.bodies.inertia[i].isotropic,
-      meets && t.material.friction > 0.0,
-      meets && t.material.restitution > 0.0,
-      meets && (t.material.rolling_resistance > 0.0 || t.material.torsional_resistance > 0.0),
-      moved && t.dragCoefficient() > 0.0};
-  CensusTally::Entry entry{layerOf(scene.bodies, i), t.shape.index(), 0};
-  for (std::size_t k = 0; k < features.size(); ++k) entry.features |= std::uint32_t{features[k]} << k;
+  const Layer layer = layerOf(scene.bodies, i);
+  const effects::Candidate candidate{t, scene.bodies.inertia[i], scene.tally.partnered.count(layer) != 0};
+  CensusTally::Entry entry{layer, t.shape.index(), t.moved_by_forces(), t.led(), t.asleep};
+  for (std::size_t k = 0; k < kEffects.size(); ++k)
+    entry.asks[k] = effects::kRows[k].asks && effects::kRows[k].asks(candidate);
   return entry;
 }
 
+constexpr auto kCollision = static_cast<std::size_t>(Effect::Collision);
+constexpr auto kRotation = static_cast<std::size_t>(Effect::Rotation);
+
 void count(Census& c, const CensusTally::Entry& entry, int by) {
-  for (std::size_t k = 0; k < kCounts.size(); ++k)
-    if (entry.features >> k & 1u) c.*kCounts[k] += static_cast<Index>(by);
-  if (entry.features & kCollidable) c.shapes[entry.shape] += static_cast<Index>(by);
+  const auto n = static_cast<Index>(by);
+  if (entry.moved) c.moved_by_forces += n;
+  if (entry.led) c.led += n;
+  if (entry.asleep) c.asleep += n;
+  for (std::size_t k = 0; k < kEffects.size(); ++k)
+    if (entry.asks[k]) c.asking[k] += n;
+  if (entry.asks[kCollision]) c.shapes[entry.shape] += n;
 }
 
 // What the scene holds besides bodies.
 void countSurroundings(const SceneStore& scene, Census& c) {
-  const SceneDef& settings = scene.settings;
   c.bodies = scene.bodies.size();
   c.grabs = static_cast<Index>(scene.grabs.size());
   c.holds = static_cast<Index>(scene.holds.size());
   c.wrenches = static_cast<Index>(scene.wrenches.size());
-  c.gravity = settings.gravity.norm();
-  c.air_density = settings.air ? settings.air->density : 0.0;
-  c.wind = settings.wind.has_value();
-  if (settings.fluid) c.fluid_density = settings.fluid->density, c.fluid_level = settings.fluid->level;
-  c.fidelity = settings.fidelity;
-  c.overrides = settings.effects;
+  c.scene = scene.settings;
 }
 
-constexpr std::array kRosters{&Rosters::ballistic,  &Rosters::tumbling, &Rosters::movers,
-                              &Rosters::led,        &Rosters::buoyant,  &Rosters::dragged,
-                              &Rosters::collidable, &Rosters::planes};
+// The dense lists, and after them those by effect.
+constexpr std::array kRosters{&Rosters::ballistic, &Rosters::tumbling,   &Rosters::movers,
+                              &Rosters::led,       &Rosters::collidable, &Rosters::planes};
+constexpr std::size_t kLists = kRosters.size() + kEffects.size();
 
-// Which lists a body is on, in the order of kRosters.
-std::array<bool, kRosters.size()> rostersOf(const SceneStore& scene, const BodyEffects& body, Index i) {
+std::vector<Index>& list(Rosters& rosters, std::size_t k) {
+  return k < kRosters.size() ? rosters.*kRosters[k] : rosters.feeling[k - kRosters.size()];
+}
+
+// Which lists a body is on.
+std::array<bool, kLists> listsOf(const SceneStore& scene, const BodyEffects& body, Index i) {
   const Traits& t = scene.bodies.traits[i];
   const bool ballistic = body.isBallistic(i), meets = body.meets(i),
              plane = std::holds_alternative<Plane>(t.shape);
-  return {ballistic,
-          ballistic && !scene.bodies.inertia[i].unturned,
-          !ballistic && t.moved_by_forces(),
-          t.led(),
-          body.isBuoyant(i),
-          body.isDragged(i),
-          meets && !plane,
-          meets && plane};
+  std::array<bool, kLists> on{ballistic,
+                              ballistic && !scene.bodies.inertia[i].unturned,
+                              !ballistic && t.moved_by_forces(),
+                              t.led(),
+                              meets && !plane,
+                              meets && plane};
+  for (std::size_t k = 0; k < kEffects.size(); ++k)
+    on[kRosters.size() + k] = effects::kRows[k].turns && body.feels(kEffects[k], i);
+  return on;
 }
 
 void startSweep(SceneStore& scene) {
@@ -178,10 +166,6 @@ void setRotation(SceneStore& scene, const BodyEffects& body, Index i) {
 
 }  // namespace
 
-bool operator==(const Census& a, const Census& b) {
-  return fields(a) == fields(b);
-}
-
 Census takeCensus(SceneStore& scene) {
   const Index n = scene.bodies.size();
   CensusTally tally;
@@ -194,14 +178,14 @@ Census takeCensus(SceneStore& scene) {
   countSurroundings(scene, c);
   std::vector<CensusTally::Entry>& entries = scene.tally.entries;
   const BodyEffects body(scene);
-  for (Index i = 0; i < n; ++i) count(c, entries.emplace_back(lookAt(scene, body, i)), 1);
+  for (Index i = 0; i < n; ++i) count(c, entries.emplace_back(lookAt(scene, i)), 1);
   // In the order of their list: whether rotation is asked for depends on those before it.
   for (const Effect effect : kEffects) {
     if (effect == Effect::Rotation) {
       for (Index i = 0; i < n; ++i) {
         if (!body.mayBeTurned(i)) continue;
-        entries[i].features |= kTurned;
-        ++c.turned;
+        entries[i].asks[kRotation] = true;
+        ++c.asking[kRotation];
       }
     }
     scene.effects.set(effect, effects::need(effect, c).active);
@@ -211,9 +195,9 @@ Census takeCensus(SceneStore& scene) {
   const std::vector<Index> collidable = std::move(scene.rosters.collidable);
   scene.rosters = {};
   for (Index i = 0; i < n; ++i) {
-    const auto on = rostersOf(scene, body, i);
-    for (std::size_t k = 0; k < kRosters.size(); ++k)
-      if (on[k]) (scene.rosters.*kRosters[k]).push_back(i);
+    const auto on = listsOf(scene, body, i);
+    for (std::size_t k = 0; k < kLists; ++k)
+      if (on[k]) list(scene.rosters, k).push_back(i);
   }
   if (scene.rosters.collidable != collidable) startSweep(scene);
   c.ballistic = static_cast<Index>(scene.rosters.ballistic.size());
@@ -249,8 +233,8 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
   const BodyEffects body(scene);
   for (const Index i : bodies) {
     count(tally.census, tally.entries[i], -1);
-    tally.entries[i] = lookAt(scene, body, i);
-    if (body.mayBeTurned(i)) tally.entries[i].features |= kTurned;
+    tally.entries[i] = lookAt(scene, i);
+    tally.entries[i].asks[kRotation] = body.mayBeTurned(i);
     count(tally.census, tally.entries[i], 1);
   }
   for (const Effect effect : kEffects)
@@ -259,14 +243,14 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
   bool sorts_others = false;
   for (const Index i : bodies) {
     setRotation(scene, body, i);
-    const auto on = rostersOf(scene, body, i);
-    for (std::size_t k = 0; k < kRosters.size(); ++k) {
-      std::vector<Index>& roster = scene.rosters.*kRosters[k];
+    const auto on = listsOf(scene, body, i);
+    for (std::size_t k = 0; k < kLists; ++k) {
+      std::vector<Index>& roster = list(scene.rosters, k);
       const auto place = std::lower_bound(roster.begin(), roster.end(), i);
       const bool was_on = place != roster.end() && *place == i;
       if (on[k] == was_on) continue;
       on[k] ? void(roster.insert(place, i)) : void(roster.erase(place));
-      sorts_others = sorts_others || kRosters[k] == &Rosters::collidable;
+      sorts_others = sorts_others || &roster == &scene.rosters.collidable;
     }
   }
   if (sorts_others) startSweep(scene);
@@ -286,28 +270,13 @@ void uncountBody(SceneStore& scene, Index i) {
   count(tally.census, tally.entries[i], -1);
   if (--tally.layers[tally.entries[i].layer] == 0) tally.layers.erase(tally.entries[i].layer);
   tally.entries.erase(tally.entries.begin() + i);
-  for (const auto list : kRosters) {
-    std::vector<Index>& roster = scene.rosters.*list;
+  for (std::size_t k = 0; k < kLists; ++k) {
+    std::vector<Index>& roster = list(scene.rosters, k);
     auto place = std::lower_bound(roster.begin(), roster.end(), i);
     if (place != roster.end() && *place == i) place = roster.erase(place);
     for (; place != roster.end(); ++place) --*place;
   }
   startSweep(scene);
-}
-
-double SceneStore::frictionOf(Index i, Index j) const {
-  if (!effects[Effect::Friction]) return 0.0;
-  return std::sqrt(bodies.traits[i].material.friction * bodies.traits[j].material.friction);
-}
-
-double SceneStore::restitutionOf(Index i, Index j) const {
-  if (!effects[Effect::Restitution]) return 0.0;
-  return std::max(bodies.traits[i].material.restitution, bodies.traits[j].material.restitution);
-}
-
-double fallSpeed(double gravity, double length) {
-  constexpr double kEarth = 9.81;
-  return std::sqrt((gravity > 0.0 ? gravity : kEarth) * length);
 }
 
 }  // namespace rbs

@@ -7,8 +7,8 @@
 #pragma once
 
 #include "bodies.h"
-#include "census.h"
 #include "contact.h"
+#include "counts.h"
 #include "fidelity.h"
 #include "island.h"
 #include "rigid_body_sim/snapshot.h"
@@ -46,10 +46,14 @@ struct Rosters {
   std::vector<Index> tumbling;    ///< ballistic, with an attitude that is carried along
   std::vector<Index> movers;      ///< moved by forces, all others
   std::vector<Index> led;         ///< kinematic or held
-  std::vector<Index> buoyant;     ///< movers in a scene with a fluid
-  std::vector<Index> dragged;     ///< movers with a drag coefficient > 0
   std::vector<Index> collidable;  ///< that may meet another, planes left out
   std::vector<Index> planes;      ///< that may meet another
+  /// By effect, of forces with a list of their own (effects.h): movers that feel it.
+  std::array<std::vector<Index>, kEffects.size()> feeling;
+
+  const std::vector<Index>& feelingOf(Effect effect) const {
+    return feeling[static_cast<std::size_t>(effect)];
+  }
 };
 
 /// Which effects a scene simulates.

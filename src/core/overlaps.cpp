@@ -154,7 +154,8 @@ bool isDeep(const Context& context, const Contact& contact) {
 }
 
 Need need(const Census& c) {
-  if (c.moved_by_forces == 0 || c.collidable < 2) return {false, "no two bodies can overlap"};
+  if (c.moved_by_forces == 0 || c.askingFor(Effect::Collision) < 2)
+    return {false, "no two bodies can overlap"};
   return {true, "edits may put bodies where others are"};
 }
 

@@ -43,6 +43,10 @@ template <auto kRoster>
 Items bodiesOn(const SceneStore& scene, const StepStore&) {
   return {(scene.rosters.*kRoster).size(), "bodies"};
 }
+template <Effect kEffect>
+Items feeling(const SceneStore& scene, const StepStore&) {
+  return {scene.rosters.feelingOf(kEffect).size(), "bodies"};
+}
 Items candidates(const SceneStore& scene, const StepStore&) {
   return {scene.contacts.active.size(), "pairs"};
 }
@@ -72,7 +76,7 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
           }},
-    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, bodiesOn<&Rosters::buoyant>},
+    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
     Stage{"forces.wrench", wrenches::need, wrenches::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.wrenches.size(), "wrenches"};
@@ -81,7 +85,7 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.grabs.size(), "bodies"};
           }},
-    Stage{"forces.drag", needOf<Effect::Drag>, drag::run, bodiesOn<&Rosters::dragged>},
+    Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
     Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
           bodiesOn<&Rosters::collidable>},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
@@ -115,7 +119,7 @@ std::string contactLaw(const Setting& setting) {
 
 Need needSolver(const Census& census) {
   const Need contacts = needOf<Effect::Collision>(census);
-  return {contacts.active, contacts.active ? contactLaw(census.fidelity) : contacts.reason};
+  return {contacts.active, contacts.active ? contactLaw(census.scene.fidelity) : contacts.reason};
 }
 
 struct Part {

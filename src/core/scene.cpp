@@ -318,31 +318,7 @@ std::string settingName(const Setting& setting) {
 }
 
 const char* effectName(Effect effect) {
-  switch (effect) {
-    case Effect::Gravity:
-      return "gravity";
-    case Effect::Buoyancy:
-      return "buoyancy";
-    case Effect::Drag:
-      return "drag";
-    case Effect::Collision:
-      return "collision";
-    case Effect::Impacts:
-      return "impacts";
-    case Effect::Friction:
-      return "friction";
-    case Effect::Rolling:
-      return "rolling";
-    case Effect::Restitution:
-      return "restitution";
-    case Effect::Gyroscopic:
-      return "gyroscopic";
-    case Effect::Rotation:
-      return "rotation";
-    case Effect::Sleeping:
-      return "sleeping";
-  }
-  return "";
+  return kEffectNames[static_cast<std::size_t>(effect)];
 }
 
 Effect effectNamed(const std::string& name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What surrounds the bodies of a scene, key by key. The reader and the writer of scene files, the check and
-// the state hash go through these lists: a new surrounding is a member of SceneDef, and its lines here.
+// What surrounds the bodies of a scene, key by key. The reader and the writer of scene files, the check, the
+// state hash and the census go through these lists: a new surrounding is a member of SceneDef, and its lines
+// here.
 #pragma once
 
 #include "rigid_body_sim/scene.h"
@@ -39,6 +40,18 @@ template <class Visit>
 void forEachField(Of<Fluid>, const Visit& visit) {
   visit("density", &Fluid::density, Range{Limits::min_density, Limits::max_density, "kg/m^3"});
   visit("level", &Fluid::level, Range{-Limits::max_position, Limits::max_position, "m"});
+}
+
+/// Whether two scenes are the same to the stages, but for their bodies.
+inline bool sameSurroundings(const SceneDef& a, const SceneDef& b) {
+  bool same = a.gravity == b.gravity && a.fidelity == b.fidelity && a.effects == b.effects;
+  forEachSurrounding([&](const char*, auto surrounding, auto type) {
+    const auto &of_a = a.*surrounding, &of_b = b.*surrounding;
+    same = same && of_a.has_value() == of_b.has_value();
+    if (!same || !of_a) return;
+    forEachField(type, [&](const char*, auto field, Range) { same = same && *of_a.*field == *of_b.*field; });
+  });
+  return same;
 }
 
 }  // namespace rbs

@@ -2,6 +2,7 @@
 // The parts behind the interface of World.
 #pragma once
 
+#include "census.h"
 #include "context.h"
 #include "pipeline.h"
 #include "rigid_body_sim/world.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Adding a kind of constraint takes its own file: one that the program does not have goes through the graph
 // and the soft step here, beside contacts.
+#include "census.h"
 #include "islands.h"
 #include "make_scene.h"
 #include "methods/soft_step.h"

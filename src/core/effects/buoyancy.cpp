@@ -18,11 +18,11 @@
 namespace rbs::buoyancy {
 
 Need need(const Census& c) {
-  if (c.fluid_density == 0.0) return {false, "the scene has no fluid"};
+  if (!c.scene.fluid) return {false, "the scene has no fluid"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
-  return {true, "a fluid of " + text(c.fluid_density) + " kg/m^3 up to z = " + text(c.fluid_level) +
-                    " m, for " + count(c.moved_by_forces, "body", "bodies") +
-                    (c.gravity > 0.0 ? "" : "; without gravity it has no weight, but it drags")};
+  return {true, "a fluid of " + text(c.scene.fluid->density) + " kg/m^3 up to z = " +
+                    text(c.scene.fluid->level) + " m, for " + count(c.moved_by_forces, "body", "bodies") +
+                    (c.scene.gravity.norm() > 0.0 ? "" : "; without gravity it has no weight, but it drags")};
 }
 
 void run(Context& context) {
@@ -33,7 +33,7 @@ void run(Context& context) {
   // Forced on in a scene without a fluid, it finds every body above the surface.
   const Fluid fluid = scene.settings.fluid.value_or(Fluid{0.0, -std::numeric_limits<double>::infinity()});
   step.submerged.assign(bodies.size(), 0.0);
-  for (const Index i : scene.rosters.buoyant) {
+  for (const Index i : scene.rosters.feelingOf(Effect::Buoyancy)) {
     const Twist& twist = bodies.twist[i];
     const Vec3 p_WB = bodies.pose[i].p_WB + half * twist.v_WB;
     const Quat q_WB = rotationBy(half * twist.w_WB) * bodies.pose[i].q_WB;

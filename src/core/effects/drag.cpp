@@ -139,15 +139,17 @@ namespace drag {
 
 Need need(const Census& c) {
   const bool fluid = effects::need(Effect::Buoyancy, c).active;  // which says who is in it
-  if (c.air_density == 0.0 && !fluid) return {false, "the scene has neither air nor a fluid"};
-  if (c.dragged == 0) return {false, "no body that forces move has a drag coefficient above 0"};
+  if (!c.scene.air && !fluid) return {false, "the scene has neither air nor a fluid"};
+  if (c.askingFor(Effect::Drag) == 0)
+    return {false, "no body that forces move has a drag coefficient above 0"};
   std::string medium;
-  if (c.air_density > 0.0)
-    medium = std::string(c.wind ? "wind" : "still air") + " of " + text(c.air_density) + " kg/m^3";
+  if (c.scene.air)
+    medium =
+        std::string(c.scene.wind ? "wind" : "still air") + " of " + text(c.scene.air->density) + " kg/m^3";
   if (fluid)
-    medium +=
-        (medium.empty() ? "" : " and ") + std::string("a fluid of ") + text(c.fluid_density) + " kg/m^3";
-  return {true, medium + " on " + count(c.dragged, "body", "bodies")};
+    medium += (medium.empty() ? "" : " and ") + std::string("a fluid of ") +
+              text(c.scene.fluid ? c.scene.fluid->density : 0.0) + " kg/m^3";
+  return {true, medium + " on " + count(c.askingFor(Effect::Drag), "body", "bodies")};
 }
 
 // Runs after the other loads: the implicit step sees them all. The gust is taken at the middle of the step.
@@ -157,7 +159,7 @@ void run(Context& context) {
   const double h = step.h();
   step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
   step.airless.resize(step.load.size());
-  for (const Index i : scene.rosters.dragged) {
+  for (const Index i : scene.rosters.feelingOf(Effect::Drag)) {
     const Medium medium = mediumOf(context, i);
     const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
     step.airless[i] = step.load[i].a_W;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The effects: when a scene needs each, and those that are stages of their own.
-//
-// To add one: a row in Effect and in the table of effects.cpp, its file here with need() and run(), a row in
-// the table of stages (pipeline.cpp), its data in scene.h, and its name in the list of CMakeLists.txt.
+// The effects: those that are stages of their own, and THE table of all: when a scene needs each, which
+// bodies ask for it, and which it turns. CONTRIBUTING.md says how to add one.
 #pragma once
 
 #include "context.h"
 
+#include <array>
 #include <optional>
 
 namespace rbs {
@@ -15,12 +14,6 @@ namespace rbs {
 struct Course {
   Vec3 p_WB, v_WB;  ///< m, m/s
 };
-namespace effects {
-/// Whether an effect is simulated, as detected or as forced, and why.
-Need need(Effect effect, const Census& census);
-/// Whether it is forced off, or left out of this build.
-bool isNeglected(Effect effect, const Census& census);
-}  // namespace effects
 
 namespace gravity {
 Need need(const Census& census);
@@ -61,6 +54,81 @@ namespace holds {
 Need need(const Census& census);
 void run(Context& context);
 }  // namespace holds
+
+/// When the effects are needed that are part of other stages. The first is of contacts.
+namespace detected {
+Need collision(const Census& census);
+Need impacts(const Census& census);
+Need friction(const Census& census);
+Need rolling(const Census& census);
+Need restitution(const Census& census);
+Need gyroscopic(const Census& census);
+Need rotation(const Census& census);
+Need sleeping(const Census& census);
+}  // namespace detected
+
+namespace effects {
+
+/// What an effect may ask of a body.
+struct Candidate {
+  const Traits& traits;
+  const Inertia& inertia;
+  bool may_meet;  ///< another body, by groups and masks, one of the two moved by forces
+
+  bool isMoved() const { return traits.moved_by_forces(); }
+};
+
+struct Row {
+  Effect effect;
+  /// Whether the scene needs it, and why.
+  Need (*detect)(const Census&);
+  /// Whether a body asks for it. Those that do are counted (Census::asking), and feel it where it is on.
+  /// Null: of no body, since the scene's own numbers decide.
+  bool (*asks)(const Candidate&) = nullptr;
+  /// Of a force that has a list of the bodies that feel it (Rosters::feeling), which are then not ballistic:
+  /// whether it may turn a body. Null: it is no such force.
+  bool (*turns)(const Traits&) = nullptr;
+};
+
+/// In the order of kEffects.
+inline constexpr std::array kRows{
+    Row{Effect::Gravity, gravity::need},
+    Row{Effect::Buoyancy, buoyancy::need, [](const Candidate& body) { return body.isMoved(); },
+        [](const Traits& t) { return !std::holds_alternative<Sphere>(t.shape); }},
+    Row{Effect::Drag, drag::need,
+        [](const Candidate& body) { return body.isMoved() && body.traits.dragCoefficient() > 0.0; },
+        [](const Traits& t) { return std::holds_alternative<Box>(t.shape); }},
+    Row{Effect::Collision, detected::collision, [](const Candidate& body) { return body.may_meet; }},
+    Row{Effect::Impacts, detected::impacts},
+    Row{Effect::Friction, detected::friction,
+        [](const Candidate& body) { return body.may_meet && body.traits.material.friction > 0.0; }},
+    Row{Effect::Rolling, detected::rolling,
+        [](const Candidate& body) {
+          const Material& m = body.traits.material;
+          return body.may_meet && (m.rolling_resistance > 0.0 || m.torsional_resistance > 0.0);
+        }},
+    Row{Effect::Restitution, detected::restitution,
+        [](const Candidate& body) { return body.may_meet && body.traits.material.restitution > 0.0; }},
+    Row{Effect::Gyroscopic, detected::gyroscopic,
+        [](const Candidate& body) { return body.isMoved() && !body.inertia.isotropic; }},
+    // The census counts the bodies that something may turn, once it knows what they feel.
+    Row{Effect::Rotation, detected::rotation},
+    Row{Effect::Sleeping, detected::sleeping},
+};
+
+constexpr bool isInOrder() {
+  for (std::size_t k = 0; k < kEffects.size(); ++k)
+    if (kRows[k].effect != kEffects[k]) return false;
+  return kRows.size() == kEffects.size();
+}
+static_assert(isInOrder());
+
+/// Whether an effect is simulated, as detected or as forced, and why.
+Need need(Effect effect, const Census& census);
+/// Whether it is forced off, or left out of this build.
+bool isNeglected(Effect effect, const Census& census);
+
+}  // namespace effects
 
 /// The velocity of the air at a time, gust included, m/s in W.
 Vec3 airVelocity(const SceneDef& settings, double time);

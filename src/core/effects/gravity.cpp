@@ -5,9 +5,9 @@
 namespace rbs::gravity {
 
 Need need(const Census& c) {
-  if (c.gravity == 0.0) return {false, "the scene has no gravity"};
+  if (c.scene.gravity.norm() == 0.0) return {false, "the scene has no gravity"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
-  return {true, text(c.gravity) + " m/s^2 on " + count(c.moved_by_forces, "body", "bodies")};
+  return {true, text(c.scene.gravity.norm()) + " m/s^2 on " + count(c.moved_by_forces, "body", "bodies")};
 }
 
 // Ballistic bodies feel it in their flight.
