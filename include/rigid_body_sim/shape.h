@@ -8,6 +8,7 @@
 #include "rigid_body_sim/polyhedron.h"
 #include "rigid_body_sim/types.h"
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -55,6 +56,22 @@ struct ConvexHull {
 /// The shape of a body, in its body frame B. All shapes are convex. Extents are Limits::min_size to
 /// Limits::max_size.
 using Shape = std::variant<Sphere, Box, Capsule, Cylinder, Cone, ConvexHull, Plane>;
+
+/// The names of the alternatives of Shape, in their order.
+inline constexpr std::array<const char*, std::variant_size_v<Shape>> kShapeNames{
+    "sphere", "box", "capsule", "cylinder", "cone", "hull", "plane"};
+
+/// What is asked of a shape whatever its kind. Code that treats shapes differently goes by these.
+struct ShapeTraits {
+  bool round = false;        ///< a ball: it looks the same however it is turned
+  bool revolved = false;     ///< bounded, and the same however it is turned about the z axis of B
+  bool unbounded = false;    ///< a half-space: without size, volume and mass
+  bool edged = false;        ///< it has edges, or a rim
+  double side_radius = 0.0;  ///< radius of its round side about the z axis of B, m; 0 without one
+};
+
+/// The traits of a shape. Costs a few instructions.
+ShapeTraits traitsOf(const Shape& shape);
 
 /// "sphere", "box", "plane", "capsule", "cylinder", "cone" or "hull".
 std::string shapeName(const Shape& shape);

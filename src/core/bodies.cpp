@@ -9,7 +9,7 @@
 namespace rbs {
 
 double Traits::dragCoefficient() const {
-  return material.drag_coefficient.value_or(defaultDragCoefficient(shape));
+  return material.drag_coefficient ? *material.drag_coefficient : defaultDragCoefficient(shape);
 }
 
 Index Bodies::indexOf(BodyId body) const {
@@ -53,6 +53,7 @@ void Bodies::erase(Index i) {
 
 void Bodies::refresh(Index i) {
   Traits& t = traits[i];
+  static_cast<ShapeTraits&>(t) = traitsOf(t.shape);
   t.bounding_radius = boundingRadius(t.shape);
   t.length = characteristicLength(t.shape);
   if (t.frozen || (t.kind == BodyKind::Static && !t.held)) twist[i] = {};

@@ -54,9 +54,8 @@ class BodyEffects {
   bool mayBeTurned(Index i) const {
     if (!moved(i)) return false;
     const Traits& t = traits(i);
-    const bool ball = std::holds_alternative<Sphere>(t.shape);
     const bool by_contact =
-        meets(i) && (!ball || (on(Effect::Friction) && t.material.friction > 0.0) || on(Effect::Rolling));
+        meets(i) && (!t.round || (on(Effect::Friction) && t.material.friction > 0.0) || on(Effect::Rolling));
     const bool by_force = std::any_of(
         effects::kRows.begin(), effects::kRows.end(),
         [&](const effects::Row& row) { return row.turns && row.turns(t) && feels(row.effect, i); });
@@ -64,8 +63,7 @@ class BodyEffects {
   }
   // Whether the step asks for its attitude.
   bool showsAttitude(Index i) const {
-    return isPulled(i) ||
-           (!std::holds_alternative<Sphere>(traits(i).shape) && (meets(i) || feelsSomeForce(i)));
+    return isPulled(i) || (!traits(i).round && (meets(i) || feelsSomeForce(i)));
   }
 
  private:
@@ -130,14 +128,13 @@ std::vector<Index>& list(Rosters& rosters, std::size_t k) {
 // Which lists a body is on.
 std::array<bool, kLists> listsOf(const SceneStore& scene, const BodyEffects& body, Index i) {
   const Traits& t = scene.bodies.traits[i];
-  const bool ballistic = body.isBallistic(i), meets = body.meets(i),
-             plane = std::holds_alternative<Plane>(t.shape);
+  const bool ballistic = body.isBallistic(i), meets = body.meets(i);
   std::array<bool, kLists> on{ballistic,
                               ballistic && !scene.bodies.inertia[i].unturned,
                               !ballistic && t.moved_by_forces(),
                               t.led(),
-                              meets && !plane,
-                              meets && plane};
+                              meets && !t.unbounded,
+                              meets && t.unbounded};
   for (std::size_t k = 0; k < kEffects.size(); ++k)
     on[kRosters.size() + k] = effects::kRows[k].turns && body.feels(kEffects[k], i);
   return on;

@@ -94,7 +94,7 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
   for (const auto& [body, course] : {std::pair(i, &course_i), std::pair(j, &course_j)}) {
     const Traits& traits = context.scene.bodies.traits[body];
     const double rate = course->twist.w_WB.norm();
-    if (rate > 0.0 && !std::holds_alternative<Sphere>(traits.shape)) speed += rate * traits.bounding_radius;
+    if (rate > 0.0 && !traits.round) speed += rate * traits.bounding_radius;
   }
   return left * (speed + 0.5 * left * (course_i.a_W - course_j.a_W).norm());
 }
@@ -119,10 +119,8 @@ Outlook predict(const Context& context, Index i, Index j, double from) {
     outlook.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
     return outlook;
   };
-  const auto isSimple = [](const Shape& shape) {
-    return std::holds_alternative<Sphere>(shape) || std::holds_alternative<Plane>(shape);
-  };
-  if (!isSimple(a) || !isSimple(b)) {
+  const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
+  if (!isSimple(i) || !isSimple(j)) {
     const Meeting now(context, i, j, from);
     if (now.manifold.size > 0) return touchAt(now, from);
   }

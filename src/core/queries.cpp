@@ -96,7 +96,7 @@ ClosestPoints closestPoints(const Snapshot& snapshot, BodyId a, BodyId b) {
   const std::size_t i = require(snapshot, a, "body_a"), j = require(snapshot, b, "body_b");
   const Shape &shape_a = (*snapshot.bodies)[i].shape, &shape_b = (*snapshot.bodies)[j].shape;
   if (i == j) throw InvalidInput({{"body_b", (*snapshot.bodies)[j].name, "another body than body_a"}});
-  if (std::holds_alternative<Plane>(shape_a) && std::holds_alternative<Plane>(shape_b))
+  if (traitsOf(shape_a).unbounded && traitsOf(shape_b).unbounded)
     throw InvalidInput({{"body_b", "a plane like body_a", "a body with a distance: two planes have none"}});
   const Gap found = gap(shape_a, snapshot.states[i].pose, shape_b, snapshot.states[j].pose);
   return {found.distance, found.n_W, found.p_WA, found.p_WB};

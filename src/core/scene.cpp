@@ -283,9 +283,9 @@ const char* kindName(BodyKind kind) {
 }
 
 double defaultDragCoefficient(const Shape& shape) {
-  if (std::holds_alternative<Plane>(shape)) return 0.0;
-  const bool rounded = std::holds_alternative<Sphere>(shape) || std::holds_alternative<Capsule>(shape);
-  return rounded ? kRoundedDrag : kEdgedDrag;
+  const ShapeTraits traits = traitsOf(shape);
+  if (traits.unbounded) return 0.0;
+  return traits.edged ? kEdgedDrag : kRoundedDrag;
 }
 
 const char* fidelityName(Fidelity fidelity) {

@@ -103,12 +103,24 @@ RoundSize roundSize(const Vec3& d, const RoundSize& fallback, const std::string&
 }  // namespace
 
 std::string shapeName(const Shape& shape) {
-  return std::visit(
-      Overloaded{[](const Sphere&) { return "sphere"; }, [](const Box&) { return "box"; },
-                 [](const Capsule&) { return "capsule"; }, [](const Cylinder&) { return "cylinder"; },
-                 [](const Cone&) { return "cone"; }, [](const ConvexHull&) { return "hull"; },
-                 [](const Plane&) { return "plane"; }},
+  return kShapeNames[shape.index()];
+}
+
+ShapeTraits traitsOf(const Shape& shape) {
+  ShapeTraits traits;
+  const auto revolved = [&traits](double radius, bool edged) {
+    traits.revolved = true;
+    traits.side_radius = radius;
+    traits.edged = edged;
+  };
+  std::visit(
+      Overloaded{[&](const Sphere& s) { revolved(s.radius, false), traits.round = true; },
+                 [&](const Capsule& c) { revolved(c.radius, false); },
+                 [&](const Cylinder& c) { revolved(c.radius, true); },
+                 [&](const Cone& c) { revolved(c.radius, true); },
+                 [&](const Plane&) { traits.unbounded = true; }, [&](const auto&) { traits.edged = true; }},
       shape);
+  return traits;
 }
 
 bool sameShape(const Shape& a, const Shape& b) {
@@ -234,7 +246,7 @@ Shape resized(const Shape& shape, const Vec3& full_extents, const std::string& p
     return makeShape("sphere", size, path);
   }
   const auto* hull = std::get_if<ConvexHull>(&shape);
-  const bool is_round = !hull && !std::holds_alternative<Box>(shape);
+  const bool is_round = traitsOf(shape).revolved;
   if (size.x() == 0.0) size.x() = old.x();
   if (size.y() == 0.0) size.y() = is_round ? size.x() : old.y();
   if (size.z() == 0.0) size.z() = old.z();

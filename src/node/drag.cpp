@@ -16,11 +16,8 @@ Shape withExtent(const Shape& shape, int axis, double extent) {
   if (std::holds_alternative<Sphere>(shape)) return Sphere{0.5 * extent};
   Vec3 size = fullExtents(shape);
   size[axis] = extent;
-  const bool is_capsule = std::holds_alternative<Capsule>(shape);
-  const bool is_round =
-      is_capsule || std::holds_alternative<Cylinder>(shape) || std::holds_alternative<Cone>(shape);
-  if (is_round && axis != 2) size.x() = size.y() = extent;
-  if (is_capsule) size.z() = std::max(size.z(), size.x());
+  if (traitsOf(shape).revolved && axis != 2) size.x() = size.y() = extent;
+  if (std::holds_alternative<Capsule>(shape)) size.z() = std::max(size.z(), size.x());
   return resized(shape, size, "body");
 }
 

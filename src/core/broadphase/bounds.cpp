@@ -25,7 +25,7 @@ struct Reach {
 
 Reach reachOf(const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
-  if (std::holds_alternative<Sphere>(t.shape)) {
+  if (t.round) {
     const Array4 radius = Array4::Constant(t.bounding_radius);
     return {radius, radius};
   }
@@ -48,7 +48,7 @@ Reach reachOf(const Bodies& bodies, Index i) {
 // A point at distance r from the centre strays at most |w| dt r from where it would be without rotation,
 // and never leaves the bounding ball.
 Array4 drifted(const Array4& reach, const Traits& t, double turn) {
-  if (turn == 0.0 || std::holds_alternative<Sphere>(t.shape)) return reach;
+  if (turn == 0.0 || t.round) return reach;
   return (reach + turn * t.bounding_radius).min(t.bounding_radius);
 }
 

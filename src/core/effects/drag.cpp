@@ -69,8 +69,7 @@ double halfDensity(const SceneStore& scene, Index i, const Medium& medium) {
 /// k of the acceleration -k |u| u of a body that is no box, 1/m.
 double dragOf(const SceneStore& scene, Index i, const Medium& medium) {
   const Traits& t = scene.bodies.traits[i];
-  const auto* ball = std::get_if<Sphere>(&t.shape);
-  const double area = ball ? kPi * ball->radius * ball->radius : 0.25 * surfaceArea(t.shape);
+  const double area = t.round ? kPi * t.side_radius * t.side_radius : 0.25 * surfaceArea(t.shape);
   return halfDensity(scene, i, medium) * area / t.mass;
 }
 

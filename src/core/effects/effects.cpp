@@ -4,26 +4,19 @@
 #include "effects_built.h"
 #include "text.h"
 
-#include <array>
-#include <utility>
+#include <string>
 
 namespace rbs {
 
 namespace {
 
 std::string shapesThatMeet(const Census& c) {
-  static constexpr std::array<std::pair<const char*, const char*>, std::variant_size_v<Shape>> kNames{
-      {{"sphere", "spheres"},
-       {"box", "boxes"},
-       {"capsule", "capsules"},
-       {"cylinder", "cylinders"},
-       {"cone", "cones"},
-       {"hull", "hulls"},
-       {"plane", "planes"}}};
   std::string list;
-  for (std::size_t k = 0; k < kNames.size(); ++k)
+  for (std::size_t k = 0; k < kShapeNames.size(); ++k) {
+    const std::string name = kShapeNames[k], plural = name + (name.back() == 'x' ? "es" : "s");
     if (c.shapes[k] > 0)
-      list += (list.empty() ? "" : ", ") + count(c.shapes[k], kNames[k].first, kNames[k].second);
+      list += (list.empty() ? "" : ", ") + count(c.shapes[k], name.c_str(), plural.c_str());
+  }
   return list;
 }
 

@@ -94,7 +94,7 @@ struct Row {
 inline constexpr std::array kRows{
     Row{Effect::Gravity, gravity::need},
     Row{Effect::Buoyancy, buoyancy::need, [](const Candidate& body) { return body.isMoved(); },
-        [](const Traits& t) { return !std::holds_alternative<Sphere>(t.shape); }},
+        [](const Traits& t) { return !t.round; }},
     Row{Effect::Drag, drag::need,
         [](const Candidate& body) { return body.isMoved() && body.traits.dragCoefficient() > 0.0; },
         [](const Traits& t) { return std::holds_alternative<Box>(t.shape); }},

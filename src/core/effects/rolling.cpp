@@ -31,16 +31,11 @@ namespace {
 // Curvature of the surface of a body towards n_W, 1/m. A cylinder or cone has that of its side, and none
 // where it stands on its base.
 double curvature(const Bodies& bodies, Index i, const Vec3& n_W) {
-  const Shape& shape = bodies.traits[i].shape;
-  const auto side = [&](double radius) {
-    const double along = (bodies.pose[i].q_WB * Vec3::UnitZ()).dot(n_W);
-    return std::max(1.0 - along * along, 0.0) / radius;
-  };
-  if (const auto* ball = std::get_if<Sphere>(&shape)) return 1.0 / ball->radius;
-  if (const auto* capsule = std::get_if<Capsule>(&shape)) return 1.0 / capsule->radius;
-  if (const auto* cylinder = std::get_if<Cylinder>(&shape)) return side(cylinder->radius);
-  if (const auto* cone = std::get_if<Cone>(&shape)) return side(cone->radius);
-  return 0.0;
+  const Traits& t = bodies.traits[i];
+  if (t.side_radius == 0.0) return 0.0;
+  if (!t.edged) return 1.0 / t.side_radius;
+  const double along = (bodies.pose[i].q_WB * Vec3::UnitZ()).dot(n_W);
+  return std::max(1.0 - along * along, 0.0) / t.side_radius;
 }
 
 void apply(SolverBody& i, SolverBody& j, const Vec3& impulse_W) {

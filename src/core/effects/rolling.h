@@ -15,8 +15,7 @@ inline bool resists(const SceneStore& scene, Index i, Index j) {
   for (const Index one : {i, j}) {
     const Traits& t = scene.bodies.traits[one];
     some |= t.material.rolling_resistance > 0.0 || t.material.torsional_resistance > 0.0;
-    round |= !std::holds_alternative<Box>(t.shape) && !std::holds_alternative<ConvexHull>(t.shape) &&
-             !std::holds_alternative<Plane>(t.shape);
+    round |= t.side_radius > 0.0;
   }
   return some && round;
 }

@@ -193,8 +193,7 @@ void Stepper::prepare() {
   double turn = 0.0;
   const Bodies& bodies = context_.scene.bodies;
   for (const Index i : island_.indices())
-    if (!std::holds_alternative<Sphere>(bodies.traits[i].shape))
-      turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
+    if (!bodies.traits[i].round) turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
   longest_ =
       (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
 }

@@ -48,8 +48,7 @@ double subStep(const Context& context, const std::vector<Edge>& edges) {
     h = std::min(h, kMostTravel * length / speed);
     h = std::min(h, std::sqrt(kMostFall * length / load));
     for (const Index one : {i, j})
-      if (!std::holds_alternative<Sphere>(bodies.traits[one].shape))
-        h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
+      if (!bodies.traits[one].round) h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
   }
   return std::max(h, step.h() / kMostSubSteps);
 }

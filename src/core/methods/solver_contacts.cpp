@@ -51,9 +51,8 @@ SolverBody SolverContacts::makeBody(Index i) const {
                                                : store.inertia[i].inverseW(store.R_WB(i));
   s.turned_axes = false;
   s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
-  s.round = std::holds_alternative<Sphere>(store.traits[i].shape);
-  const bool is_plane = std::holds_alternative<Plane>(store.traits[i].shape);
-  s.reach = s.round || is_plane ? 0.0 : store.traits[i].bounding_radius;
+  s.round = store.traits[i].round;
+  s.reach = s.round || store.traits[i].unbounded ? 0.0 : store.traits[i].bounding_radius;
   s.body = i;
   return s;
 }

@@ -18,8 +18,7 @@ constexpr double kMargin = 0.01;
 // How fast a point of the surface moves because the body turns.
 double surfaceSpeed(const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
-  const bool round = std::holds_alternative<Sphere>(t.shape) || std::holds_alternative<Plane>(t.shape);
-  return round ? 0.0 : t.bounding_radius * bodies.twist[i].w_WB.norm();
+  return t.round || t.unbounded ? 0.0 : t.bounding_radius * bodies.twist[i].w_WB.norm();
 }
 
 Vec3 velocityAt(const Twist& twist, const Vec3& r) {

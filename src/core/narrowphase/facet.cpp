@@ -35,12 +35,6 @@ Eigen::Vector2d acrossAxis(const Vec3& d) {
 
 }  // namespace
 
-Facet facetTowards(const Sphere& /*sphere*/, const Vec3& /*d*/) {
-  Facet facet;
-  facet.add(Vec3::Zero(), 0);
-  return facet;
-}
-
 Facet facetTowards(const Box& box, const Vec3& d) {
   int axis;
   d.cwiseAbs().maxCoeff(&axis);

@@ -2,7 +2,7 @@
 // The flat piece of a convex shape's surface that faces a direction: what can lie on another shape.
 #pragma once
 
-#include "rigid_body_sim/shape.h"
+#include "narrowphase/support.h"
 
 #include <array>
 #include <cstdint>
@@ -25,11 +25,17 @@ struct Facet {
 /// The facet of the core of a shape (support.h) whose outward normal is nearest to `d`, of those that hold a
 /// point of the core farthest along d. In the shape's frame; d is a unit vector. The disc of a cylinder or
 /// cone is stood for by eight points of its rim, and its round side by one line.
-Facet facetTowards(const Sphere& sphere, const Vec3& d);
 Facet facetTowards(const Box& box, const Vec3& d);
 Facet facetTowards(const Capsule& capsule, const Vec3& d);
 Facet facetTowards(const Cylinder& cylinder, const Vec3& d);
 Facet facetTowards(const Cone& cone, const Vec3& d);
 Facet facetTowards(const ConvexHull& hull, const Vec3& d);
+/// Of any other shape: its farthest point.
+template <class Smooth>
+Facet facetTowards(const Smooth& shape, const Vec3& d) {
+  Facet facet;
+  facet.add(coreOf(shape)(d), 0);
+  return facet;
+}
 
 }  // namespace rbs

@@ -143,8 +143,10 @@ Span spanOf(const ConvexHull& hull, const LocalRay& ray) {
   return span;
 }
 
+// In closed form where the ray's span inside the shape is known so.
 template <class ShapeB>
-std::optional<RayEntry> entryInto(const ShapeB& shape, const LocalRay& ray) {
+auto entryInto(const ShapeB& shape, const LocalRay& ray, int /*rather*/)
+    -> decltype(spanOf(shape, ray), std::optional<RayEntry>()) {
   const Span span = spanOf(shape, ray);
   // A ray that falls to a plane by less than a denormal number a metre meets it nowhere.
   if (!(span.enter <= span.leave && span.leave >= 0.0 && span.enter < kInfinity)) return std::nullopt;
@@ -152,8 +154,9 @@ std::optional<RayEntry> entryInto(const ShapeB& shape, const LocalRay& ray) {
   return RayEntry{span.enter, span.n_B};
 }
 
-std::optional<RayEntry> entryInto(const Capsule& capsule, const LocalRay& ray) {
-  return castRayOnSupport(coreOf(capsule), coreRadius(capsule), ray.origin, ray.d);
+template <class ShapeB>
+std::optional<RayEntry> entryInto(const ShapeB& shape, const LocalRay& ray, long /*else*/) {
+  return castRayOnSupport(coreOf(shape), coreRadius(shape), ray.origin, ray.d);
 }
 
 }  // namespace
@@ -173,7 +176,7 @@ std::optional<RayEntry> castRay(const Shape& shape, const Vec3& origin_B, const 
       ray.origin = nearest - 2.0 * radius * d_B;
     }
   }
-  std::optional<RayEntry> entry = std::visit([&](const auto& s) { return entryInto(s, ray); }, shape);
+  std::optional<RayEntry> entry = std::visit([&](const auto& s) { return entryInto(s, ray, 0); }, shape);
   if (entry) entry->distance += skipped;
   return entry;
 }

@@ -44,9 +44,7 @@ struct Spin {
 
 Spin spinOf(const Mover& x) {
   if (std::holds_alternative<Sphere>(x.shape)) return {Vec3::Zero()};
-  const bool round = std::holds_alternative<Capsule>(x.shape) || std::holds_alternative<Cylinder>(x.shape) ||
-                     std::holds_alternative<Cone>(x.shape);
-  if (!round) return {x.w_W};
+  if (!traitsOf(x.shape).revolved) return {x.w_W};
   const Vec3 axis = x.R_WB.col(2);
   const double roll = axis.dot(x.w_W);
   return {x.w_W - roll * axis, std::abs(roll)};
@@ -104,7 +102,6 @@ double sweptReach(const Mover& x, const Vec3& n) {
   const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
   const auto swept = [&](const Vec3& r) { return along * axis_B.dot(r) + across * axis_B.cross(r).norm(); };
   const auto onAxis = [](double z) { return Vec3(0.0, 0.0, z); };
-  if (const auto* sphere = std::get_if<Sphere>(&x.shape)) return sphere->radius;
   if (const auto* capsule = std::get_if<Capsule>(&x.shape))
     return std::max(swept(onAxis(capsule->half_length)), swept(onAxis(-capsule->half_length))) +
            capsule->radius;
@@ -119,9 +116,10 @@ double sweptReach(const Mover& x, const Vec3& n) {
       const Vec3 signs(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.5 : -0.5, corner & 4 ? 0.5 : -0.5);
       reach = std::max(reach, swept(box->size.cwiseProduct(signs)));
     }
+  } else if (const auto* hull = std::get_if<ConvexHull>(&x.shape)) {
+    for (const Vec3& vertex : hull->polyhedron->vertices) reach = std::max(reach, swept(vertex));
   } else {
-    for (const Vec3& vertex : std::get<ConvexHull>(x.shape).polyhedron->vertices)
-      reach = std::max(reach, swept(vertex));
+    reach = boundingRadius(x.shape);  // of a ball, that is it
   }
   return reach;
 }
