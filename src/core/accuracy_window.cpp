@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kReferenceDivisions = 8;
 constexpr std::size_t kReferenceRuns = 3;
 /// An uncertainty below this share of the smallest body is rounding, which a chaotic scene amplifies.
-constexpr double kRounding = 1e-6;
+constexpr double kChaos = 1e-6;
 
 Setting referenceIn(std::uint32_t divisions) {
   Setting setting(Fidelity::Reference);
@@ -83,7 +83,7 @@ WindowReading AccuracyWindow::growTo(std::uint32_t steps, const std::function<vo
     largest = std::max(largest, reading.errors.back().distance);
   }
   reading.converged =
-      reading.uncertainty.distance <= std::max(kLargestUncertainty * largest, kRounding * smallest_);
+      reading.uncertainty.distance <= std::max(kLargestUncertainty * largest, kChaos * smallest_);
   return reading;
 }
 

@@ -12,7 +12,7 @@ namespace rbs {
 
 namespace {
 
-constexpr double kClosed = 1e-7;  // of the smaller length: an overlap below it is none
+constexpr double kMissed = 1e-7;  // of the smaller length: an overlap below it is none
 
 using Pairs = std::vector<std::pair<Index, Index>>;
 
@@ -32,7 +32,7 @@ bool overlap(const Context& context, Index i, Index j) {
   const Manifold manifold =
       collide(a.shape, context.step.poseAt(bodies, i, t1), b.shape, context.step.poseAt(bodies, j, t1), 0.0);
   for (int p = 0; p < manifold.size; ++p)
-    if (manifold.points[p].separation < -kClosed * std::min(a.length, b.length)) return true;
+    if (manifold.points[p].separation < -kMissed * std::min(a.length, b.length)) return true;
   return false;
 }
 

@@ -3,6 +3,7 @@
 
 #include "narrowphase/collide.h"
 #include "text.h"
+#include "tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,9 +12,6 @@ namespace rbs::overlaps {
 
 namespace {
 
-// An overlap deeper than this share of the smaller length is deep: no contact makes one, but edits and user
-// forces do.
-constexpr double kDeep = 0.1;
 // Two balls inscribed in the bodies that overlap by this share of their radii tell a deep overlap without a
 // look at the shapes.
 constexpr double kInscribed = 0.5;

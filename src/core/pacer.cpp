@@ -6,9 +6,9 @@
 namespace rbs {
 namespace {
 
-constexpr double kLargestLag = 0.1;  // wall time beyond which lateness is given up, not made up for, s
-constexpr double kWindow = 1.0;      // over which the achieved speed is averaged, s
-constexpr double kSampling = 0.02;   // between two samples of it, s
+constexpr double kLargestLag = 0.1;   // wall time beyond which lateness is given up, not made up for, s
+constexpr double kSpeedWindow = 1.0;  // over which the achieved speed is averaged, s
+constexpr double kSampling = 0.02;    // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often
 constexpr double kLongestPicture = 0.1;          // s of wall time: ten pictures a second
 constexpr double kPictureShare = 0.1;            // of the time, that pictures may take
@@ -38,7 +38,7 @@ void Pacer::stepped(Time begin, Time end, double step) {
   last_ = {end, last_.physics + step};
   step_seconds_ = seconds(end - begin);
   if (seconds(end - samples_.back().wall) >= kSampling) samples_.push_back(last_);
-  while (samples_.size() > 2 && seconds(end - samples_[1].wall) > kWindow) samples_.pop_front();
+  while (samples_.size() > 2 && seconds(end - samples_[1].wall) > kSpeedWindow) samples_.pop_front();
   if (speed_ == 0.0) return;
   next_step_ += duration(interval_);
   const double lag = seconds(end - next_step_);

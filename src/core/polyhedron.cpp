@@ -29,7 +29,7 @@ namespace {
 // Of the extents: what counts as coplanar. Mesh files hold numbers of single precision, 6e-8.
 constexpr double kFlat = 1e-6;
 // Of the extents: a centre of mass, and of the moments: products of inertia, that rounding leaves.
-constexpr double kRounding = 1e-13;
+constexpr double kCentred = 1e-13;
 
 using Points = std::vector<Vec3>;
 using Triangle = std::array<int, 3>;  // anticlockwise seen from outside
@@ -348,7 +348,7 @@ Mat3 principalAxes(LongMat3 S) {
     for (const auto& pair : {std::pair{0, 2}, std::pair{1, 2}}) {
       if (share(pair.first, pair.second) > share(worst.first, worst.second)) worst = pair;
     }
-    if (!(share(worst.first, worst.second) > kRounding)) break;
+    if (!(share(worst.first, worst.second) > kCentred)) break;
     const LongMat3 R = planeRotation(S, worst.first, worst.second);
     S = LongMat3(R.transpose() * S * R);
     axes = LongMat3(axes * R);
@@ -370,7 +370,7 @@ Mat3 principalAxes(LongMat3 S) {
 
 bool isCentred(const Vec3& centre, const Aabb& bounds) {
   const Vec3 extents = bounds.hi - bounds.lo;
-  return (centre.cwiseAbs().array() <= kRounding * extents.array()).all();
+  return (centre.cwiseAbs().array() <= kCentred * extents.array()).all();
 }
 
 // --- the whole

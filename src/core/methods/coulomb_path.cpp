@@ -24,11 +24,11 @@ namespace rbs::coulomb {
 
 namespace {
 
-constexpr double kNear = 0.3;      // a distance from the path from which to go ahead
-constexpr double kRoom = 1.4;      // a step leaves this many times its length to the boundary
-constexpr double kMostTurn = 0.5;  // the least cosine of two tangents,
-constexpr double kShort = 0.1;     // and for steps as short as this
-constexpr double kMostShortTurn = 0.02;
+constexpr double kNearPath = 0.3;     // a distance from the path from which to go ahead
+constexpr double kRoom = 1.4;         // a step leaves this many times its length to the boundary
+constexpr double kLeastCosine = 0.5;  // the least cosine of two tangents,
+constexpr double kShort = 0.1;        // and for steps as short as this
+constexpr double kLeastShortCosine = 0.02;
 constexpr double kShortest = 1e-4;
 constexpr int kCorrections = 3;  // without a step ahead
 
@@ -76,10 +76,10 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
       return path.room(all.add(beta, tangent));
     };
     const double distance = path.distance(t, share);
-    const double least_cosine = length < kShort ? kMostShortTurn : kMostTurn;
+    const double least_cosine = length < kShort ? kLeastShortCosine : kLeastCosine;
     double beta = beta_0;
     if (room(beta_0) < kRoom || std::abs(cosine) < least_cosine ||
-        (distance > kNear && corrections == kCorrections)) {
+        (distance > kNearPath && corrections == kCorrections)) {
       if (marks.empty()) break;
       // Where it came no further than the last time, further back.
       for (int back = ahead_since == 1 ? kFurtherBack : 1; back > 0 && !marks.empty(); --back) {
@@ -93,11 +93,11 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
       if (length < kShortest) break;
       continue;
     }
-    if (distance <= kNear) {
+    if (distance <= kNearPath) {
       marks.push_back(now);
       ++ahead_since;
       if (marks.size() > kMarks) marks.pop_front();
-      if (corrections == 0 && distance < 0.5 * kNear) length *= 1.5;
+      if (corrections == 0 && distance < 0.5 * kNearPath) length *= 1.5;
       corrections = 0;
       const auto ahead = [&] { return beta_0 + std::copysign(length / size, cosine); };
       while (room(ahead()) < kRoom && length > kShortest) length *= 0.5;

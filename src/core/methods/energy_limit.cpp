@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "methods/energy_limit.h"
 
-#include "overlaps.h"
+#include "tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,6 @@
 namespace rbs {
 
 namespace {
-
-// Share of the smaller length from which an overlap is deep: no contact makes one, but edits and user forces
-// do.
-constexpr double kDeep = 0.1;
 
 double kineticEnergy(const Context& context, const SolverBody& s) {
   const Vec3 w_B = context.scene.bodies.pose[s.body].q_WB.conjugate() * s.w;

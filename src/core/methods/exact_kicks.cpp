@@ -14,10 +14,10 @@ namespace rbs::exact_step {
 
 namespace {
 
-// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushed, which is more
+// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushedGap, which is more
 // than the curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what
 // kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
-constexpr double kPushed = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
+constexpr double kPushedGap = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
 // A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
@@ -130,7 +130,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
     const bool pushed = seconds > 0.0 && !point.force_W.isZero(0.0);
-    if (point.gap > (pushed ? kPushed : kTouch) * point.length) continue;
+    if (point.gap > (pushed ? kPushedGap : kTouch) * point.length) continue;
     closed.push_back(k);
     problem.points.push_back(touching.law[k]);
     problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);

@@ -46,7 +46,7 @@ constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
 // setting.
-constexpr double kDeep = 1e-6;
+constexpr double kLeftOverlap = 1e-6;
 constexpr int kMostCorrections = 4;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
@@ -66,7 +66,7 @@ std::vector<Index> sorted(std::vector<Index> list) {
 
 bool overlaps(const Touching& touching) {
   return std::any_of(touching.points.begin(), touching.points.end(),
-                     [](const TouchingPoint& point) { return point.gap < -kDeep * point.length; });
+                     [](const TouchingPoint& point) { return point.gap < -kLeftOverlap * point.length; });
 }
 
 }  // namespace

@@ -51,9 +51,9 @@
 namespace rbs::soft_step {
 
 /// Share of its load that a body must be pushed with to take the straight path of a contact.
-inline constexpr double kPushed = 0.01;
+inline constexpr double kPushedShare = 0.01;
 /// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
-inline constexpr double kSlowTurn = 1e-6;
+inline constexpr double kSteadyTurn = 1e-6;
 
 /// The softness of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
 Softness softness(double h, double h_full);
@@ -170,14 +170,14 @@ inline void SoftStep<Kinds...>::integrate() {
     const Inertia& inertia = bodies.inertia[s.body];
     Vec3 step = h_ * s.v;
     const Vec3 fall = h_ * context_.step.load[s.body].a_W;
-    const double push = (s.v - s.v_free).norm(), enough = kPushed * fall.norm();
+    const double push = (s.v - s.v_free).norm(), enough = kPushedShare * fall.norm();
     if (push < enough) step -= 0.5 * h_ * (1.0 - push / enough) * fall;
     s.moved += step;
     s.turned += h_ * s.w;
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
     if (inertia.unturned) continue;
-    if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSlowTurn) {
+    if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
       q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
     } else {
       rotateFreely(q_WB, s.w, inertia, h_);

@@ -4,6 +4,7 @@
 #include "algebra.h"
 #include "narrowphase/collide.h"
 #include "residuals.h"
+#include "tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +14,6 @@ namespace rbs {
 
 namespace {
 
-// Points within this share of the smaller length are kept whatever the speeds, so that resting contacts do
-// not flicker.
-constexpr double kMargin = 0.01;
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kStray = 0.05;
 

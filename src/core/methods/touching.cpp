@@ -5,15 +5,13 @@
 #include "effects/rolling.h"
 #include "effects_built.h"
 #include "narrowphase/collide.h"
+#include "tolerances.h"
 
 #include <algorithm>
 
 namespace rbs {
 
 namespace {
-
-// Points within this share of the smaller length are kept whatever the speeds.
-constexpr double kMargin = 0.01;
 
 // How fast a point of the surface moves because the body turns.
 double surfaceSpeed(const Bodies& bodies, Index i) {

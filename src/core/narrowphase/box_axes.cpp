@@ -4,6 +4,7 @@
 // axis l, with p the centre of B seen from A and a_i, b_j the half edges as vectors,
 //   separation = |l.p| - sum |l.a_i| - sum |l.b_j|.
 #include "narrowphase/box_axes.h"
+#include "narrowphase/tolerances.h"
 
 #include <cmath>
 #include <limits>
@@ -12,11 +13,8 @@ namespace rbs {
 
 namespace {
 
-// The components of the cross product of edges so nearly parallel (sine below 0.1) have lost digits.
-constexpr double kParallel = 1e-2;
 // Edges are parallel when no digit is left.
 constexpr double kNoSine = 1e-15;
-constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
 
 double signOf(double x) {
   return x < 0.0 ? -1.0 : 1.0;

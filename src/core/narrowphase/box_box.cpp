@@ -9,6 +9,7 @@
 #include "narrowphase/box_axes.h"
 #include "narrowphase/convex.h"
 #include "narrowphase/pairs.h"
+#include "narrowphase/tolerances.h"
 
 #include <cmath>
 #include <limits>
@@ -17,12 +18,8 @@ namespace rbs {
 
 namespace {
 
-// A face serves as reference when the cosine of its angle to the normal is within this of 1 (2.6 degrees).
-constexpr double kAligned = 1e-3;
-// How far a point may overhang the reference face, as a fraction of its half edge, before it is clipped.
-constexpr double kOverhang = 1e-5;
 // Below this fraction of the size, the difference of two witness points has lost its direction.
-constexpr double kNear = 4e-7;
+constexpr double kNoDirection = 4e-7;
 
 // A corner of the clipped face: place along the reference face's edges, height over it, and the edge that
 // starts here: 0 to 3 of the incident face, 4 to 7 a side of the reference face.
@@ -193,7 +190,8 @@ Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, cons
   };
   if (axis.separation > 0.0) {
     const ConvexGap gap = convexGap(a, b, X_AB, search);
-    const bool spanned = gap.distance <= kNear * size && gap.distance <= axis.separation + 1e-15 * size;
+    const bool spanned =
+        gap.distance <= kNoDirection * size && gap.distance <= axis.separation + 1e-15 * size;
     if (!spanned) return placed(std::max(gap.distance, axis.separation), gap.n_A, gap.middle_A);
     return placed(axis.separation, axis.n_A, gap.middle_A);
   }

@@ -2,6 +2,7 @@
 // Spheres against solids of revolution and capsules against each other: gaps in closed form.
 #include "algebra.h"
 #include "narrowphase/convex.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace rbs {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // An edge of the outline of a solid of revolution in the half-plane of the distance from the axis and the
 // height along it, with its outward unit normal.
@@ -161,7 +161,6 @@ Nearest nearestOfAll(const Vec3& u, const Vec3& v, const Vec3& p) {
 // the first segment; where that is an end, it has one on the second. (C. Ericson, Real-Time Collision
 // Detection, 2005, 5.1.9.)
 Nearest nearestByClamping(const Vec3& u, const Vec3& v, const Vec3& p) {
-  constexpr double kParallel = 0.01;  // square of the sine
   Nearest nearest(u, v, p);
   const double squared = v.squaredNorm(), across = v.x() * v.x() + v.y() * v.y();
   if (!(across > kParallel * squared)) return nearest;

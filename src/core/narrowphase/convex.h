@@ -68,10 +68,11 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
   ConvexGap gap;
   // Cores this near have no direction in v, or, where v does not prove its length, a bad one: EPA finds a
   // better.
-  constexpr double kTouching = 1e-13, kNear = 1e-6, kProved = 64.0 * std::numeric_limits<double>::epsilon();
+  constexpr double kCoresTouch = 1e-13, kCoresNear = 1e-6,
+                   kProved = 64.0 * std::numeric_limits<double>::epsilon();
   const bool proved = distance.upper - distance.lower <= kProved * distance.scale;
   if (!distance.overlap &&
-      (distance.finished || distance.upper > (proved ? kTouching : kNear) * distance.scale)) {
+      (distance.finished || distance.upper > (proved ? kCoresTouch : kCoresNear) * distance.scale)) {
     gap.n_A = distance.n;
     gap.distance = distance.finished ? distance.lower : distance.upper;
     on_a = distance.simplex.witnessA(), on_b = distance.simplex.witnessB();
@@ -84,7 +85,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
     }();
     if (!distance.n.isZero(0.0)) {
       const double upper = distance.n.dot(difference(distance.n).w);
-      if (upper < depth.upper - kNear * distance.scale)  // EPA went astray
+      if (upper < depth.upper - kCoresNear * distance.scale)  // EPA went astray
         depth.a = distance.simplex.witnessA(), depth.b = distance.simplex.witnessB();
       if (upper < depth.upper) depth.n = distance.n, depth.upper = upper;
     }

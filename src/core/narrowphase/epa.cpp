@@ -13,6 +13,7 @@
 
 #include "algebra.h"
 #include "narrowphase/depth_proof.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,11 +26,10 @@ namespace rbs {
 
 namespace {
 
-constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
 // The interval of the depth is closed when it is this small.
-constexpr double kClosed = 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double kKnown = 64.0 * std::numeric_limits<double>::epsilon();
 // Of the depth: the interval at which the features that meet are known well enough to ask for a proof.
-constexpr double kFeatures = 0.05;
+constexpr double kFeaturesOfDepth = 0.05;
 // After so many rounds directions tie about an axis, or nearly so, and that is asked for.
 constexpr int kTies = 32;
 // After so many, if all is within this fraction of the size, the rest is finished without a proof.
@@ -242,7 +242,7 @@ double grow(const SupportFunction& support, Simplex& simplex, std::initializer_l
 
 // Makes any simplex a tetrahedron. Empty when A - B is flat; then `n` is normal to it.
 bool makeTetrahedron(const SupportFunction& support, Simplex& s, double scale, Vec3& n) {
-  const double flat = kRounding * scale;
+  const double flat = kChainRounding * scale;
   if (s.size == 1 && grow(support, s, {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()},
                           [&](const Vec3& w) { return (w - s.points[0].w).norm(); }) <= flat)
     return false;
@@ -291,7 +291,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
 
   std::array<std::byte, 32768> usual;  // what most pairs need: none of it is asked of the heap
   std::pmr::monotonic_buffer_resource memory(usual.data(), usual.size());
-  Polytope polytope(tetrahedron, kRounding * scale, &memory);
+  Polytope polytope(tetrahedron, kChainRounding * scale, &memory);
   EpaResult result;
   result.upper = std::numeric_limits<double>::infinity();
   result.lower = -std::numeric_limits<double>::infinity();
@@ -311,7 +311,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   const auto closes = [&](const Face& face, Seek seek) {
     Finished finished = finish(face.n, cornersOf(face).data(), 3, seek);
     for (const Belt& belt : finished.belts) {
-      const double width = provenWidth(belt, result.upper, kClosed * scale);
+      const double width = provenWidth(belt, result.upper, kKnown * scale);
       if (width > open(face) + angleFrom(belt, face.n)) {
         proven_belts.push_back({belt, width});
         return true;
@@ -319,20 +319,20 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
     }
     if (finished.nearest.size == 0) return false;
     const double height = finished.n.dot(support(finished.n).w);
-    const Simplex reaching = pointsAt(finished.nearest, finished.n, height - kClosed * scale);
+    const Simplex reaching = pointsAt(finished.nearest, finished.n, height - kKnown * scale);
     if (reaching.size == 0) return false;
     finished.nearest = reaching;
     const Vec3 touching = reduceToNearest(finished.nearest);
-    if (height < result.upper + (best_is_finished ? 0.0 : kRounding * scale)) {
+    if (height < result.upper + (best_is_finished ? 0.0 : kChainRounding * scale)) {
       result.upper = height, result.n = finished.n;
       result.a = finished.nearest.witnessA(), result.b = finished.nearest.witnessB();
-      best_is_finished = (touching - height * finished.n).norm() <= kClosed * scale;
+      best_is_finished = (touching - height * finished.n).norm() <= kKnown * scale;
       best = face;
     }
     const double needed = open(face) + angleBetween(face.n, finished.n);
     if (!(needed < EIGEN_PI)) return false;
     const auto proves = [&](double angle) {
-      return provesDepth(finished, height, result.upper, angle, kClosed * scale);
+      return provesDepth(finished, height, result.upper, angle, kKnown * scale);
     };
     if (!proves(needed)) {
       if (reaching.size < 3) return false;
@@ -362,7 +362,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
     }
     const Face face = *nearest;
     result.lower = std::max(result.lower, std::min(face.distance, given_up));
-    if (result.upper - face.distance <= kClosed * scale) break;
+    if (result.upper - face.distance <= kKnown * scale) break;
     const bool round = finish && face.distance > 0.0;
     if (round && covered(face)) {
       polytope.giveUpNearest();
@@ -370,14 +370,14 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
     }
     const SupportPoint p = support(face.n);
     const double upper = face.n.dot(p.w);
-    if (upper < result.upper - (best_is_finished ? kRounding * scale : 0.0)) {
+    if (upper < result.upper - (best_is_finished ? kChainRounding * scale : 0.0)) {
       result.upper = upper;
       best = face, best_is_finished = false;
       result.n = face.n;
       setWitnesses(polytope, face, result);
     }
-    if (result.upper - face.distance <= kClosed * scale) break;
-    if (round && result.upper - face.distance <= kFeatures * result.upper &&
+    if (result.upper - face.distance <= kKnown * scale) break;
+    if (round && result.upper - face.distance <= kFeaturesOfDepth * result.upper &&
         (closes(face, Seek::Stationary) ||
          (result.iterations >= kTies && (closes(face, Seek::PinnedByA) || closes(face, Seek::PinnedByB))))) {
       polytope.giveUpNearest();
@@ -402,7 +402,7 @@ EpaResult epa(const SupportFunction& support, const Simplex& simplex, double sca
   const Vec3& n = finished.n;
   const SupportPoint p = support(n);
   const double upper = n.dot(p.w);
-  if (upper > result.upper + kRounding * scale) return result;
+  if (upper > result.upper + kChainRounding * scale) return result;
   result.n = n, result.upper = upper;
   if (finished.nearest.size > 0 &&
       (reduceToNearest(finished.nearest) - upper * n).norm() <= kSpanned * scale) {

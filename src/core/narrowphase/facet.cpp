@@ -2,6 +2,7 @@
 #include "narrowphase/facet.h"
 
 #include "algebra.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,10 +93,9 @@ Facet facetTowards(const Cone& cone, const Vec3& d) {
 
 Facet facetTowards(const ConvexHull& hull, const Vec3& d) {
   const Polyhedron& solid = *hull.polyhedron;
-  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
   double reach = -std::numeric_limits<double>::infinity();
   for (const Vec3& vertex : solid.vertices) reach = std::max(reach, vertex.dot(d));
-  reach -= kRounding * solid.bounding_radius;
+  reach -= kChainRounding * solid.bounding_radius;
 
   const Polyhedron::Face* best = nullptr;
   double alignment = -std::numeric_limits<double>::infinity();

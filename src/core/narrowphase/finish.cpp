@@ -16,8 +16,8 @@ constexpr double kStep = 0.3;  // rad, the longest
 
 // Whether a step, in rad, is the last: rounding, or no shorter than the one before.
 bool settled(double step, double before) {
-  constexpr double kRounding = 1e-15, kNear = 1e-5;
-  return step <= kRounding || (step < kNear && step > 0.5 * before);
+  constexpr double kNoStep = 1e-15, kCrawl = 1e-5;  // rad
+  return step <= kNoStep || (step < kCrawl && step > 0.5 * before);
 }
 
 // The farthest point along `outward` and the derivative of it by the direction, scale f f'.
@@ -117,9 +117,9 @@ bool isEdge(const Feature& feature) {
 }
 // Whether it is a rim about an axis that is nearly n.
 bool isRimAlong(const Feature& feature, const Vec3& n) {
-  constexpr double kAlong = 0.995;  // cosine
+  constexpr double kAlongAxis = 0.995;  // cosine
   return feature.size == 1 && feature.radius[0] > 0.0 && feature.pin == Feature::Pin::None &&
-         std::abs(feature.axis.dot(n)) > kAlong;
+         std::abs(feature.axis.dot(n)) > kAlongAxis;
 }
 
 // Where an edge and a rim are nearest: the direction, and the point of the rim; n is 0 where that is not
@@ -137,13 +137,13 @@ struct AtRim {
 // two crossings of the line with the cylinder over the rim the one is taken towards which it comes down along
 // n.
 AtRim edgeAtRim(const Feature& edge, const Feature& rim, const Vec3& outward) {
-  constexpr double kAlong = 1e-3;  // an edge that runs along the rim spans no plane with the axis
+  constexpr double kAlongRim = 1e-3;  // an edge that runs along the rim spans no plane with the axis
   const Vec3 &axis = rim.axis, &e = edge.pin_axis;
   const double radius = rim.radius[0], e_z = axis.dot(e);
   const Vec3 flat = e - e_z * axis, from = edge.centre[0] - rim.centre[0];
   const double squared = flat.squaredNorm(), z_from = axis.dot(from);
   const Vec3 from_flat = from - z_from * axis;
-  if (!(squared > kAlong * kAlong)) return {};
+  if (!(squared > kAlongRim * kAlongRim)) return {};
   const double middle = -flat.dot(from_flat) / squared;
   const double half =
       std::sqrt(std::max(radius * radius - (from_flat + middle * flat).squaredNorm(), 0.0) / squared);
@@ -161,7 +161,7 @@ AtRim edgeAtRim(const Feature& edge, const Feature& rim, const Vec3& outward) {
       continue;
     }
     const double length = std::hypot(e_rho, e_z);
-    if (!(length > kAlong)) return {};
+    if (!(length > kAlongRim)) return {};
     const Vec3 n = (e_rho * axis - e_z / rho * x) / length;
     return {std::copysign(1.0, n.dot(outward)) * n, rim.centre[0] + radius / rho * x};
   }
@@ -183,10 +183,9 @@ Vec3 offAxis(const Feature& circle, const Feature& other, const Vec3& outward) {
 
 // Whether the separation along m is larger than that along n, by more than rounding.
 bool gains(const Feature& a, const Feature& b, const Vec3& n, const Vec3& m) {
-  constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon();
   const Vec3 on_a = farthest(a, m).point, on_b = farthest(b, -m).point;
   return m.dot(on_b - on_a) >
-         n.dot(farthest(b, -n).point - farthest(a, n).point) + kRounding * (on_a.norm() + on_b.norm());
+         n.dot(farthest(b, -n).point - farthest(a, n).point) + kChainRounding * (on_a.norm() + on_b.norm());
 }
 
 Vec3 directionOf(const Feature& a, const Feature& b, const Vec3& n) {

@@ -19,6 +19,7 @@
 #pragma once
 
 #include "narrowphase/gjk.h"
+#include "narrowphase/tolerances.h"
 
 #include <type_traits>
 
@@ -149,7 +150,6 @@ class Finish {
   }
 
   double rounding() const {
-    constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
     return kRounding * (a_(Vec3::UnitX()).norm() + b_(Vec3::UnitX()).norm() + X_AB_.p_AB.norm());
   }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "narrowphase/simplex.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <limits>
@@ -80,7 +81,6 @@ struct Enough {
 template <class Support, class Finish = NoFinish>
 GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {},
               const Enough& enough = {}) {
-  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr int kStalls = 4;
   // The features are known when the interval is this small a fraction of the size, or of the distance.
   constexpr double kFeatures = 0.02;

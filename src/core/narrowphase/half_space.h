@@ -6,6 +6,7 @@
 #include "narrowphase/facet.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/support.h"
+#include "narrowphase/tolerances.h"
 
 #include <limits>
 
@@ -37,7 +38,6 @@ inline Facet feet(const Box& box, const Vec3& /*d*/) {
 /// number; that of another point is 65,536.
 template <class Convex>
 Manifold collidePair(const Convex& a, const Pose& X_WA, const Plane& b, const Pose& X_WB, double margin) {
-  constexpr double kCovers = 1e-5;  // of the size: a corner no higher than this stands for the lowest point
   const Gap gap = gapPair(a, X_WA, b, X_WB);
   const Vec3 up_W = -gap.n_W;
   Manifold manifold;

@@ -34,7 +34,7 @@ struct Times {
 // leaves the bracket or is slow.
 template <class Function>
 double rootBetween(const Function& f, double low, double high) {
-  constexpr double kRounding = 2.0 * std::numeric_limits<double>::epsilon();
+  constexpr double kSettled = 2.0 * std::numeric_limits<double>::epsilon();
   const bool falls = f(low).value > 0.0;
   double s = low, last = high - low;
   while (true) {
@@ -43,7 +43,7 @@ double rootBetween(const Function& f, double low, double high) {
     double next = s - value / slope;
     if (!(next > low && next < high && std::abs(next - s) <= 0.5 * last)) next = low + 0.5 * (high - low);
     last = std::abs(next - s);
-    if (last <= kRounding * next) return next;
+    if (last <= kSettled * next) return next;
     s = next;
   }
 }

@@ -13,6 +13,7 @@
 #include "narrowphase/patch.h"
 
 #include "algebra.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,15 +25,6 @@ namespace rbs {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
-
-// How far a point may overhang the other facet, as a fraction of the size, before it is clipped: equal
-// facets on each other keep their corners.
-constexpr double kOverhang = 1e-5;
-// A corner within this fraction of the size of the depth stands for the deepest point.
-constexpr double kCovers = 1e-5;
-
-// A face is met flat when the cosine of its angle to n is within this of 1 (2.6 degrees).
-constexpr double kAligned = 1e-3;
 
 // How far two rods may lie beside each other, as a fraction of their radii, and still touch there.
 constexpr double kAside = 1e-2;

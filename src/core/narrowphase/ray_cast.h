@@ -3,6 +3,7 @@
 #pragma once
 
 #include "narrowphase/simplex.h"
+#include "narrowphase/tolerances.h"
 #include "rigid_body_sim/shape.h"
 
 #include <algorithm>
@@ -29,7 +30,6 @@ std::optional<RayEntry> castRay(const Shape& shape, const Vec3& origin_B, const 
 template <class Core>
 std::optional<RayEntry> castRayOnSupport(const Core& core, double radius, const Vec3& origin_B,
                                          const Vec3& d_B) {
-  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   constexpr int kIterations = 128;
   RayEntry entry{0.0, -d_B};
   Vec3 tip = origin_B;

@@ -8,6 +8,7 @@
 // by all of its faces. The nearest candidate wins, so every result is a point of the hull: a true upper bound
 // of the distance, up to the rounding of the corners.
 #include "narrowphase/simplex.h"
+#include "narrowphase/tolerances.h"
 
 #include <limits>
 #include <utility>
@@ -16,9 +17,8 @@ namespace rbs {
 
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A volume smaller than this fraction of the product of its edges is rounding.
-constexpr double kFlat = 16.0 * kEpsilon;
+constexpr double kFlatVolume = 16.0 * kEpsilon;
 
 struct Nearest {
   Vec3 v;
@@ -69,7 +69,7 @@ Nearest ofTriangle(const Points& s, int o, int j, int k) {
   const double along_side = u.dot(side);
   Vec3 q = side - along_side * u;
   const double width = q.norm();
-  if (!(width > kFlat * length)) {
+  if (!(width > kFlatVolume * length)) {
     Nearest best = ofSegment(s, o, j);
     keepNearer(best, ofSegment(s, o, k));
     keepNearer(best, ofSegment(s, j, k));
@@ -105,7 +105,7 @@ Nearest ofTetrahedron(const Points& s) {
   const double c1 = sign * r.dot(n23), c2 = sign * e1.dot(r.cross(e3)), c3 = sign * e1.dot(e2.cross(r));
   const double c0 = sign * volume - c1 - c2 - c3;
   const double l1 = e1.norm(), l2 = e2.norm(), l3 = e3.norm();
-  const double unsure = kFlat * (l1 * l2 * l3 + r.norm() * (l1 * l2 + l2 * l3 + l3 * l1));
+  const double unsure = kFlatVolume * (l1 * l2 * l3 + r.norm() * (l1 * l2 + l2 * l3 + l3 * l1));
   const bool flat = std::abs(volume) <= unsure;
   if (!flat && c0 > unsure && c1 > unsure && c2 > unsure && c3 > unsure) {
     const double v = sign * volume;
@@ -118,7 +118,7 @@ Nearest ofTetrahedron(const Points& s) {
   if (flat || !(c0 > unsure)) keepNearer(best, ofTriangle(s, 1, 2, 3));
   if (flat || !(c3 > unsure)) {
     const Nearest old = ofTriangle(s, 0, 1, 2);
-    if (old.squared < (1.0 - kFlat) * best.squared) best = old;
+    if (old.squared < (1.0 - kFlatVolume) * best.squared) best = old;
   }
   return best;
 }

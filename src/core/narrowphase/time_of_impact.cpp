@@ -6,6 +6,7 @@
 #include "narrowphase/collide.h"
 #include "narrowphase/parabola.h"
 #include "narrowphase/safe_step.h"
+#include "narrowphase/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,6 @@ namespace rbs {
 
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A pair touches at `from` when its gap is below this fraction of the smaller length, or rounding.
 constexpr double kTouching = 1e-12;
 // A gap that closes is followed down to this fraction.
@@ -23,7 +23,7 @@ constexpr double kClosed = 1e-14;
 // A pair that overlaps and opens may come nearer by this fraction of the overlap before it turns round.
 constexpr double kSink = 1e-3;
 // A velocity below this fraction of those it is the difference of is zero.
-constexpr double kStill = 8.0 * kEpsilon;
+constexpr double kNoSpeed = 8.0 * kEpsilon;
 constexpr int kAdvances = 10000;
 
 // The pair at one time.
@@ -59,8 +59,8 @@ struct Scene {
 // Whether something that closes at `speed` (negative: opens) and is pressed at `push`, both differences of
 // terms as large as `speeds` and `pushes`, comes closer at once.
 bool closes(double speed, double speeds, double push, double pushes) {
-  if (std::abs(speed) > kStill * speeds) return speed > 0.0;
-  return push > kStill * pushes;
+  if (std::abs(speed) > kNoSpeed * speeds) return speed > 0.0;
+  return push > kNoSpeed * pushes;
 }
 
 // Whether any of the points that touch comes closer. A pair whose manifold is empty counts as closing.
@@ -150,7 +150,7 @@ std::optional<double> within(std::optional<double> s, double from, double to) {
 std::optional<double> spheresOnLine(double radii, const Scene& scene) {
   const Vec3 d = scene.b.p_W - scene.a.p_W, v = scene.b.v_W - scene.a.v_W;
   const double distance = d.norm(), speed = v.norm(), closing = -d.dot(v);
-  if (!(closing > kStill * distance * (scene.a.v_W.norm() + scene.b.v_W.norm()))) return std::nullopt;
+  if (!(closing > kNoSpeed * distance * (scene.a.v_W.norm() + scene.b.v_W.norm()))) return std::nullopt;
   if (distance - radii <= scene.touching) return 0.0;
   const double across = d.cross(v).norm();
   const double discriminant = (speed * radii - across) * (speed * radii + across);
