@@ -2,12 +2,14 @@
 #include "world_parts.h"
 
 #include "checks.h"
+#include "invariants.h"
 #include "narrowphase/collide.h"
 #include "rigid_body_sim/quote.h"
 #include "saved_state.h"
 #include "text.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace rbs {
@@ -257,12 +259,14 @@ void World::setEffects(const EffectOverrides& effects) {
 
 void World::Impl::advance(double to) {
   Context context{scene, step, census};
+  assert(invariants::hold(invariants::broken(scene)));
   do {
     sleep::wake(scene, step.woken);
     if (!step.woken.empty()) recount();
     step.begin(scene, scene.time, to);
     pipeline.run(context);
   } while (!step.woken.empty());
+  assert(invariants::hold(invariants::broken(scene, step)));
   scene.contacts.endStep();
   scene.time = to;
 
