@@ -37,8 +37,7 @@ void beginAgain(Context& context, Beginning& beginning, const std::vector<std::p
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!step.solver.exact || context.scene.rosters.movers.size() < 2)
-    return false;
+  if (!step.solver.exact || context.scene.rosters.movers.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The constraint graph: which bodies make an island, whatever kind of constraint connects them.
-#include "census.h"
 #include "islands.h"
+#include "census.h"
 #include "make_scene.h"
 
 #include <gtest/gtest.h>
