@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What accuracy costs for a scene as it stands: the error of each setting of the dial, and its time.
+// Accuracy studies: the error and the CPU time of each choice of solver settings, measured on a scene.
 #pragma once
 
 #include "rigid_body_sim/difference.h"
@@ -24,30 +24,30 @@ struct SettingCost {
   std::uint64_t steps = 0;  ///< steps of the scene that were timed
 };
 
-/// What measureAccuracy() has found. A window is a stretch of physics time in which every choice of settings
+/// Result of measureAccuracy(). A window is a stretch of physics time in which every choice of settings
 /// and the reference run from a common state and are compared at the end.
 struct AccuracyStudy {
   std::string scene;            ///< name of the scene
   double time = 0.0;            ///< physics time that the study starts from, s
   double step = 0.0;            ///< length of a step of the scene, s
-  double window = 0.0;          ///< length of a window that was asked for, in whole steps, s
+  double window = 0.0;          ///< required length of a window, rounded to whole steps, s
   double shortest = 0.0;        ///< length of the shortest window measured, s; 0: none was
   double seconds = 0.0;         ///< physics time over which the windows begin, s
   std::uint32_t windows = 0;    ///< measured windows in which the reference converged
   std::uint32_t shortened = 0;  ///< of `windows`: shorter than `window`, for convergence or for CPU time
   std::uint32_t dropped = 0;    ///< windows in which the reference did not converge even for one step
-  /// Uncertainty of the reference, the mean over the windows. It is what halving its step changes, or a third
-  /// of what quartering its step changes, whichever is larger.
+  /// Uncertainty of the reference, the mean over the windows. In each window it is the change by halving the
+  /// step of the reference, or a third of the change by quartering it, whichever is larger.
   ErrorRate uncertainty;
   std::string trouble;  ///< why there are no errors; empty: there are
-  /// Whether all windows that were asked for were measured, none of them cut short for CPU time. Else the
+  /// Whether all required windows were measured and none of them was cut short for CPU time. Else the CPU
   /// time ran out or the study was stopped.
   bool complete = false;
   double first_answer = 0.0;  ///< CPU time after which all settings had an error, s; 0: they have none
   std::vector<SettingCost> settings;  ///< in the order in which the options list them
 };
 
-/// What measureAccuracy() is to measure.
+/// Input of measureAccuracy().
 struct AccuracyOptions {
   double seconds = 2.0;  ///< physics time to look ahead, s, 1e-6 to 1000
   double window = 0.25;  ///< length of a window, s, 1e-6 to 1000; rounded to whole steps, 1 to 1000 of them

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far two runs of one scene have gone apart.
+// The deviation between two runs of one scene.
 #pragma once
 
 #include "rigid_body_sim/snapshot.h"
@@ -21,7 +21,7 @@ struct Difference {
 };
 
 /// Compares the dynamic bodies of two snapshots. Both must hold the same bodies in the same order, which is
-/// not checked.
+/// not checked. Cost: all bodies.
 Difference differenceOf(const Snapshot& run, const Snapshot& truth);
 
 }  // namespace rbs

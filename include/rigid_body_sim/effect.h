@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The effects a scene may call for, and their names.
+// The effects that a scene may need, and their names.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 namespace rbs {
 
 /// A physical effect that a scene may need, or a way to save time. Each is simulated where the scene's
-/// contents ask for it, unless EffectOverrides force it on or off.
+/// contents need it, unless EffectOverrides force it on or off.
 enum class Effect {
   Gravity,    ///< detected where gravity is not zero
   Buoyancy,   ///< detected where there is a fluid

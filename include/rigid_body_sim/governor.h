@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Governor: steps a world, tells its error as it goes, and turns the dial by the world's goal.
+// Governor: adaptive accuracy control. It steps a world, estimates its error and changes its solver settings.
 #pragma once
 
 #include "rigid_body_sim/world.h"
@@ -15,7 +15,7 @@ namespace rbs {
 /// thread.
 class Governor {
  public:
-  Governor();  ///< estimates errors only where a goal asks for it
+  Governor();  ///< estimates errors only where a goal requires it
   ~Governor();
   Governor(Governor&&) noexcept;             ///< the source may only be destroyed or assigned to
   Governor& operator=(Governor&&) noexcept;  ///< the source may only be destroyed or assigned to
@@ -23,10 +23,11 @@ class Governor {
   /// Steps the world, and the second run beside it where errors are estimated. That run is a copy of the
   /// world, and its steps take their time on this thread. With a goal the world's solver settings may change
   /// when a window ends: for `max_error` by the estimate alone, so that equal worlds stay equal; for
-  /// `max_step_ms` by the clock. An edit begins the window anew. The report is that of World::step().
+  /// `max_step_ms` by the clock. An edit begins the window anew. Never throws. Returns the report
+  /// of World::step().
   const StepReport& step(World& world);
 
-  /// Whether errors are estimated where no goal asks for it. The second run then takes twice as many
+  /// Sets whether errors are estimated where no goal requires it. The second run then takes twice as many
   /// divisions.
   void setEstimating(bool on);
 
@@ -35,7 +36,7 @@ class Governor {
   const std::optional<ErrorEstimate>& estimate() const;
   /// Why the goal of the world has set the solver settings to what they are, or can go no further:
   /// "interactive: an error of 3.2 mm/s is above 1 mm/s". Empty where the world has no goal, or where the
-  /// goal has not asked for a change yet.
+  /// goal has not required a change yet.
   std::string reason(const World& world) const;
   /// CPU time of the last step of the world, without the second run beside it, s; 0 before the first.
   double stepCpuSeconds() const;

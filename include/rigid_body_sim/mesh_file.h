@@ -24,7 +24,8 @@ void findPackagesBy(PackageFolders folders);
 /// name ends in .obj, .stl, .ply, .gltf, .glb or .dae. Throws InvalidInput with `path` for a file that is not
 /// there, that confineFilesTo() excludes, that is larger than 256 MiB, is no sound mesh, or holds no vertices
 /// or more than Limits::max_hull_points. The vertices are counted before memory is taken for them. A glTF
-/// file may name buffers beside it or in folders below. Nothing else in a file leads to another file.
+/// file may name buffers beside it or in folders below. Nothing else in a file leads to another file. Cost:
+/// the whole file is read and parsed.
 std::vector<Vec3> readMesh(const std::string& location, const std::string& folder, const std::string& path);
 
 /// The convex hull of the vertices that readMesh() returns, times `scale` (> 0). Its frame P is that of the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What it does to a scene to force effects on or off.
+// The modelling error of effects that are forced on or off, measured on the scene itself.
 #pragma once
 
 #include "rigid_body_sim/difference.h"
@@ -17,9 +17,9 @@ struct Neglect {
 };
 
 /// Runs the scene from `state` twice, with all effects detected and with `effects` forced, and compares the
-/// ends. Each run takes 0.25 s of physics time, rounded up to whole steps. It takes less where the number of
-/// bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies. Throws InvalidInput
-/// for a faulty scene or state.
+/// end states. Each run takes 0.25 s of physics time, rounded up to whole steps. It takes less where the
+/// number of bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies. Throws
+/// InvalidInput for a faulty scene or state. Cost: the steps of both runs.
 std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state,
                                       const EffectOverrides& effects);
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Questions about a world as a snapshot shows it: what a ray meets, how far two bodies are apart, what is in
-// a place.
+// Queries on a snapshot of a world: ray casts, closest points, overlaps with a shape.
 //
-// A snapshot never changes, so that they can be asked from any thread while the simulation runs, and change
-// nothing: Simulator::snapshot() costs nothing, World::snapshot() a copy of all states. Every function
-// throws InvalidInput with all that is wrong with the question.
+// A snapshot never changes. So a query may run in any thread while the simulation runs; it changes and wakes
+// nothing. Simulator::snapshot() copies a pointer, World::snapshot() copies all states. Every query throws
+// InvalidInput with all faults of its arguments.
 #pragma once
 
 #include "rigid_body_sim/snapshot.h"
@@ -37,7 +36,8 @@ struct RayHit {
 /// proportional to the number of bodies. Throws InvalidInput for a faulty ray.
 std::optional<RayHit> castRay(const Snapshot& snapshot, const Ray& ray);
 
-/// All bodies that the ray hits, the nearest first. Throws InvalidInput for a faulty ray.
+/// All bodies that the ray hits, the nearest first; those at one distance in canonical order. The cost is
+/// proportional to the number of bodies. Throws InvalidInput for a faulty ray.
 std::vector<RayHit> castRayThrough(const Snapshot& snapshot, const Ray& ray);
 
 /// The points at which two bodies a and b are nearest to each other, or overlap most deeply:
@@ -51,18 +51,19 @@ struct ClosestPoints {
 };
 
 /// The closest points of two bodies. Throws InvalidInput where a body is not in the snapshot, where both are
-/// the same, and where both are planes.
+/// the same, and where both are planes. Cost: one query of the narrow phase.
 ClosestPoints closestPoints(const Snapshot& snapshot, BodyId a, BodyId b);
 
-/// A body near a place.
+/// A body near the shape of overlaps().
 struct Neighbour {
   BodyId body;      ///< the body
-  double distance;  ///< separation from the place, m; negative: penetration depth
+  double distance;  ///< separation from the shape, m; negative: penetration depth
 };
 
 /// The bodies within `margin` (m, 0 to Limits::max_position) of a shape at `pose`, in canonical order. With a
 /// margin of 0 these are the bodies that touch or overlap it. A plane meets no planes. Throws InvalidInput
-/// for a faulty shape, pose or margin.
+/// for a faulty shape, pose or margin. Cost: a distance check of all bodies, and a query of the narrow phase
+/// for each body whose bounding ball is within the margin.
 std::vector<Neighbour> overlaps(const Snapshot& snapshot, const Shape& shape, const Pose& pose,
                                 double margin = 0.0);
 

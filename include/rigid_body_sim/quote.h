@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What users wrote, as messages show it again: one line, valid UTF-8, never long.
+// Quotes of user input in messages: one line, valid UTF-8, of bounded length.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,10 @@
 
 namespace rbs {
 
-inline constexpr std::size_t kLongestQuote = 64,  ///< how much of what a user wrote messages show, bytes
-    kLongestPath = 256;                           ///< how much of a file's path messages show, bytes
+inline constexpr std::size_t kLongestQuote = 64,  ///< longest quote of user input in a message, bytes
+    kLongestPath = 256;                           ///< longest quote of a file's path in a message, bytes
 
-/// What a user wrote, as one line of valid UTF-8. Control characters and bytes that are no UTF-8 become
+/// User input as one line of valid UTF-8. Control characters and bytes that are no UTF-8 become
 /// `\\xNN`. What is longer than `longest` bytes is cut there and ends in "... (N bytes)", N being the length
 /// of `text`.
 std::string printable(const std::string& text, std::size_t longest = kLongestQuote);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a scene is: plain definitions with their defaults, and the check that finds every fault.
+// The definition of a scene: plain structs with their defaults, and the check that finds every fault.
 //
-// A default stands here and nowhere else. What a scene does not mention is not simulated: an empty
-// optional is an effect that is not there.
+// Defaults stand here and nowhere else. An empty optional means that the scene does not have the thing, and
+// that nothing is simulated for it.
 #pragma once
 
 #include "rigid_body_sim/effect.h"
@@ -42,7 +42,7 @@ struct Material {
 enum class BodyKind {
   Dynamic,    ///< moved by forces; never a plane
   Static,     ///< never moves, unless World::hold() moves it
-  Kinematic,  ///< moves with its given twist, whatever it meets
+  Kinematic,  ///< moves with its given twist, whatever it meets; forces and contacts do not change it
 };
 
 /// "dynamic", "static" or "kinematic".
@@ -97,7 +97,7 @@ inline constexpr double kEdgedDrag = 1.05;  ///< drag coefficient of a box face;
 /// The drag coefficient of a body that is given none; 0 for a plane.
 double defaultDragCoefficient(const Shape& shape);
 
-/// The air of a scene. It is at rest unless there is wind. Its presence asks for drag.
+/// The air of a scene. It is at rest unless there is wind. Where there is air, drag is simulated.
 struct Air {
   double density = 1.2;  ///< kg/m³, Limits::min_density to Limits::max_density
 };
@@ -124,7 +124,7 @@ enum class Fidelity {
   /// large mass ratio go to the exact step while they move little.
   Interactive,
   Accurate,   ///< Coulomb's law on the exact cone to 1e-6, stops of sliding located in time: studies
-  Reference,  ///< Coulomb's law to 1e-12, with more corrections: what the others are compared with
+  Reference,  ///< Coulomb's law to 1e-12, with more corrections: the reference for the others
 };
 
 /// All quality levels, from fast to exact.
@@ -140,8 +140,8 @@ Fidelity fidelityNamed(const std::string& name);
 struct Setting {
   Fidelity preset = Fidelity::Interactive;  ///< quality level, which gives the numbers that are left empty
   std::uint32_t divisions = 1;              ///< equal solver steps that each step is divided into, 1 to 1000
-  /// Sub-steps of the soft step, in each division, 1 to 1000. Empty: 1 for preview, 8 for the others. Islands
-  /// in which bodies move or turn fast take more.
+  /// Sub-steps (small steps) of the soft step in each division, 1 to 1000. Empty: 1 for preview, 8 for the
+  /// others. Islands in which bodies move or turn fast take more.
   std::optional<std::uint32_t> sub_steps;
   /// Residuals in impulse and velocity at which the exact step stops, 1e-15 to 0.1. They are fractions of the
   /// speed that the loads add in a division, or of the fastest closing speed where that is larger. Empty:
@@ -244,7 +244,7 @@ std::vector<Problem> validate(const Setting& setting);
 std::vector<Problem> validate(const Goal& goal);
 /// Every fault of one body by itself, with `path` in front. Empty when it is sound.
 std::vector<Problem> validate(const BodyDef& body, const std::string& path);
-/// Every fault of a scene, duplicate names among them. Empty when it is sound.
+/// Every fault of a scene, duplicate names among them. Empty when it is sound. Cost: all bodies.
 std::vector<Problem> validate(const SceneDef& scene);
 
 }  // namespace rbs

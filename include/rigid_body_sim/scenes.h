@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scene files (YAML) and the catalogue of named scenes: a folder of them.
+// Scene files (YAML), and the catalogue: a folder of named scenes.
 #pragma once
 
 #include "rigid_body_sim/world.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shapes a body can have, and what the rest of the core asks of a shape.
+// The shapes that a body can have, and their geometry: extents, support points, volume, inertia.
 //
 // A shape is described in its body's frame B, whose origin is the centre of mass and whose axes are
 // the principal axes of inertia. All shapes are convex.
@@ -76,7 +76,7 @@ ShapeTraits traitsOf(const Shape& shape);
 /// "sphere", "box", "plane", "capsule", "cylinder", "cone" or "hull".
 std::string shapeName(const Shape& shape);
 
-/// Whether two shapes are the same, size and all, bit for bit.
+/// Whether two shapes are of one kind and one size, bit for bit. Two hulls are compared by their vertices.
 bool sameShape(const Shape& a, const Shape& b);
 
 /// The bounding box in B, m. That of a cone or a hull is not symmetric about the origin. That of a plane is

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Simulator: the one thread that owns a World and paces it by the steady clock.
 //
-// Everyone else posts a command, which runs between two steps, and reads immutable snapshots.
+// Other threads post commands, which run between two steps, and read immutable snapshots.
 #pragma once
 
 #include "rigid_body_sim/world.h"
@@ -14,21 +14,22 @@
 
 namespace rbs {
 
-/// How the simulation keeps up with the wall clock at this moment.
+/// How the simulation keeps up with the wall clock at this moment. The real-time factor is physics time over
+/// wall time.
 struct Pace {
   bool paused = false;           ///< true also while a step request is under way
   double requested_speed = 1.0;  ///< requested real-time factor, 0 to 1e6; 0 is as fast as possible
   /// Achieved real-time factor over about the last second. A step that is late counts against it before it
   /// has ended. 0 while paused. It is the requested one until there is something to measure.
   double achieved_speed = 0.0;
-  /// Physics time that the requested speed asked for and that was given up since the last resume, load, reset
-  /// or change of speed, s. A simulation that cannot keep up runs slower and does not make up for it. 0 while
-  /// paused.
+  /// Physics time lost since the last resume, load, reset or change of speed, s: what the requested speed
+  /// required and the simulation did not reach. A simulation that cannot keep up runs slower and does not
+  /// make up for it. 0 while paused.
   double lost_time = 0.0;
   std::uint64_t steps_left = 0;  ///< steps left of the step request under way; 0: none is
 };
 
-/// What a request for steps came to.
+/// Result of a request for steps.
 struct StepsTaken {
   std::uint64_t steps = 0;  ///< steps taken
   std::string ended_by;  ///< what ended it early: "pause", "resume", "load", "reset", "shutdown"; empty: all
@@ -38,7 +39,7 @@ struct StepsTaken {
 /// The thread that owns a World, steps it by a Governor and paces it by the steady clock. Others post
 /// commands, which run between two steps, and read immutable snapshots. Every function may be called from any
 /// thread. Within a command or `go_on` only send(), snapshot(), pace() and estimatesErrors() may be called:
-/// the others would wait for themselves.
+/// the other functions would wait for themselves. Commands wake what the World functions that they call wake.
 class Simulator {
  public:
   /// How the simulator begins.
@@ -56,17 +57,18 @@ class Simulator {
   Simulator& operator=(const Simulator&) = delete;
 
   /// Runs `command` on the simulator's thread between two steps, waits for it and publishes a new snapshot.
-  /// What it throws is thrown here.
+  /// An exception of the command is thrown here. The wait lasts until the step under way ends.
   void edit(const std::function<void(World&)>& command);
   /// Runs `command` on the simulator's thread between two steps, but returns at once. A snapshot follows when
-  /// the next is due. What it throws is lost.
+  /// the next is due. An exception of the command is dropped.
   void send(std::function<void(World&)> command);
 
   /// Replaces the world by one of this scene, from `saved` where that is given, and ends a step request.
   /// reset() will come back to this scene. The simulation goes on while the new world is made. Pause and
   /// speed stay. Throws InvalidInput for a faulty scene or state; the old world then stays.
   void load(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
-  void reset();  ///< goes back to the scene and state as they were loaded; ends a step request
+  /// Goes back to the scene and state as they were loaded; ends a step request. The cost is that of load().
+  void reset();
 
   void pause();   ///< stops between two steps; ends a step request, too
   void resume();  ///< lets time go on; ends a step request, too
@@ -82,10 +84,10 @@ class Simulator {
   /// 1e6.
   void setSpeed(double speed);
 
-  /// Whether errors are estimated where no goal asks for it, also after a load or reset (see Governor). It
-  /// costs a second run beside the world.
+  /// Sets whether errors are estimated where no goal requires it, also after a load or reset (see Governor).
+  /// It costs a second run beside the world.
   void estimateErrors(bool on);
-  bool estimatesErrors() const;  ///< what estimateErrors() has set; false at first
+  bool estimatesErrors() const;  ///< the last value given to estimateErrors(); false at first
 
   /// The newest snapshot, never null. The call copies a pointer. While the simulation runs a new one follows
   /// 80 times a second. It is as rare as 10 times a second where snapshots are expensive or steps are slow,
@@ -94,6 +96,7 @@ class Simulator {
   /// The pace at this moment. It does not wait for the simulator's thread.
   Pace pace() const;
   /// A copy of the world between two steps, with the snapshot published then. Waits for the step under way.
+  /// Cost: that of the copy constructor of World.
   std::pair<World, std::shared_ptr<const Snapshot>> copy();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What readers see of a world: immutable copies, safe to keep and to read from any thread.
+// Snapshots of a world: immutable copies, safe to keep and to read from any thread.
 #pragma once
 
 #include "rigid_body_sim/scene.h"
@@ -12,7 +12,7 @@
 
 namespace rbs {
 
-/// Description of a body: what changes only by an edit, or when the body is frozen.
+/// Description of a body: the properties that change only by an edit, or when the body is frozen.
 struct BodyDescription {
   BodyId id;                          ///< handle of the body
   std::string name;                   ///< name, unique in the world, never empty
@@ -41,9 +41,10 @@ struct BodyState {
 ///
 /// Points are those at the end of the step, and those that have opened in it after they had pushed. Impulses
 /// are over the whole step, impacts included: a body's momentum changes by its loads and by these, to
-/// rounding, but for what bodies that overlap deeply are kept from gaining. `normal_impulse n_W +
-/// friction_impulse` is all that a has given to b at the point, also where the normal has turned within the
-/// step. What sleeps reports the forces with which it fell asleep, times the step.
+/// rounding. Bodies that overlap deeply are the exception: depenetration keeps them from gaining speed.
+/// `normal_impulse n_W + friction_impulse` is the whole impulse from a to b at the point, also where the
+/// normal has turned within the step. A contact of sleeping bodies reports the forces with which they fell
+/// asleep, times the step.
 struct ContactPoint {
   BodyId a,                              ///< first body; it was created before b
       b;                                 ///< second body
@@ -59,7 +60,7 @@ struct StageInfo {
   std::string name;         ///< "forces.drag"
   bool active = false;      ///< whether the scene needs it
   std::string reason;       ///< why it is or is not needed, in words and numbers
-  std::uint64_t items = 0;  ///< what it worked on in the last step
+  std::uint64_t items = 0;  ///< number of its items (see `unit`) in the last step
   std::string unit;  ///< what its items are: "bodies", "pairs", "points", …; empty: they are not counted
   /// Wall time in the last step, s. 0 for a stage that did not run, and for a part of another stage that is
   /// not timed by itself. That of islands.advance includes its parts, which follow it.
@@ -98,16 +99,16 @@ struct IslandResiduals {
   double turn = 0.0;                 ///< largest |w| h of its bodies, rad
 };
 
-/// What the last step did. With Setting::divisions above 1, times, tests, impacts and warnings are those of
+/// Report of the last step. With Setting::divisions above 1, times, tests, impacts and warnings are those of
 /// all divisions together, and the rest is that of the last one.
 struct StepReport {
   double seconds = 0.0;             ///< wall time of the step, s
   std::uint32_t pairs = 0;          ///< candidate pairs of the broad phase
   std::uint64_t overlap_tests = 0;  ///< pairs of bounds that the broad phase compared to find them
   std::uint32_t contacts = 0;       ///< contact points, also those that nearly touch
-  std::uint32_t islands = 0;        ///< islands that the contact solver looked at
-  std::uint32_t flying = 0;         ///< dynamic bodies in free flight
-  std::uint32_t impacts = 0;        ///< impacts located in time and resolved in order
+  std::uint32_t islands = 0;  ///< islands that the contact solver handled; bodies in free flight are in none
+  std::uint32_t flying = 0;   ///< dynamic bodies in free flight
+  std::uint32_t impacts = 0;  ///< impacts located in time and resolved in order
   /// Located impacts left to the contact solver: cutting a large island for them would cost too much, or the
   /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
   /// the warning "impact_budget" are not counted.
@@ -153,8 +154,8 @@ struct ErrorEstimate {
   double beside_ms = 0.0;  ///< mean wall time that the second run adds to a step, ms
 };
 
-/// A world at one instant between two steps: an immutable copy, which any thread may keep and read. What is
-/// of the last step is empty or 0 before the first.
+/// A world at one instant between two steps: an immutable copy, which any thread may keep and read. Before
+/// the first step, fields about the last step are empty or 0.
 struct Snapshot {
   std::string scene;        ///< name of the scene
   double time = 0.0;        ///< physics time since the scene began, s

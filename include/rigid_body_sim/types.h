@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vectors, poses, handles and errors: the words that every other header uses.
+// Vectors, poses, handles and errors: the types that every other header uses.
 //
 // Units are SI (m, kg, s, rad) and numbers are double. Names carry frames: p_WB is the position of
-// body frame B in world frame W, R_WB or q_WB turns vectors of B into W, v_WB and w_WB are the
+// body frame B in world frame W, R_WB or q_WB rotates vectors from B to W, v_WB and w_WB are the
 // linear and angular velocity of B seen from W and written in W. W is right-handed with z up
 // (REP-103). A body's frame B sits at its centre of mass, along its principal axes of inertia.
 #pragma once

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // World: build it from a scene, edit it, step it, read it. Not thread-safe: one thread owns it.
 //
-// Every edit either does all it was asked or throws InvalidInput and changes nothing.
+// An edit does all that it was asked or throws InvalidInput and changes nothing.
 #pragma once
 
 #include "rigid_body_sim/scene.h"
@@ -35,12 +35,11 @@ struct BodyEdit {
       mask;                            ///< see BodyDef::mask
 };
 
-/// A user force, as of a mouse (a mouse constraint): a critically damped spring from a point of a body to a
-/// point of the world. It damps rotation, too: as much as lets the body swing to where it hangs, without
-/// swinging beyond.
+/// A user force, as from a mouse (a mouse constraint): a critically damped spring from a point of a body to a
+/// point of the world. It damps rotation too, critically: the body swings to where it hangs and not beyond.
 struct Grab {
-  Vec3 p_B = Vec3::Zero();          ///< point of the body that it holds, in B, m
-  Vec3 p_W = Vec3::Zero();          ///< point that it pulls it to, in W, m
+  Vec3 p_B = Vec3::Zero();          ///< point of the body that the spring holds, in B, m
+  Vec3 p_W = Vec3::Zero();          ///< point that the spring pulls p_B to, in W, m
   double frequency = 4.0;           ///< natural frequency of the spring, Hz, above 0 to 1e4
   double max_acceleration = 300.0;  ///< cap on the spring's force over the mass, m/s², above 0 to 1e9
 };
@@ -97,44 +96,54 @@ struct SavedState {
 /// A simulated world: bodies, surroundings, solver settings and the state of motion. It is not thread-safe:
 /// one thread owns it, as Simulator does.
 ///
-/// An edit does all that it was asked or throws InvalidInput and changes nothing. It throws for a handle of
-/// no body of this world, and for numbers out of range. Every edit wakes all sleeping bodies, unless its
-/// description says otherwise. Equal worlds under equal edits stay equal, bit for bit, unless
-/// Setting::max_solve_ms cuts solves short.
+/// Errors: an edit does all that it was asked or throws InvalidInput and changes nothing. Every function that
+/// takes a handle throws InvalidInput for a handle of no body of this world. Every edit throws InvalidInput
+/// for a number out of range.
+///
+/// Sleep: an edit wakes all sleeping bodies, unless its description says otherwise. Reading wakes nothing.
+///
+/// Cost: n is the number of bodies. A handle is found by binary search. An edit that wakes sleeping bodies,
+/// and one that switches an effect, analyses all n bodies again for the effects that they need. Each
+/// description gives the cost besides.
+///
+/// Equal worlds under equal edits stay equal, bit for bit, unless Setting::max_solve_ms cuts solves short.
 class World {
  public:
   /// A world of this scene; `saved` resumes a saved state. Throws InvalidInput with every fault of the scene,
-  /// or of the state.
+  /// or of the state. Cost: n bodies, and `saved`.
   explicit World(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
   ~World();
-  World(const World&);                 ///< another world with the same future, bit for bit
+  World(const World&);                 ///< another world with the same future, bit for bit; copies everything
   World(World&&) noexcept;             ///< the source may only be destroyed or assigned to
   World& operator=(World&&) noexcept;  ///< the source may only be destroyed or assigned to
 
   // --- bodies
 
-  /// Adds a body and returns its handle. Throws InvalidInput for a faulty body or a name that is taken. It
-  /// looks at the names of all bodies: to add many, addBodies() is faster.
+  /// Adds a body and returns its handle. Throws InvalidInput for a faulty body or a name that is taken.
+  /// Wakes all. Cost: the names of all n bodies. To add many bodies, addBodies() is faster.
   BodyId addBody(const BodyDef& body);
-  /// Adds all bodies or none, and returns their handles in the same order. Throws InvalidInput as addBody()
-  /// does.
+  /// Adds all bodies or none, and returns their handles in the same order. Throws InvalidInput with every
+  /// fault: faulty bodies, and names that are taken or given twice. Wakes all. Cost: the names of all n
+  /// bodies, once.
   std::vector<BodyId> addBodies(const std::vector<BodyDef>& bodies);
-  /// Removes a body, with the wrenches, grab or hold that act on it.
+  /// Removes a body, with its contacts and with the wrenches, grab or hold that act on it. Its handle is
+  /// never used again. Wakes all. Cost: n bodies and all contacts.
   void removeBody(BodyId id);
-  /// Removes all bodies, wrenches, grabs and holds, and gives their memory back. Time and settings stay; what
-  /// the last step has reported is forgotten.
+  /// Removes all bodies, contacts, wrenches, grabs and holds, and releases their memory. Time, steps() and
+  /// settings stay. The report of the last step is empty afterwards. Cost: n bodies.
   void clear();
   /// Changes properties of a body. A new pose, shape or mass drops the contact forces that would warm-start
   /// its next step. Throws InvalidInput for mass and density together, and where the changed body would be
-  /// faulty.
+  /// faulty. Wakes all. Cost: all contacts where the pose, shape or mass changes.
   void editBody(BodyId id, const BodyEdit& edit);
-  /// The body of this name; no body when there is none. It searches all bodies.
+  /// The body of this name; no body when there is none. Cost: a search of all n names.
   BodyId find(const std::string& name) const;
-  /// Where the body is now. Throws InvalidInput where there is none. Costs far less than a snapshot.
+  /// The pose of B in W now. Cost: the search for the handle; far less than a snapshot.
   Pose pose(BodyId id) const;
   /// The lowest free position of the centre of mass above (x, y) = (0, 0), in W, m, for this shape rotated by
   /// q_WB, a unit quaternion. Its lowest point is then at least `clearance` above z = 0, m, and 0.02 of its
-  /// bounding radius away from every body. Zero for a plane.
+  /// bounding radius away from every body. Zero for a plane. Never throws: shape, q_WB and clearance are not
+  /// checked. Cost: n bodies for each obstacle that is passed on the way up, at most 100,000 times.
   Vec3 freePlace(const Shape& shape, const Quat& q_WB, double clearance = 0.5) const;
 
   // --- forces
@@ -142,53 +151,65 @@ class World {
   /// Changes the velocity of a body at once by an impulse (in W, N s) at a point (in W, m). Throws
   /// InvalidInput unless the body is dynamic and neither held nor frozen. Components are at most
   /// Limits::max_impulse and Limits::max_position, and those of the new velocity Limits::max_speed and
-  /// Limits::max_spin.
+  /// Limits::max_spin. Wakes all.
   void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);
   /// Applies a force (N) at a point (m) and a torque (N m), all in W, from now on for `seconds` of physics
   /// time, above 0 to 1e9 s. Force and torque keep their directions in W; the point moves with the body. It
   /// adds to the wrenches that already act. Throws InvalidInput unless the body is dynamic and neither held
-  /// nor frozen. Components are at most Limits::max_impulse and Limits::max_position.
+  /// nor frozen. Components are at most Limits::max_impulse and Limits::max_position. Wakes all. The island
+  /// of the body cannot go to sleep while it acts.
   void applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W, double seconds);
-  /// Does what applyWrench() does, but replaces the body's last commanded wrench. A body has one slot for
-  /// commands, beside whatever applyWrench() has added, so a controller may send as often as it likes.
-  /// `seconds` is its time-out. A command that replaces another wakes nothing.
+  /// Replaces the last commanded wrench of the body by another, with the arguments, ranges and errors of
+  /// applyWrench(). A body has one commanded wrench, beside whatever applyWrench() has added, so a controller
+  /// may send as often as it likes. `seconds` is its time-out. The first command wakes all. A command that
+  /// replaces another wakes nothing: the first one keeps the island awake. Cost: a search of all wrenches.
   void commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                      double seconds);
-  /// Pulls a body by a user force until release(). It replaces the grab or hold of the body. Another grab of
-  /// a grabbed body wakes nothing. Throws InvalidInput unless the body is dynamic and `grab` is within its
-  /// ranges.
+  /// Pulls a body by a user force until release(). It replaces the grab or hold of the body. Throws
+  /// InvalidInput unless the body is dynamic and `grab` is within its ranges. The first grab wakes all, and
+  /// keeps the island of the body awake. Another grab of a grabbed body wakes nothing. Cost: a search of all
+  /// grabs.
   void grab(BodyId id, const Grab& grab);
   /// Moves a body of any kind to a kinematic target until release(), whatever it meets. The distance decays
-  /// with a time constant of 1/30 s. A frozen body stays. It replaces the grab of the body. Another target
-  /// for a held body wakes nothing. Throws InvalidInput for a component beyond Limits::max_position and for a
-  /// quaternion whose norm is not 1e-3 to 1e3.
+  /// with a time constant of 1/30 s. A frozen body stays. It replaces the grab of the body. Throws
+  /// InvalidInput for a component beyond Limits::max_position and for a quaternion whose norm is not 1e-3 to
+  /// 1e3. The first target wakes all. Another target for a held body wakes nothing. Cost: a search of all
+  /// holds.
   void hold(BodyId id, const Pose& target);
-  /// Ends the grab or hold of a body. A grabbed body keeps its velocity; a held one is at rest.
+  /// Ends the grab or hold of a body. A grabbed body keeps its velocity; a held one is at rest. It is an edit
+  /// also for a body that is neither. Wakes all. Cost: a search of all grabs and holds.
   void release(BodyId id);
 
   // --- surroundings
 
-  /// Sets the gravity in W, m/s², at most Limits::max_gravity; zero is none.
+  /// Sets the gravity in W, m/s², each component at most Limits::max_gravity; zero is none. Wakes all. Cost:
+  /// an analysis of n bodies.
   void setGravity(const Vec3& gravity_W);
-  /// Sets the air. Empty takes it away, and the wind with it.
+  /// Sets the air. Empty takes it away, and the wind with it. Throws InvalidInput for a density out of range.
+  /// Wakes all. Cost: an analysis of n bodies.
   void setAir(const std::optional<Air>& air);
-  /// Sets the wind. Empty is air at rest. Throws InvalidInput for wind in a world without air.
+  /// Sets the wind. Empty is air at rest. Throws InvalidInput for wind in a world without air, and for a
+  /// velocity or gust out of range. Wakes all. Cost: an analysis of n bodies.
   void setWind(const std::optional<Wind>& wind);
-  /// Changes the solver settings. Bodies keep their state, bit for bit. It does not count in edits().
+  /// Changes the solver settings. Bodies keep their state, bit for bit. It does not count in edits(). Throws
+  /// InvalidInput for faulty settings. Wakes all. Cost: an analysis of n bodies.
   void setFidelity(const Setting& setting);
   /// Sets the goal by which a Governor changes the solver settings; empty: none. The world itself does not
-  /// follow it. It wakes nothing and does not count in edits().
+  /// follow it. Throws InvalidInput for a faulty goal. It wakes nothing and does not count in edits().
   void setGoal(const std::optional<Goal>& goal);
-  /// Sets the fluid. Empty takes it away.
+  /// Sets the fluid. Empty takes it away. Throws InvalidInput for a density or level out of range. Wakes all.
+  /// Cost: an analysis of n bodies.
   void setFluid(const std::optional<Fluid>& fluid);
   /// Replaces all overrides of effects. Effects that are not in it are detected. Bodies keep their state, bit
-  /// for bit.
+  /// for bit. Never throws. Wakes all. Cost: an analysis of n bodies.
   void setEffects(const EffectOverrides& effects);
 
   // --- time
 
-  /// Advances by the scene's step. Never throws: trouble is in the report. The report is valid until the next
-  /// step.
+  /// Advances by the scene's step, in Setting::divisions equal parts. Never throws: trouble is in the report.
+  /// The report is valid until the next step. Wakes the islands that a moving body comes near. Puts islands
+  /// to sleep that have been at rest for 0.5 s, where Effect::Sleeping is on. Cost: see StepReport::seconds
+  /// and pipeline(). A sleeping body costs its bounds in the broad phase.
   const StepReport& step();
 
   // --- reading
@@ -198,22 +219,30 @@ class World {
   /// Edit counter, 1 for a new world. It grows with every edit. Changes of the solver settings and of the
   /// goal do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
   std::uint64_t edits() const;
-  /// How many bodies have been analysed so far for the effects that they need. An edit analyses the bodies
-  /// that it is about; where it switches an effect, or whom others may meet, all bodies.
+  /// Number of analyses of single bodies so far, each for the effects that the body needs. An edit analyses
+  /// the bodies that it changes. It analyses all bodies where it switches an effect, changes which bodies can
+  /// collide, or wakes sleeping bodies.
   std::uint64_t bodiesAnalysed() const;
-  const SceneDef& scene() const;  ///< settings as they are now; `bodies` is empty
+  const SceneDef& scene() const;  ///< settings as they are now; `bodies` is empty. Valid as long as the world
   /// The scene as it is now, bodies and velocities included. A frozen body is static in it. Wrenches, grabs
-  /// and holds are left out.
+  /// and holds are left out. Cost: a copy of n definitions.
   SceneDef capture() const;
-  SavedState captureState() const;                                     ///< the rest of a saved state
-  std::shared_ptr<const std::vector<BodyDescription>> bodies() const;  ///< in canonical order; never null
-  /// The world as it is now, all but what a Simulator adds. It copies the states of all bodies.
+  /// The rest of a saved state, which capture() leaves out. Cost: n bodies and all contact points.
+  SavedState captureState() const;
+  /// The descriptions of all bodies in canonical order; never null. Cost: a copied pointer, or n descriptions
+  /// after an edit that changed one.
+  std::shared_ptr<const std::vector<BodyDescription>> bodies() const;
+  /// The world as it is now, all but what a Simulator adds. Cost: n states, all contact points, and the costs
+  /// of bodies(), pipeline(), totals() and stateHash().
   Snapshot snapshot() const;
-  std::vector<StageInfo> pipeline() const;  ///< which stages run, and why
+  /// The stages of the step in their order: whether each runs, why, and the wall time and the items of the
+  /// last step. Cost: a few dozen texts, and a count of n bodies and all contacts.
+  std::vector<StageInfo> pipeline() const;
   /// Hash of what decides the next steps: bodies, contact forces, wrenches, grabs, holds, sleep, settings,
-  /// seed and time. Equal worlds have equal hashes.
+  /// seed and time. Equal worlds have equal hashes. Cost: n bodies and all contact points.
   std::uint64_t stateHash() const;
-  Totals totals() const;  ///< energy and momentum, computed from all bodies
+  /// Energy (J) and momentum (in W) of the dynamic bodies, computed anew by each call. Cost: n bodies.
+  Totals totals() const;
 
   struct Impl;  ///< private
 
