@@ -58,12 +58,12 @@ def needless(result):
                     and b['cpu_seconds'] < 0.8 * a['cpu_seconds']:
                 names.append(p['name'])
         if names:
-            lines.append(f'- `{high}` is both cheaper and more exact than `{low}` on {", ".join(names)}.')
+            lines.append(f'- `{high}` is both cheaper and more accurate than `{low}` on {", ".join(names)}.')
     return lines
 
 
 def sweeps(result):
-    """Errors at 1/60 s of our settings with a number behind their name changed, on the problems where that matters."""
+    """Errors at 1/60 s of our quality levels with one number changed, on the problems where that matters."""
     engines = [e for e in result['catalogue']['engines'] if e['engine'] == 'ours']
     lines = []
     for preset in SETTINGS:
@@ -99,10 +99,10 @@ def losses(result):
         own = [loss for loss in result['derived'][problem['name']]['losses']]
         if not own:
             continue
-        # Of a front that is dearer all along, the ends tell the story.
-        told = [own[0]] + ([own[-1]] if len(own) > 1 else [])
+        # Where the whole front is more expensive, its two ends are listed.
+        ends = [own[0]] + ([own[-1]] if len(own) > 1 else [])
         words = []
-        for loss in told:
+        for loss in ends:
             what = f'{loss["error"]:.2g} in {seconds(loss["cpu_seconds"])}'
             ours = 'ours does not get there'
             if loss['ratio'] is not None:
@@ -121,19 +121,19 @@ def page(result):
     engines = [(e['engine'], e['setting']) for e in result['catalogue']['engines'] if not e['base']]
     machine, build = result['machine'], result['build']
     lines = [
-        '<!-- SPDX-License-Identifier: BSD-3-Clause -->', '# What accuracy costs', '',
+        '<!-- SPDX-License-Identifier: BSD-3-Clause -->', '# The cost of accuracy', '',
         f'Written by `scripts/accuracy_report{" --quick" if result["quick"] else ""} --passes {result["passes"]}` on {result["begun"][:10]}; '
         'do not edit it by hand.', '',
-        'Errors are dimensionless: 1e-3 of a way of 10 m is 1 cm. Every problem has an answer that is known, and all '
-        'engines get the same scene.', '']
+        'Errors are dimensionless: 1e-3 of a distance of 10 m is 1 cm. Every problem has a known answer, and all '
+        'engines run the same scene.', '']
     lines += ['## Where another engine is ahead', '',
-              'An engine is ahead where one of its points reaches an error in less time than any of ours, whatever the '
-              'setting and the step. Named are the cheapest and the most exact point of each problem where that is so; '
-              'below 1e-12 all count as equally right. ' + noise(result), '']
+              'An engine is ahead where one of its points reaches an error in less time than any of ours, at any settings '
+              'and any step. The list has the cheapest and the most accurate such point of each problem. Errors below '
+              '1e-12 count as equal. ' + noise(result), '']
     lines += losses(result) or ['Nowhere in this run.']
 
-    lines += ['', '## Which setting do I need?', '',
-              'The error with a step of 1/60 s, which is the default, and after it the CPU time of a step. × is a '
+    lines += ['', '## Which solver settings do I need?', '',
+              'The table has the error with a step of 1/60 s, which is the default, and the CPU time of a step. × is a '
               'failure, or an answer wrong by its own size.', '']
     rows = []
     for p in problems:
@@ -144,15 +144,15 @@ def page(result):
             cells.append(error_text(row) + cost)
         rows.append([f'[{p["name"]}](#{p["name"]})'] + cells)
     lines += table(['problem'] + list(SETTINGS), rows)
-    lines += ['', 'Flights, spins and bouncing balls are in closed form at every setting, so the dial only matters '
-              'where bodies rest, slide or roll on each other.', ''] + needless(result)
+    lines += ['', 'Free flight, free rotation and bouncing balls are in closed form at every setting. So the settings only '
+              'matter where bodies rest, slide or roll on each other.', ''] + needless(result)
     swept = sweeps(result)
     if swept:
-        lines += ['', '## What sub-steps and tolerance buy', '',
-                  'The numbers behind the names changed one at a time, at 1/60 s: error, and CPU time of a step. Left out are '
-                  'problems on which it changes nothing.', ''] + swept
+        lines += ['', '## The effect of sub-steps and tolerance', '',
+                  'The numbers of a quality level are changed one at a time, at 1/60 s: error, and CPU time of a step. '
+                  'Problems on which that changes nothing are left out.', ''] + swept
 
-    lines += ['', '## The others at 1/60 s', '', 'The error with a step of 1/60 s.', '']
+    lines += ['', '## Other engines at 1/60 s', '', 'The error with a step of 1/60 s.', '']
     others = [e for e in engines if e[0] != 'ours']
     if others:
         lines += table(['problem'] + [' '.join(e) for e in others],
@@ -161,16 +161,16 @@ def page(result):
         lines += ['No other engine was built in.']
 
     lines += ['', '## Problem by problem', '',
-              'Charts: error against CPU time of the whole run, a point for each step size; triangles are settings of ours '
-              'with other sub-steps or another tolerance; the thick line is the '
-              'Pareto front, the points that none beats on both. Tables: the CPU time of the cheapest step that reaches an '
-              'error; the order, which is the slope of the error against the step (none: errors of rounding, or too few '
-              'points; negative: the error grows as steps shrink); '
-              'and by how much the time grows for one digit more, along the front of that setting.', '']
+              'Charts show the error against the CPU time of the whole run, with a point for each step size. Triangles are our '
+              'settings with other sub-steps or another tolerance. The thick line is the Pareto front: no other point is '
+              'better in both error and time. Tables have the CPU time of the cheapest step that reaches an error. The '
+              'order is the slope of the error against the step (none: errors of rounding, or too few points; negative: '
+              'the error grows as steps shrink). "One digit more" is the factor by which the time grows for one more '
+              'digit, along the front of that setting.', '']
     for p in problems:
         derived = result['derived'][p['name']]['settings']
         lines += [f'### {p["name"]}', '', p['sentence'], '',
-                  f'Compared with {"the exact motion" if p["against"] == "exact" else "what must stay the same"}. '
+                  f'Compared with {"the exact motion" if p["against"] == "exact" else "an invariant"}. '
                   f'Error: {p["measure"]}.', '', f'![{p["name"]}](pictures/accuracy/{p["name"]}.svg)', '']
         rows = []
         for engine, setting in engines:
@@ -190,9 +190,9 @@ def page(result):
         f'- Machine: {machine["cpu"]}, {machine["cores"]} cores, {machine["system"]}. Built with GCC '
         f'{build["compiler"]}, `{build["flags"]}`. Seed {result["seed"]}.',
         f'- Every measurement was made in {result["passes"]} pass(es), each in a shuffled order of its own, so that '
-        'a noisy moment falls on no engine alone. The error comes from a run of its own; the time from another that logs '
-        'nothing: the CPU time of its thread, the least of all repetitions.',
-        '- An error that differs between two passes counts as a failure, and is shown as "not repeatable".',
+        'a noisy moment hits no engine alone. The error comes from a run of its own. The time comes from another run that '
+        'logs nothing: the CPU time of its thread, the least of all repetitions.',
+        '- An error that differs between two passes counts as a failure, "not repeatable".',
         f'- A run that takes over {result["max_seconds"]:g} s of CPU time is "too slow".',
         '- No body sleeps in any engine. Friction of a pair is the geometric mean and restitution the larger of the '
         'two, everywhere.',
@@ -205,13 +205,13 @@ def page(result):
                   ('; in a quick run at every fourth step size' if result['quick'] else '')]
     lines += ['- Steps are the same for all engines: ' + ', '.join(
         step_text(step) for step in max((p['steps'] for p in result['catalogue']['problems']), key=len)) +
-              '; without the last where a problem is dear' +
+              '; without the last where a problem is expensive' +
               ('. This quick run took every other of them.' if result['quick'] else '.')]
-    lines += ['- "Not supported" is what an engine does not offer: air resistance that grows with the square of the '
-              'speed, and a coefficient of restitution in MuJoCo.',
-              '- The stacks are judged by how far boxes sink, not by the forces between them, which the engines do not '
-              'give alike.', '',
-              'The same by hand, for one problem:', '',
+    lines += ['- "Not supported": the engine does not offer the effect. That is air resistance that grows with the square '
+              'of the speed, and a coefficient of restitution in MuJoCo.',
+              '- Stacks are judged by the distance that boxes sink, and not by contact forces, which the engines report '
+              'in different ways.', '',
+              'To measure one problem by hand:', '',
               '```bash', 'rosrun rigid_body_sim rigid_body_sim_accuracy accuracy --problems sliding_stop', '```', '']
     return '\n'.join(lines)
 

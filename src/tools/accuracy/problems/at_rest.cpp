@@ -14,7 +14,7 @@ Problem atRest(const std::string& name, const std::string& sentence, const std::
   p.name = name;
   p.sentence = sentence;
   p.against = "exact";
-  p.measure = "largest distance that a box moved, as a share of its edge";
+  p.measure = "largest distance that a box moved, as a fraction of its edge";
   p.duration = 2.0;
   p.steps.pop_back();  // for the sake of time
   std::vector<BodyDef> bodies{floor(0.5)};

@@ -22,7 +22,7 @@ Problem bouncing(const std::string& name, const std::string& sentence, double e,
   p.name = name;
   p.sentence = sentence;
   p.against = "exact";
-  p.measure = "distance from the exact place, as a share of the height of the drop";
+  p.measure = "position error as a fraction of the height of the drop";
   p.duration = duration;
   p.task.scene =
       scene({floor(0, e), body(Sphere{radius}, 1.0, Vec3(0, 0, radius + drop), Vec3::Zero(), 0, e)});

@@ -41,7 +41,7 @@ Problem elasticChain() {
   p.sentence = "A ball runs into four of other masses on a line, elastic; where are they after 3 s?";
   p.against = "exact";
   p.measure =
-      "largest distance of a ball from its exact place, as a share of what the first would have run alone";
+      "largest position error of a ball as a fraction of the distance that the first would travel alone";
   p.duration = 3.0;
   std::vector<BodyDef> balls;
   for (int k = 0; k < 5; ++k)

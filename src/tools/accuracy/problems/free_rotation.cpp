@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Free tops of three different moments: no torque, so Euler's equations I w' = I w x w hold in the body's
-// frame, and the attitude follows q' = q w / 2.
+// frame, and the orientation follows q' = q w / 2.
 //
 // Both right sides are quadratic, so the Taylor coefficients of a product are a convolution of those of its
 // factors, and those of the solution follow one from another. With 24 of them, in long double and with a step
@@ -50,7 +50,7 @@ Top advanced(const Top& top, const std::array<Real, 3>& I, Real h) {
   return {{sum(w[0]), sum(w[1]), sum(w[2])}, {sum(q[0]), sum(q[1]), sum(q[2]), sum(q[3])}};
 }
 
-Quat exactAttitude(const Vec3& spin, const Vec3& moments, double time) {
+Quat exactOrientation(const Vec3& spin, const Vec3& moments, double time) {
   const std::array<Real, 3> I{moments.x(), moments.y(), moments.z()};
   Top top{{spin.x(), spin.y(), spin.z()}, {0, 0, 0, 1}};
   const int steps = static_cast<int>(std::ceil(time * spin.norm() / 0.1));
@@ -67,13 +67,13 @@ Problem freeRotation(const std::string& name, const std::string& sentence, const
   p.name = name;
   p.sentence = sentence;
   p.against = "exact";
-  p.measure = "angle between the attitudes at the end, rad";
+  p.measure = "angle between the orientations at the end, rad";
   p.duration = duration;
   BodyDef top = body(box, 1.0, Vec3::Zero());
   top.twist.w_WB = spin;
   p.task.scene = scene({top}, Vec3::Zero());
   p.error = [=](double t, const std::vector<Motion>& m) {
-    const Quat turn = exactAttitude(spin, momentsPerMass(box), t).conjugate() * m[0].pose.q_WB;
+    const Quat turn = exactOrientation(spin, momentsPerMass(box), t).conjugate() * m[0].pose.q_WB;
     return 2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
   };
   return p;
@@ -82,10 +82,10 @@ Problem freeRotation(const std::string& name, const std::string& sentence, const
 const RegisterProblem flipping(
     freeRotation("dzhanibekov",
                  "A box spins about its middle axis and flips over and over, for 10 s; "
-                 "which way does it look?",
+                 "what is its orientation?",
                  Vec3(0.01, 10, 0.01), 10.0));
 const RegisterProblem tumbling(freeRotation("slow_tumble",
-                                            "A box tumbles slowly for 5 s; which way does it look?",
+                                            "A box tumbles slowly for 5 s; what is its orientation?",
                                             Vec3(1, 2, 3), 5.0));
 
 }  // namespace

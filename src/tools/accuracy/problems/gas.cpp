@@ -46,7 +46,7 @@ Problem gas() {
   p.name = "gas";
   p.sentence = "27 elastic balls fly about in a box for 5 s; is their energy kept?";
   p.against = "invariant";
-  p.measure = "largest change of the energy, as a share of it";
+  p.measure = "largest change of the energy as a fraction of it";
   p.duration = 5.0;
   p.whole_run = true;
   p.steps.pop_back();  // for the sake of time

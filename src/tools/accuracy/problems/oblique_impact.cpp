@@ -32,8 +32,9 @@ Problem obliqueImpact() {
       "s?";
   p.against = "exact";
   p.measure =
-      "largest of: distance from the exact place as a share of the way; R times the error of the spin as a "
-      "share of the speed";
+      "largest of: position error as a fraction of the distance; R times the error of the angular velocity "
+      "as a "
+      "fraction of the speed";
   p.duration = 1.0;
   p.task.scene = scene(bodies, Vec3::Zero());
   p.error = [](double t, const std::vector<Motion>& m) {

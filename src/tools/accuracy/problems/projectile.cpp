@@ -11,7 +11,7 @@ Problem projectile() {
   p.name = "projectile";
   p.sentence = "A ball is thrown and flies for 2 s; where is it?";
   p.against = "exact";
-  p.measure = "distance from the exact place, as a share of g t²/2";
+  p.measure = "position error as a fraction of g t²/2";
   p.duration = 2.0;
   p.task.scene = scene({body(Sphere{0.1}, 1.0, start, thrown)});
   p.error = [=](double t, const std::vector<Motion>& m) {

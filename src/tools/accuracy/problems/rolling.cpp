@@ -22,11 +22,13 @@ Problem slidingToRolling() {
   const double rolls = 2 * v / (7 * mu * kGravity);
   Problem p;
   p.name = "sliding_to_rolling";
-  p.sentence = "A ball is thrown along a floor at 10 m/s without spin; where does it roll after 3 s?";
+  p.sentence =
+      "A ball is thrown along a floor at 10 m/s without angular velocity; where does it roll after 3 s?";
   p.against = "exact";
   p.measure =
-      "the larger of: distance from the exact place as a share of the way; R times the error of the spin "
-      "as a share of 10 m/s";
+      "the larger of: position error as a fraction of the distance; R times the error of the angular "
+      "velocity "
+      "as a fraction of 10 m/s";
   p.duration = 3.0;
   p.task.scene = scene({floor(mu), body(Sphere{R}, 1.0, Vec3(0, 0, R), Vec3(v, 0, 0), mu)});
   p.error = [=](double t, const std::vector<Motion>& m) {
@@ -59,7 +61,7 @@ Problem rollingOblique() {
       "A plate with 25 balls on it is pulled over a floor, 60 degrees off its edges; where are they after 2 "
       "s?";
   p.against = "exact";
-  p.measure = "largest distance of a body from its exact place, as a share of the way of the plate";
+  p.measure = "largest position error of a body as a fraction of the distance of the plate";
   p.duration = 2.0;
   p.steps.pop_back();  // for the sake of time
   p.task = {scene(bodies), {{1, F * direction}}};

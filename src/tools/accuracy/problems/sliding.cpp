@@ -34,7 +34,7 @@ Problem slidingStop() {
   p.sentence =
       "A box slides at 5 m/s, 20 degrees off its edges, until friction stops it; where does it stop?";
   p.against = "exact";
-  p.measure = "distance from the exact place, as a share of the way";
+  p.measure = "position error as a fraction of the distance";
   p.duration = 1.6;
   p.task = boxOnFloor(mu, v * direction, Vec3(0, 0, -kGravity));
   p.error = [=](double t, const std::vector<Motion>& m) {
@@ -52,7 +52,7 @@ Problem slopeSlip() {
   p.name = "slope_slip";
   p.sentence = "A box is let go on a slope of 35 degrees with mu = 0.5; how far does it slide in 2 s?";
   p.against = "exact";
-  p.measure = "distance from the exact place, as a share of the way";
+  p.measure = "position error as a fraction of the distance";
   p.duration = 2.0;
   p.task = boxOnFloor(mu, Vec3::Zero(), g);
   p.error = [=](double t, const std::vector<Motion>& m) {
@@ -65,9 +65,9 @@ Problem slopeSlip() {
 Problem slopeStick() {
   Problem p;
   p.name = "slope_stick";
-  p.sentence = "A box lies on a slope of 20 degrees with mu = 0.5, which holds it; does it stay for 5 s?";
+  p.sentence = "A box lies on a slope of 20 degrees with mu = 0.5, so that it sticks; does it stay for 5 s?";
   p.against = "exact";
-  p.measure = "distance that it moved, as a share of its edge";
+  p.measure = "distance that it moved, as a fraction of its edge";
   p.duration = 5.0;
   p.task = boxOnFloor(0.5, Vec3::Zero(), tilted(20));
   p.error = [](double, const std::vector<Motion>& m) { return distanceFrom(Vec3::Zero(), m[1]) / kSize.x(); };

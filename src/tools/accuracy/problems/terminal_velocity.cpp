@@ -15,7 +15,7 @@ Problem terminalVelocity() {
   p.name = "terminal_velocity";
   p.sentence = "A light ball falls through air for 5 s, towards its terminal velocity; how far?";
   p.against = "exact";
-  p.measure = "distance from the exact place, as a share of the way";
+  p.measure = "position error as a fraction of the distance";
   p.duration = 5.0;
   p.task.scene = scene({body(Sphere{R}, mass, Vec3(0, 0, height))});
   p.task.scene.air = Air{rho};
