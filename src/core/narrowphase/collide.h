@@ -8,25 +8,25 @@
 
 namespace rbs {
 
-/// The manifold of A at X_WA and B at X_WB: the points whose gap is at most `margin` (m, >= 0).
-/// Overlaps of any depth are reported. Coincident centres give a fixed, deterministic normal. Two
-/// planes never meet.
+/// The contact manifold of A at X_WA and B at X_WB: the points whose separation is at most `margin` (m, >=
+/// 0). Penetration of any depth is reported. Coincident centres give a fixed, deterministic normal. Two
+/// planes have no contact points.
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
 
-/// Gap between A and B, with the points of their surfaces that span it: p_WB - p_WA = distance n_W up to
+/// Signed distance of A and B, with the closest points of their surfaces: p_WB - p_WA = distance n_W up to
 /// rounding. Where there are several such pairs of points, one of them.
 struct Gap {
-  double distance;  ///< m; negative: depth of the overlap. Infinite for two planes
+  double distance;  ///< separation, m; negative: penetration depth. Infinite for two planes
   Vec3 n_W;         ///< unit, from A to B
   Vec3 p_WA, p_WB;  ///< of A and of B, m; zero for two planes
 };
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 
-/// Likewise, where the same pair is asked for again and again: `kept`, empty at first, is where the last
-/// search ended, which shortens the next one. The poses may change as they like, the shapes may not.
+/// The gap of a pair that is queried repeatedly. `kept` is the last simplex of the search, empty at first.
+/// The next search starts from it, which shortens it. The poses may change in any way, the shapes may not.
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Simplex& kept);
 
-/// Whether the gap is at most `margin` (m, >= 0): sooner known than the gap.
+/// Whether the gap is at most `margin` (m, >= 0). Cheaper than the gap.
 bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
 
 }  // namespace rbs

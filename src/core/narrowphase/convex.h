@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any two convex shapes, by GJK and EPA: what a new shape gets for a support function.
+// Gap, manifold and intersection of any two convex shapes with support functions, by GJK and EPA.
 #pragma once
 
 #include "narrowphase/collide.h"
@@ -19,29 +19,29 @@
 
 namespace rbs {
 
-/// The gap of two convex shapes and the points of their surfaces that span it.
+/// The gap of two convex shapes and their closest points.
 struct ConvexGap {
   double distance;
   Vec3 n_A;       ///< unit, from A to B, in A's frame
   Vec3 middle_A;  ///< midway between the two nearest (or deepest) points, in A's frame
 };
 
-// In closed form where there is one.
+// The closed form of a pair, where there is one.
 ConvexGap convexGap(const Sphere& a, const Capsule& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Sphere& a, const Cylinder& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Sphere& a, const Cone& b, const RelativePose& X_AB);
 ConvexGap convexGap(const Capsule& a, const Capsule& b, const RelativePose& X_AB);
 
-/// The pairs that have none.
+/// The pairs without a closed form.
 template <class ShapeA, class ShapeB>
 inline constexpr bool kSearched =
     !std::is_same_v<ShapeB, Plane> &&
     !(std::is_same_v<ShapeA, Sphere> && !std::is_same_v<ShapeB, ConvexHull>)&&  //
     !(std::is_same_v<ShapeA, Capsule> && std::is_same_v<ShapeB, Capsule>);
 
-/// How a gap is searched for. Of one above `beyond` (m) no more comes out than a number between the two.
-/// `kept` is where the search ended for the same pair, placed nearly so (of size 0: nowhere yet), and then
-/// where this one did.
+/// Options of a search for a gap. Where the gap is above `beyond` (m), the result is only some number between
+/// the two. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
+/// and then that of this search.
 struct Search {
   double beyond = std::numeric_limits<double>::infinity();
   Simplex* kept = nullptr;
@@ -90,7 +90,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
       if (upper < depth.upper) depth.n = distance.n, depth.upper = upper;
     }
     gap.n_A = depth.n;
-    // The bounds may cross by rounding: the lower one, which is proved, then holds.
+    // The bounds may cross by rounding. The lower bound, which is proved, then counts.
     gap.distance =
         distance.overlap ? -depth.upper : std::max(distance.lower, std::min(-depth.upper, distance.upper));
     on_a = depth.a, on_b = depth.b;
@@ -109,7 +109,7 @@ RelativePose relativePose(const Pose& X_WA, const Pose& X_WB) {
     return RelativePose(X_WA, X_WB);
 }
 
-/// An order of poses that knows nothing of which shape is called A.
+/// An order of poses that does not depend on which shape is called A.
 inline bool comesBefore(const Pose& x, const Pose& y) {
   const auto coordinates = [](const Pose& pose) {
     const Vec3& p = pose.p_WB;
@@ -119,9 +119,9 @@ inline bool comesBefore(const Pose& x, const Pose& y) {
   return coordinates(x) < coordinates(y);
 }
 
-/// Two shapes of one kind are measured in the order of their poses, so that the gap is the same number
-/// whichever of them is A; but where a search is kept, in the order in which they come, since poses change.
-/// For two kinds the order of the kinds does that (collide.cpp).
+/// Two shapes of one kind are measured in the order of their poses, so that the gap does not depend on which
+/// of them is A. Where a simplex is kept, they are measured in the given order, because poses change. For two
+/// kinds the order of the kinds decides (collide.cpp).
 template <class ShapeA, class ShapeB>
 ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB,
                     const Search& search = {}) {
@@ -142,7 +142,7 @@ ConvexGap convexGap(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Po
   return measure(a, b, relativePose<ShapeA, ShapeB>(X_WA, X_WB));
 }
 
-/// The gap whose points lie half of it to either side of `middle_W`.
+/// The gap whose closest points lie half of it to either side of `middle_W`.
 inline Gap spanAbout(const Vec3& middle_W, double distance, const Vec3& n_W) {
   return {distance, n_W, middle_W - 0.5 * distance * n_W, middle_W + 0.5 * distance * n_W};
 }
@@ -173,13 +173,13 @@ Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const
   return manifold;
 }
 
-// What two kinds of shapes get that have no method of their own.
+// The methods for two kinds of shapes without a method of their own.
 template <class ShapeA, class ShapeB>
 Gap gapPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, const Search& search = {}) {
   return gapConvex(a, X_WA, b, X_WB, search);
 }
-/// Whether the gap is at most `margin`: a point of A - B, or a plane beside it, that is near enough or far
-/// enough, ends the search. What they leave open, the gap decides.
+/// Whether the gap is at most `margin`. A point of A - B that is near enough, or a separating plane that is
+/// far enough, ends the search. Where both leave it open, the gap decides.
 template <class ShapeA, class ShapeB>
 bool withinPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
   if constexpr (kSearched<ShapeA, ShapeB>) {

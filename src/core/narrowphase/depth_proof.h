@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Why no direction near one that was finished is shallower than a depth U: what lets EPA stop at a round
-// surface without covering it with chords.
+// Proof that no direction near a refined one is shallower than a depth U. It lets EPA stop at a round surface
+// without covering it with chords.
 //
 // Let h(n) be the largest n.w over the points w of A - B, and n a direction along which features of A - B lie
 // at H = h(n), H >= U, with points w_j on them. Where A is a solid of revolution about u, w_j lies on a

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The flat piece of a convex shape's surface that faces a direction: what can lie on another shape.
+// The facet of a convex shape that faces a direction: the flat piece of its surface that can lie on another
+// shape.
 #pragma once
 
 #include "narrowphase/support.h"
@@ -11,13 +12,13 @@ namespace rbs {
 
 /// A corner, the two ends of an edge, or a polygon, anticlockwise seen from outside.
 struct Facet {
-  /// A face of a hull with more corners is stood for by this many, spread evenly.
+  /// A face of a hull with more corners is represented by this many, spread evenly.
   static constexpr int kCorners = 16;
 
   int size = 0;
   std::array<Vec3, kCorners> corners;
   std::array<std::uint32_t, kCorners>
-      ids;  ///< of the corners, below 65,536: the same in every facet of the shape
+      ids;  ///< numbers of the corners, below 65,536; a corner has one number in all facets of the shape
 
   void add(const Vec3& corner, std::uint32_t id) { corners[size] = corner, ids[size++] = id; }
 };

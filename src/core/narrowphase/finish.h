@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The last digits of the direction in which two shapes are nearest, where one of them is round.
+// Refines the direction of the closest points of two shapes to its last digits, where one shape is round.
 //
-// GJK and EPA approach a rim by chords, and know a direction only to the square root of what they know of the
-// gap. But they soon know which features meet, and then the direction is the root of a smooth equation. With
+// GJK and EPA approach a rim by chords: the error of the direction is the square root of that of the gap. But
+// they soon find the features that are closest, and then the direction is the root of a smooth equation. With
 // a and b the points of the features of A and B farthest towards each other along a unit vector n, from A to
 // B,
 //   s(n) = n.(b - a)
@@ -14,8 +14,8 @@
 // point. So n has two, one or no degrees of freedom, and Newton's method finds s'(n) = 0 on the sphere or on
 // the circle:
 //   s''(t, t) = t'(db/dn - da/dn) t - s   (on the circle, with t = u x n: ... - (b - a).(n - c u)).
-// It works on either side of contact, with no loss of digits as the gap vanishes. What comes out is only a
-// direction, a better one to ask the support functions for: these prove what it is worth.
+// It works on either side of contact, with no loss of digits as the gap vanishes. The result is only a better
+// direction for the support functions, which prove its quality.
 #pragma once
 
 #include "narrowphase/gjk.h"
@@ -25,8 +25,8 @@
 
 namespace rbs {
 
-/// What of one shape may be nearest to the other: up to three points or circles about one axis, of which the
-/// farthest points along n are the corners of a point, an edge or line, or a triangle; or a disc.
+/// The feature of a shape that may be closest to the other shape: up to three points or circles about one
+/// axis, whose farthest points along n are the corners of a point, an edge or line, or a triangle; or a disc.
 struct Feature {
   Vec3 axis = Vec3::UnitZ();
   int size = 0;
@@ -53,12 +53,12 @@ struct Meeting {
   std::array<Belt, 4> belts{};
 };
 
-/// The unit direction near n that is sought for two features (both in one frame, their normals outward); n
-/// itself if none is found.
+/// The refined unit direction near n for two features (both in one frame, their normals outward); n itself
+/// where none is found.
 Meeting meetingOf(const Feature& a, const Feature& b, const Vec3& n, Seek seek);
 
-/// The features of a core that meet something in the direction d, judged by d and by support points found
-/// nearby, all in the core's frame. At most two, of which the first is the likelier.
+/// The features of a core that may be closest to another shape in the direction d, judged by d and by support
+/// points found nearby, all in the core's frame. At most two; the first is the likelier one.
 struct Features {
   int size = 0;
   std::array<Feature, 2> of;
@@ -77,7 +77,7 @@ Features featuresAt(const Flat& /*core*/, const Vec3& d, const Vec3* points, int
 template <class Core>
 inline constexpr bool isRound = std::is_same_v<Core, CylinderCore> || std::is_same_v<Core, ConeCore>;
 
-/// Finishes directions of the difference of two cores.
+/// Refines directions of the difference of two cores.
 template <class CoreA, class CoreB>
 class Finish {
  public:
@@ -108,7 +108,7 @@ class Finish {
           if (best.size == 0) best = found, corners_B = own_corners;
           continue;
         }
-        // One that was not found, or lies elsewhere, would win a tie by rounding.
+        // A direction that was not found, or whose contact lies elsewhere, would win a tie by rounding.
         const double along =
             of_a.size * of_b.size == 1 ? 0.0 : separation(found.n) - (found.elsewhere ? rounding() : 0.0);
         if ((i == 0 && j == 0) || along > most) most = along, best = found, corners_B = own_corners;
@@ -121,7 +121,7 @@ class Finish {
     if (isRound<CoreA>) finished.axis_a = Vec3::UnitZ();
     if (isRound<CoreB>) finished.axis_b = X_AB_.R_AB.col(2);
     for (int k = 0; k < best.size; ++k) {
-      // A corner is to be known again, to the last bit.
+      // A corner must be recognised, to the last bit.
       const int corner = best.corner_b[k];
       const Vec3 b_B =
           corner < 0 ? Vec3(X_AB_.R_AB.transpose() * (best.on_b[k] - X_AB_.p_AB)) : corners_B[corner];
@@ -131,7 +131,7 @@ class Finish {
   }
 
  private:
-  // What lies between corners is no corner, however near to one it is.
+  // A point between corners is no corner, however near to one it is.
   template <class Core>
   static Features featuresNear(const Core& core, const Vec3& d, Vec3 SupportPoint::*own,
                                const SupportPoint* points, int size) {

@@ -20,14 +20,14 @@ namespace rbs {
 
 struct GjkResult {
   Vec3 v = Vec3::Zero();  ///< nearest point of A - B to the origin: witness of A minus witness of B
-  double upper = 0.0;     ///< |v|: the distance, at most
+  double upper = 0.0;     ///< |v|: upper bound of the distance
   double lower =
-      -std::numeric_limits<double>::infinity();  ///< the distance, at least; 0 where the sets overlap
-  Vec3 n = Vec3::Zero();  ///< unit, from A to B: that of v, or another that proves more; 0 if there is none
+      -std::numeric_limits<double>::infinity();  ///< lower bound of the distance; 0 where the sets overlap
+  Vec3 n = Vec3::Zero();  ///< unit, from A to B: that of v, or another with a better lower bound; 0: none
   bool finished = false;  ///< n proves `lower`: it is the direction of features, known to rounding
-  bool enough = false;    ///< the search ended since no more was asked for; then n is not set
-  bool overlap = false;   ///< the origin is inside A - B, or nearer than rounding can tell
-  double scale = 0.0;     ///< largest coordinate met, m: the unit of rounding
+  bool enough = false;    ///< the search ended because the required bound was reached; n is not set then
+  bool overlap = false;   ///< the origin is inside A - B, or nearer than rounding can resolve
+  double scale = 0.0;     ///< largest coordinate, m: the unit of rounding
   int iterations = 0;     ///< kGjkIterations when it was cut off; the interval still holds
   Simplex simplex;        ///< last simplex, with the weights of v
 };
@@ -43,7 +43,7 @@ struct Belt {
   double height = -std::numeric_limits<double>::infinity(), reach = 0.0;
 };
 
-/// What finishing a direction gives: the direction (unit, from A to B), points of A - B that span what is
+/// Result of refining a direction: the direction (unit, from A to B), points of A - B that span what is
 /// nearest along it, none where that is not known, and the axis through the origin of each shape's frame
 /// about which it is a solid of revolution (unit, in A's frame), 0 where it is none. Where a flat round side
 /// is nearest, `nearest` is one point and the disc of the radius `margin` about it lies in that side.
@@ -52,14 +52,15 @@ struct Finished {
   Simplex nearest;
   double margin = 0.0;
   Vec3 axis_a = Vec3::Zero(), axis_b = Vec3::Zero();
-  std::array<Belt, 4> belts{};  ///< of the circle that n is pinned to, where such a direction was sought
+  std::array<Belt, 4>
+      belts{};  ///< of the circle that n is pinned to, where such a direction was searched for
 };
 
 /// Where to look for a direction: where the separation is stationary, or at the nearest one among those to
 /// which an edge or a line on the side of one of the shapes pins it.
 enum class Seek { Stationary, PinnedByA, PinnedByB };
 
-/// For sets whose features nobody knows.
+/// For sets with unknown features.
 struct NoFinish {
   static constexpr bool kRound = false;
   Finished operator()(const Vec3& n, const SupportPoint* /*points*/, int /*size*/) const {
@@ -67,17 +68,17 @@ struct NoFinish {
   }
 };
 
-/// How much of the distance is asked for, m: no more than that it is above `beyond`, or at most `within`.
-/// With the defaults, all of it.
+/// Required result, m: the search ends once the distance is known to be above `beyond` or at most `within`.
+/// With the defaults the distance is computed.
 struct Enough {
   double beyond = std::numeric_limits<double>::infinity();
   double within = -std::numeric_limits<double>::infinity();
 };
 
 /// `support(d)` gives the SupportPoint of A - B farthest along d; `start` holds 1 to 4 points of A - B: any
-/// will do, and those that an earlier call on nearly the same pair ended with save most of the work. `finish`
-/// turns a direction into a better one nearby (finish.h); such a direction is taken where it proves more.
-/// Round sets need it all along, others only where the last v does not prove its length.
+/// do, and the last simplex of an earlier call at nearby poses saves most of the work. `finish` refines a
+/// direction (finish.h); the refined direction is used where its lower bound is better. Round sets need it
+/// throughout, other sets only where the last v does not prove its length.
 template <class Support, class Finish = NoFinish>
 GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish = {},
               const Enough& enough = {}) {
@@ -85,7 +86,7 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
   // The features are known when the interval is this small a fraction of the size, or of the distance.
   constexpr double kFeatures = 0.02;
   int stalls = 0;
-  bool trusted = true;  // the last finished direction led on
+  bool trusted = true;  // the last refined direction made progress
   double along = -std::numeric_limits<double>::infinity();
   double proved = -std::numeric_limits<double>::infinity();  // by best_v
   Vec3 best_v = Vec3::Zero();
@@ -158,8 +159,8 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     const double length = v.norm();
     trusted = known || length < result.upper;
     if (!trusted) continue;
-    // A step may leave v in place and still turn it, so that the next one gets on. One that rounding throws
-    // back is not taken.
+    // A step may leave v in place and still turn it, so that the next one makes progress. A step that
+    // rounding reverses is not taken.
     if (simplex.size < 4 && !(length < result.upper) &&
         ((!gained && ++stalls > kStalls) || length > result.upper + rounding))
       break;
@@ -199,16 +200,16 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     }
     // A direction that does not prove the distance is not that of the nearest features.
     if (result.upper - result.lower > unproved) result.finished = false;
-    // Where several points are nearest but for rounding, the last v may be wrong and an earlier one right.
+    // Where several points are nearest up to rounding, the last v may be wrong and an earlier one right.
     if (!result.finished) result.n = -(last ? result.v : best_v).normalized();
   }
-  // Sets that nothing proves apart overlap.
+  // Sets without a proof of separation overlap.
   if (!(result.lower > 0.0)) result.overlap = true;
   if (result.overlap) result.lower = 0.0;
   return result;
 }
 
-/// Likewise, from the point of A - B farthest from `centre`, which is any point well inside A - B.
+/// GJK that starts from the point of A - B farthest from `centre`, which is any point well inside A - B.
 template <class Support, class Finish = NoFinish>
 GjkResult gjk(const Support& support, const Vec3& centre, const Finish& finish = {},
               const Enough& enough = {}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any convex shape against a half-space: the heights of what it turns down to it.
+// Any convex shape against a half-space: the heights of its points that face the plane.
 #pragma once
 
 #include "narrowphase/collide.h"
@@ -21,8 +21,8 @@ Gap gapPair(const Convex& a, const Pose& X_WA, const Plane& /*b*/, const Pose& X
   return {height, -up_W, lowest_W, lowest_W - height * up_W};
 }
 
-// The points of a shape that may stand on a plane, of which d is the downward normal: the facet it turns
-// down; all corners of a box, whose flat sides may both be near.
+// The points of a shape that may stand on a plane with the downward normal d: the facet that faces it, or all
+// corners of a box, because two of its faces may be near.
 template <class Convex>
 Facet feet(const Convex& shape, const Vec3& d) {
   return facetTowards(shape, d);

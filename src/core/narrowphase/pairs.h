@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pairs of shapes with a method of their own: one manifold routine and one gap routine each. The other
-// pairs meet by the templates of convex.h; an overload here takes a pair away from these.
+// pairs use the templates of convex.h; an overload here replaces the template for a pair.
 #pragma once
 
 #include "narrowphase/collide.h"
@@ -20,7 +20,7 @@ Manifold collidePair(const Sphere& a, const Pose& X_WA, const Plane& b, const Po
 Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB);
 
 /// Up to eight points where one box's face clips the other's, or the one point of two crossing edges, or,
-/// for boxes that meet with neither, their nearest points. The normal is the separating axis on which the
+/// for boxes with neither, their closest points. The normal is the separating axis on which the
 /// boxes are farthest apart (or overlap least).
 Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
 Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, const Search& search);

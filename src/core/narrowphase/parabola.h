@@ -21,8 +21,8 @@ std::optional<double> firstFall(double q0, double q1, double q2);
 
 /// The first s in [0, horizon] at which the path comes within `radius` (m, > 0) of the box of these half
 /// extents (m, >= 0) about the origin, to rounding. A path that starts within `radius` + `margin` (`touches`)
-/// has to get free first and come back, or to turn round before it gets free and come nearer by more than
-/// `margin` (m, > 0). Within the box nothing is nearer than anything else.
+/// must first separate and come back, or turn round before it separates and come nearer by more than `margin`
+/// (m, > 0). All points within the box count as equally near.
 std::optional<double> firstWithin(double radius, const Vec3& half, const Parabola& path, bool touches,
                                   double margin, double horizon);
 

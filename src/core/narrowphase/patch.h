@@ -13,7 +13,7 @@ struct FacingFacets {
   double radius_a, radius_b;  ///< of the balls swept over the cores, m
   Vec3 n;                     ///< unit, from A to B
   Vec3 middle;                ///< midway between the nearest (or deepest) points
-  double distance;            ///< between these along n, m; negative is overlap
+  double distance;            ///< separation of these along n, m; negative is penetration
 };
 
 /// The corners of the patch that A's facet, seen along n, shares with B's, those whose gap along n is at most

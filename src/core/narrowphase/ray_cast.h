@@ -21,12 +21,12 @@ struct RayEntry {
 /// The entry of the ray from `origin_B` along the unit vector `d_B` into the shape; empty if it misses.
 std::optional<RayEntry> castRay(const Shape& shape, const Vec3& origin_B, const Vec3& d_B);
 
-/// Likewise for a core with a ball of some radius swept over it, by its support function alone: G. van den
-/// Bergen, "Ray casting against general convex objects with application to continuous collision detection",
-/// 2004. Every plane that bounds the shape and has the ray's tip in front of it lets the tip advance to it,
-/// never past the entry; the planes are those that GJK meets on its way from the tip to the core. With a core
-/// that is a point, a segment or a polytope a few planes lead onto the entry, exact to rounding; along a
-/// curved core it creeps, and loses a digit.
+/// The entry of the ray into a core with a ball of some radius swept over it, by its support function alone:
+/// G. van den Bergen, "Ray casting against general convex objects with application to continuous collision
+/// detection", 2004. Every plane that bounds the shape and has the ray's tip in front of it lets the tip
+/// advance to it, never past the entry. The planes are those that GJK finds on its way from the tip to the
+/// core. With a core that is a point, a segment or a polytope a few planes lead onto the entry, exact to
+/// rounding; along a curved core convergence is slow and loses a digit.
 template <class Core>
 std::optional<RayEntry> castRayOnSupport(const Core& core, double radius, const Vec3& origin_B,
                                          const Vec3& d_B) {

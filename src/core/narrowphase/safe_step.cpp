@@ -32,7 +32,7 @@ namespace rbs {
 
 namespace {
 
-bool isPlane(const Mover& x) {
+bool isPlane(const MovingShape& x) {
   return std::holds_alternative<Plane>(x.shape);
 }
 
@@ -42,7 +42,7 @@ struct Spin {
   double roll = 0.0;
 };
 
-Spin spinOf(const Mover& x) {
+Spin spinOf(const MovingShape& x) {
   if (std::holds_alternative<Sphere>(x.shape)) return {Vec3::Zero()};
   if (!traitsOf(x.shape).revolved) return {x.w_W};
   const Vec3 axis = x.R_WB.col(2);
@@ -59,7 +59,7 @@ double curvature(const Spin& spin, const Vec3& w_n, const Vec3& n) {
 }
 
 // The ball swept over the core of a shape. Of a plane, only the points below its origin are looked at.
-double roundingOf(const Mover& x) {
+double roundingOf(const MovingShape& x) {
   return std::visit(
       [](const auto& shape) {
         if constexpr (std::is_same_v<decltype(shape), const Plane&>)
@@ -70,7 +70,7 @@ double roundingOf(const Mover& x) {
       x.shape);
 }
 
-double coreExtent(const Mover& x) {
+double coreExtent(const MovingShape& x) {
   return isPlane(x) ? 0.0 : boundingRadius(x.shape) - roundingOf(x);
 }
 
@@ -79,7 +79,7 @@ struct Reach {
   double value = 0.0, slope = 0.0;
 };
 
-Reach reachAlong(const Mover& x, const Vec3& d, const Vec3& m) {
+Reach reachAlong(const MovingShape& x, const Vec3& d, const Vec3& m) {
   if (isPlane(x)) return {};
   const Vec3 d_B = x.R_WB.transpose() * d;
   const Vec3 farthest_B = std::visit(
@@ -94,7 +94,7 @@ Reach reachAlong(const Mover& x, const Vec3& d, const Vec3& m) {
 }
 
 // The reach along n of the solid that the body sweeps as it spins.
-double sweptReach(const Mover& x, const Vec3& n) {
+double sweptReach(const MovingShape& x, const Vec3& n) {
   const double rate = x.w_W.norm();
   if (rate == 0.0 || isPlane(x)) return reachAlong(x, n, Vec3::Zero()).value + roundingOf(x);
   const Vec3 axis_B = x.R_WB.transpose() * (x.w_W / rate);
@@ -127,7 +127,7 @@ double sweptReach(const Mover& x, const Vec3& n) {
 // The bound of second order.
 class ConcaveBound {
  public:
-  ConcaveBound(const Mover& a, const Mover& b, const Vec3& n, const Vec3& w_n, double horizon)
+  ConcaveBound(const MovingShape& a, const MovingShape& b, const Vec3& n, const Vec3& w_n, double horizon)
       : a_(a), b_(b), n_(n), horizon_(horizon) {
     const Spin spin_a = spinOf(a), spin_b = spinOf(b);
     m_a_ = n.cross(spin_a.w - w_n), m_b_ = n.cross(spin_b.w - w_n);
@@ -176,12 +176,12 @@ class ConcaveBound {
   }
 
  private:
-  const Mover &a_, &b_;
+  const MovingShape &a_, &b_;
   Vec3 n_, m_a_, m_b_;
   double horizon_, offset_, slope_, bend_;
 };
 
-Mover later(const Mover& x, double s) {
+MovingShape later(const MovingShape& x, double s) {
   return {x.shape,
           rotationBy(s * x.w_W).toRotationMatrix() * x.R_WB,
           x.p_W + s * (x.v_W + 0.5 * s * x.a_W),
@@ -192,8 +192,8 @@ Mover later(const Mover& x, double s) {
 
 }  // namespace
 
-double timeApart(const Mover& a0, const Mover& b0, const Vec3& n_W, const Vec3& turn_W, bool touches,
-                 const Levels& levels, double horizon) {
+double timeApart(const MovingShape& a0, const MovingShape& b0, const Vec3& n_W, const Vec3& turn_W,
+                 bool touches, const Levels& levels, double horizon) {
   // A direction is left where little of the separation is left: another one will be better by then.
   constexpr double kWorth = 1e-3;
   constexpr int kSteps = 1000;
@@ -201,7 +201,7 @@ double timeApart(const Mover& a0, const Mover& b0, const Vec3& n_W, const Vec3& 
                                           : std::numeric_limits<double>::infinity();
   double s = 0.0, closed = levels.closed;
   for (int k = 0; k < kSteps; ++k) {
-    const Mover a = later(a0, s), b = later(b0, s);
+    const MovingShape a = later(a0, s), b = later(b0, s);
     const Vec3 n = rotationBy(s * turn_W) * n_W;
     const ConcaveBound bound(a, b, n, turn_W, horizon - s);
     const Reach now = bound.at(0.0);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Support functions: the only thing GJK and EPA know of a shape.
+// Support functions: GJK and EPA use nothing else of a shape.
 //
 // A convex shape is a core (a point, a segment, a polytope, a cylinder, a cone) with a ball of some radius
-// swept over it. The core answers "which of your points is farthest along d?". A sphere is a point core with
-// its radius, so that GJK on cores is exact for it and EPA is needed only where the cores themselves overlap.
+// swept over it. The support function of the core returns its point farthest along d. A sphere is a point
+// core with its radius, so that GJK on cores is exact for it and EPA is needed only where the cores
+// themselves overlap.
 #pragma once
 
 #include "rigid_body_sim/shape.h"
@@ -98,7 +99,7 @@ double coreRadius(const Sharp& /*shape*/) {
   return 0.0;
 }
 
-/// B's frame seen from A's.
+/// Pose of B's frame in A's.
 struct RelativePose {
   Mat3 R_AB;
   Vec3 p_AB;
@@ -107,8 +108,8 @@ struct RelativePose {
       : R_AB((X_WA.q_WB.conjugate() * X_WB.q_WB).toRotationMatrix()),
         p_AB(X_WA.q_WB.conjugate() * (X_WB.p_WB - X_WA.p_WB)) {}
 
-  /// With the digits of R_AB that the product of the attitudes loses where they nearly agree: lines on round
-  /// sides that are nearly parallel cross where these say.
+  /// With the digits of R_AB that the product of the orientations loses where they nearly agree. These digits
+  /// decide where nearly parallel lines on round sides cross.
   static RelativePose withAllDigits(const Pose& X_WA, const Pose& X_WB) {
     RelativePose X_AB(X_WA, X_WB);
     using Real = long double;

@@ -29,7 +29,7 @@ constexpr int kAdvances = 10000;
 // The pair at one time.
 struct Scene {
   Pose X_WA, X_WB;
-  Mover a, b;
+  MovingShape a, b;
   Gap gap;
   double closed, touching;  // the gap of a pair that has closed, and of one that touches at `from`, m
 
@@ -50,7 +50,7 @@ struct Scene {
     touching = kTouching * length + rounding;
   }
 
-  static Mover mover(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
+  static MovingShape mover(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
     return {
         shape, pose.q_WB.toRotationMatrix(), pose.p_WB, motion.velocityAt(t), motion.a_W, motion.twist.w_WB};
   }
@@ -65,7 +65,7 @@ bool closes(double speed, double speeds, double push, double pushes) {
 
 // Whether any of the points that touch comes closer. A pair whose manifold is empty counts as closing.
 bool approaches(const Scene& scene) {
-  const Mover &a = scene.a, &b = scene.b;
+  const MovingShape &a = scene.a, &b = scene.b;
   const Manifold manifold = collide(a.shape, scene.X_WA, b.shape, scene.X_WB, scene.touching);
   const Vec3& n = manifold.n_W;
   for (int k = 0; k < manifold.size; ++k) {
@@ -85,7 +85,7 @@ bool approaches(const Scene& scene) {
 class Watch {
  public:
   explicit Watch(const Scene& scene) : n_(scene.gap.n_W) {
-    for (const Mover* x : {&scene.a, &scene.b})
+    for (const MovingShape* x : {&scene.a, &scene.b})
       if (std::holds_alternative<Plane>(x->shape)) plane_ = true, turn_ = x->w_W;
   }
 
