@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reference is Fidelity::Reference in eighths of a step. Its uncertainty u is what it changes when its
-// step is halved, or a third of what it changes when its step is quartered, whichever is larger: errors that
-// go with the step e0/8, e0/4, e0/2 give e0/8 for both. Chaos does not keep to that: where rounding has been
-// amplified, two of the three may agree by chance, and hardly all. With e the distance of a setting from the
-// reference, the error of the setting lies between e
-// - u and e + u. So e is the error to a tenth where u <= e/10, and e + u bounds it everywhere.
+// The reference is Fidelity::Reference in 8 divisions. Its uncertainty u is the change by halving its step,
+// or a third of the change by quartering it, whichever is larger. Errors proportional to the step, e0/8, e0/4
+// and e0/2, give e0/8 for both. In a chaotic scene, which amplifies rounding, two of the three runs may agree
+// by chance, but hardly all three. Let e be the deviation of a run from the reference. Its error lies between
+// e - u and e + u. So e is the error to a tenth where u <= e/10, and e + u is an upper bound everywhere.
 #include "accuracy_window.h"
 
 #include "cpu_time.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One window of an accuracy study: every setting and the reference run from one state, and are compared on
-// the way.
+// One window of an accuracy study: every choice of settings and the reference run from one state, and are
+// compared after 1, 2, 4, ... steps.
 #pragma once
 
 #include "rigid_body_sim/accuracy.h"
@@ -14,11 +14,11 @@ namespace rbs {
 /// Largest ratio of the uncertainty of the reference to an error that counts as measured.
 constexpr double kLargestUncertainty = 0.1;
 
-/// How far the runs of a window were apart after a number of steps.
+/// Deviation of the runs of a window after a number of steps.
 struct WindowReading {
   std::uint32_t steps = 0;
-  Difference uncertainty;          ///< of the reference; names no bodies
-  std::vector<Difference> errors;  ///< of each setting
+  Difference uncertainty;          ///< uncertainty of the reference; names no bodies
+  std::vector<Difference> errors;  ///< of each choice of settings
   bool converged = false;  ///< the uncertainty is small beside the largest error, or beside the smallest body
 };
 
@@ -27,9 +27,9 @@ class AccuracyWindow {
   /// `smallest`: bounding radius of the smallest dynamic body, m.
   AccuracyWindow(const World& begin, const std::vector<SettingCost>& settings, double smallest);
 
-  /// Takes every run on to this many steps after the beginning, each step by `step`, and compares them.
+  /// Advances every run to this number of steps after the beginning, each step by `step`, and compares them.
   WindowReading growTo(std::uint32_t steps, const std::function<void(World&)>& step);
-  /// CPU time of the runs so far, s: of one setting, and of all with the reference.
+  /// CPU time of the runs so far, s: that of one choice of settings, and that of all with the reference.
   double secondsOf(std::size_t setting) const { return runs_[setting].seconds; }
   double seconds() const;
 

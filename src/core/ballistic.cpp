@@ -14,7 +14,8 @@ namespace rbs::ballistic {
 
 namespace {
 
-// For how long a body surely stays within the limits: while |p| + |v| t + |g| t²/2 and |v| + |g| t do; s.
+// A lower bound of the time that a body stays within the limits, s: as long as |p| + |v| t + |g| t²/2 and
+// |v| + |g| t do.
 double secondsWithinLimits(const Pose& pose, const Twist& twist, double gravity) {
   const double room = Limits::max_position - pose.p_WB.norm();
   const double speed = twist.v_WB.norm();
@@ -27,19 +28,19 @@ double secondsWithinLimits(const Pose& pose, const Twist& twist, double gravity)
   return std::min(to_edge, to_speed);
 }
 
-struct Stray {
+struct OutOfBounds {
   Index body;
   Pose pose;
   Twist twist;
 };
 
-// The bodies that would leave the limits in this step; also finds out until when no other can.
-std::vector<Stray> findStrays(Context& context) {
+// Finds the bodies that would leave the limits in this step, and the time until which no other body can.
+std::vector<OutOfBounds> findOutOfBounds(Context& context) {
   SceneStore& scene = context.scene;
   const Bodies& bodies = scene.bodies;
   const double h = context.step.h(), gravity = scene.gravity_W.norm();
   double safe = std::numeric_limits<double>::infinity();
-  std::vector<Stray> strays;
+  std::vector<OutOfBounds> leaving;
   for (const Index i : scene.rosters.ballistic) {
     const double seconds = 0.99 * secondsWithinLimits(bodies.pose[i], bodies.twist[i], gravity);
     safe = std::min(safe, seconds);
@@ -48,26 +49,26 @@ std::vector<Stray> findStrays(Context& context) {
     Twist twist = bodies.twist[i];
     pose.p_WB += h * (twist.v_WB + 0.5 * h * scene.gravity_W);
     twist.v_WB += h * scene.gravity_W;
-    if (!withinLimits(pose, twist)) strays.push_back({i, bodies.pose[i], bodies.twist[i]});
+    if (!withinLimits(pose, twist)) leaving.push_back({i, bodies.pose[i], bodies.twist[i]});
   }
   scene.ballistic_until = context.step.t0 + safe;
-  return strays;
+  return leaving;
 }
 
 }  // namespace
 
 Need need(const Census& c) {
-  if (c.ballistic == 0) return {false, "no body feels gravity alone and can meet nobody"};
-  return {true, count(c.ballistic, "body feels", "bodies feel") + " gravity alone and can meet nobody"};
+  if (c.ballistic == 0) return {false, "every body can collide or feels more than gravity"};
+  return {true, count(c.ballistic, "body feels", "bodies feel") + " gravity alone and cannot collide"};
 }
 
-// The whole step of a world of such bodies.
+// The whole step of a world in which all bodies are ballistic.
 void run(Context& context) {
   SceneStore& scene = context.scene;
   Bodies& bodies = scene.bodies;
   const double h = context.step.h();
-  std::vector<Stray> strays;
-  if (!(context.step.t1 < scene.ballistic_until)) strays = findStrays(context);
+  std::vector<OutOfBounds> leaving;
+  if (!(context.step.t1 < scene.ballistic_until)) leaving = findOutOfBounds(context);
   const Vec3 dv = h * scene.gravity_W, half_dv = 0.5 * dv;
   for (const Index i : scene.rosters.ballistic) {
     bodies.pose[i].p_WB += h * (bodies.twist[i].v_WB + half_dv);
@@ -75,7 +76,7 @@ void run(Context& context) {
   }
   for (const Index i : scene.rosters.tumbling)
     rotateFreely(bodies.pose[i].q_WB, bodies.twist[i].w_WB, bodies.inertia[i], h);
-  for (const Stray& stray : strays) freeze(context, stray.body, stray.pose, stray.twist);
+  for (const OutOfBounds& lost : leaving) freeze(context, lost.body, lost.pose, lost.twist);
   context.step.report.flying += static_cast<std::uint32_t>(scene.rosters.ballistic.size());
 }
 

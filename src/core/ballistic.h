@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Ballistic bodies: gravity is all they feel, and there is nothing that they can meet.
+// Ballistic bodies: they feel gravity alone and can collide with nothing.
 #pragma once
 
 #include "context.h"
@@ -7,8 +7,8 @@
 namespace rbs::ballistic {
 
 Need need(const Census& census);
-/// Moves them over the step, in closed form. Their attitudes are carried along where they do not turn at a
-/// constant rate.
+/// Moves them over the step, in closed form. Orientations are integrated where the angular velocity is not
+/// constant.
 void run(Context& context);
 
 }  // namespace rbs::ballistic

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bodies a scene holds, as parallel arrays in canonical order: the order of creation.
+// The bodies of a scene, as parallel arrays in canonical order: the order of creation.
 //
-// Hot arrays (pose, twist, mass) are apart from cold ones (names, definitions). A body's place in the
-// arrays is its dense index; it changes when an older body is removed, so everything that outlives a
-// step names bodies by BodyId.
+// Hot arrays (pose, twist, mass) are separate from cold ones (names, definitions). The position of a body in
+// the arrays is its dense index. It changes when an older body is removed, so everything that outlives a step
+// refers to bodies by BodyId.
 #pragma once
 
 #include "rigid_body_sim/scene.h"
@@ -18,19 +18,20 @@ namespace rbs {
 using Index = std::uint32_t;
 inline constexpr Index kNone = 0xffffffffu;
 
-/// What resists a change of motion. The inverses are zero for a body that forces do not move.
+/// Mass and moments of inertia. The inverses are zero for a body that forces do not move.
 struct Inertia {
   double inv_mass = 0.0;            ///< 1/kg
   Vec3 inv_moments = Vec3::Zero();  ///< about the axes of B, 1/(kg m²)
   Vec3 moments = Vec3::Zero();      ///< about the axes of B, kg m²; also for bodies that do not move
   bool isotropic = true;            ///< all moments equal
-  bool gyroscopic = false;          ///< its spin changes without torque
-  /// Nothing turns it: inv_moments are zero, its spin is constant.
+  bool gyroscopic = false;          ///< its angular velocity changes without torque
+  /// Nothing changes its rotation: inv_moments are zero, its angular velocity is constant.
   bool steady = false;
-  /// Steady, and nothing in a step asks for its attitude, which is evaluated when it is read.
+  /// Steady, and no stage of a step uses its orientation, which is not integrated but computed when it is
+  /// read.
   bool unturned = false;
 
-  /// I_W^-1 for a body at attitude R_WB.
+  /// I_W^-1 for a body with the orientation R_WB.
   Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
 };
 
@@ -38,8 +39,8 @@ struct Inertia {
 struct Traits : ShapeTraits {
   Shape shape;
   BodyKind kind = BodyKind::Dynamic;
-  bool held = false;     ///< follows a drag: kinematic until released
-  bool frozen = false;   ///< quarantined: static for good
+  bool held = false;     ///< has a kinematic target (World::hold()) until it is released
+  bool frozen = false;   ///< quarantined: static until an edit
   bool asleep = false;   ///< at rest and left out of the step (sleep.h)
   double mass = 0.0;     ///< kg, whatever the kind
   double density = 0.0;  ///< kg/m³
@@ -47,7 +48,7 @@ struct Traits : ShapeTraits {
   double bounding_radius = 0.0, length = 0.0;  ///< m, of the shape
   std::uint32_t group = 1, mask = 0xffffffffu;
 
-  /// By forces, now or once it wakes.
+  /// Moved by forces, now or once it wakes.
   bool movable() const { return kind == BodyKind::Dynamic && !held && !frozen; }
   bool moved_by_forces() const { return movable() && !asleep; }
   bool led() const { return !frozen && (held || kind == BodyKind::Kinematic); }
@@ -56,7 +57,7 @@ struct Traits : ShapeTraits {
 
 struct Bodies {
   std::vector<BodyId> id;
-  std::vector<Pose> pose;     ///< q_WB of a body that is `unturned`: as it was at `since`
+  std::vector<Pose> pose;     ///< q_WB of a body that is `unturned`: its orientation at `since`
   std::vector<double> since;  ///< s
   std::vector<Twist> twist;
   std::vector<Inertia> inertia;
@@ -72,13 +73,12 @@ struct Bodies {
   void erase(Index i);                             ///< keeps the order
   void clear() { *this = Bodies{}; }
 
-  /// To be called when shape, mass, kind, hold or quarantine of body i changed; then the census is to be
-  /// taken.
+  /// Call it after a change of shape, mass, kind, hold or quarantine of body i, and takeCensus() afterwards.
   void refresh(Index i);
 
-  /// Its pose now, at `time`.
+  /// The pose of body i at `time`.
   Pose poseNow(Index i, double time) const;
-  /// Makes `time` the time that the attitude of an unturned body is counted from.
+  /// Computes the orientation of an unturned body at `time`, and makes `time` its new reference time.
   void bringAttitude(Index i, double time);
 
   BodyDescription describe(Index i) const;
@@ -86,7 +86,7 @@ struct Bodies {
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
 };
 
-/// The colour given to a body that asks for none.
+/// The colour of a body that is given none.
 Color defaultColor(BodyId id, BodyKind kind);
 
 }  // namespace rbs

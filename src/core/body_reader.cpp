@@ -223,7 +223,7 @@ PlacedHull BodyReader::meshHull(const std::string& mesh, double scale, const std
 }
 
 // An entry of faulty form makes no bodies, since they would not be those that were meant. What it says
-// in good form is checked all the same, so that all its faults are told at once.
+// in good form is checked all the same, so that all its faults are reported at once.
 void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
   const std::size_t faults = problems_.count();
   const std::string path = "bodies[" + std::to_string(index) + "]";

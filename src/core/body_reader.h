@@ -14,7 +14,7 @@
 
 namespace rbs {
 
-/// Reads the entries of the list one by one, and makes the bodies that each of them asks for.
+/// Reads the entries of the list one by one, and makes the bodies that each of them defines.
 class BodyReader {
  public:
   /// Meshes are looked for in `folder`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks of the numbers of a request: each adds what is wrong to a list, so that all of it is heard at once.
+// Checks of the numbers of a request: each adds its faults to a list, so that all are reported at once.
 #pragma once
 
 #include "rigid_body_sim/types.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The free top: with l the angular momentum in the body frame, L = |l| and a = 1/I,
 //   dl/dt = l x (a l),
-// and the attitude follows from R l being constant but for the angle about it, which is an integral of l.
+// and the orientation follows from R l being constant but for the angle about it, which is an integral of l.
 //
 // C. G. J. Jacobi, "Sur la rotation d'un corps", J. reine angew. Math. 39, 1850; the integral in the form of
 // E. Celledoni, F. Fasso, N. Saefstroem, A. Zanna, "The exact computation of the free rigid body motion and

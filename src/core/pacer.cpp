@@ -11,7 +11,7 @@ constexpr double kSpeedWindow = 1.0;  // over which the achieved speed is averag
 constexpr double kSampling = 0.02;    // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often
 constexpr double kLongestPicture = 0.1;          // s of wall time: ten pictures a second
-constexpr double kPictureShare = 0.1;            // of the time, that pictures may take
+constexpr double kPictureShare = 0.1;            // largest fraction of the time that pictures take
 constexpr double kLongestInterval = 1e8;         // s: a clock counts nanoseconds up to 292 years
 
 double seconds(Pacer::Clock::duration d) {

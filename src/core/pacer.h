@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pacer: when the next step is due and when the next picture (a snapshot for those who look on), by the
-// steady clock, and what pace that came to.
+// Pacer: computes by the steady clock when the next step and the next picture (a snapshot for readers) are
+// due, and the achieved real-time factor.
 //
-// A simulation whose steps take longer than they may runs slower. It does not freeze: the time that it is
-// behind by is given up and counted, and pictures go on at a steady rate.
+// A simulation that cannot keep up runs slower. It does not freeze: the time that it is behind is dropped and
+// counted, and pictures continue at a steady rate.
 #pragma once
 
 #include <chrono>
@@ -26,16 +26,17 @@ class Pacer {
   /// A step of `step` s was taken.
   void stepped(Time begin, Time end, double step);
 
-  /// When the next picture is due: 80 a second, fewer where they would take more than a tenth of the time,
-  /// and never so few that another step would leave more than 0.1 s between two.
+  /// When the next picture is due. There are 80 a second, or fewer where they would take more than a tenth of
+  /// the time. A picture is due earlier where another step would leave more than 0.1 s between two.
   Time nextPicture() const;
   /// A picture was taken.
   void pictured(Time begin, Time end);
 
   /// Physics time over wall time in about the last second, up to now. A step that is late counts against it
-  /// before it has ended. The speed that was asked for as long as there is too little to measure.
+  /// before it has ended. It is the requested speed as long as there is too little to measure.
   double achievedSpeed(Time now) const;
-  /// Physics time that the speed asked for and that was given up since restart(), s.
+  /// Physics time lost since restart(), s: what the requested speed required and the simulation did not
+  /// reach.
   double lostTime() const { return lost_; }
 
  private:
@@ -44,7 +45,7 @@ class Pacer {
     double physics;  ///< simulated since restart(), s
   };
 
-  double speed_ = 1.0, interval_ = 0.0;  ///< asked for; wall time from step to step, s
+  double speed_ = 1.0, interval_ = 0.0;  ///< requested real-time factor; wall time from step to step, s
   Time next_step_;
   double lost_ = 0.0;
   std::deque<Sample> samples_;                         ///< of about the last second, the oldest first

@@ -446,7 +446,7 @@ PlacedHull makeHull(const std::vector<Vec3>& points, const std::string& path) {
     const Vec3 centre = mass.centre.cast<double>();
     const Mat3 axes = principalAxes(mass.second);
     const bool stays = axes.isIdentity(0.0) && isCentred(centre, boundsOf(now));
-    // What is flat is told in B, where the bounds fit.
+    // Flatness is checked in B, where the bounds are tight.
     Points kept = corners(now, triangles, face_of, stays ? 3 : 1);
     if (stays && kept.size() > Limits::max_hull_vertices) {
       refuse(path, pointCount(kept.size()) + " on the hull",

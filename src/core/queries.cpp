@@ -27,7 +27,7 @@ void check(const Ray& ray) {
   throwIfAny(problems);
 }
 
-// What a ray meets, body by body.
+// A ray cast against single bodies.
 class Cast {
  public:
   explicit Cast(const Ray& ray) : origin_W_(ray.origin_W), d_W_(unit(ray.direction_W)) {}

@@ -27,14 +27,14 @@ class SplitMix64 {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   /// Uniform in 0 ... n-1; the bias of the remainder is below n / 2^64.
   std::uint64_t below(std::uint64_t n) { return next() % n; }
-  /// A generator whose numbers have nothing to do with what this one gives from now on.
+  /// A generator whose numbers are independent of the further numbers of this one.
   SplitMix64 split() { return SplitMix64(next()); }
 
  private:
   std::uint64_t counter_;
 };
 
-/// An attitude drawn evenly from all attitudes, as a unit quaternion: Marsaglia's point on the
+/// An orientation drawn evenly from all orientations, as a unit quaternion: Marsaglia's point on the
 /// 3-sphere ("Choosing a point from the surface of a sphere", Ann. Math. Stat. 1972). With (a, b) and
 /// (c, d) even in the unit disc, s = a² + b² and t = c² + d², it is (a, b, c f, d f), f = sqrt((1-s)/t).
 inline Quat randomAttitude(SplitMix64& random) {

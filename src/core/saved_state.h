@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a saved state holds beyond the definitions of its bodies: reading it from the store, and putting it
-// back.
+// Saved states: captures what the definitions of the bodies do not hold, and restores it.
 #pragma once
 
 #include "context.h"
@@ -10,14 +9,14 @@ namespace rbs {
 
 SavedState captureState(const SceneStore& scene);
 
-/// What is wrong with a saved state of so many bodies.
+/// Every fault of a saved state of this number of bodies.
 std::vector<Problem> validate(const SavedState& saved, Index bodies);
 
-/// Puts back the time, the contacts and the wrenches of a sound state; before the census is taken.
+/// Restores the time, the contacts and the wrenches of a sound state. To be called before takeCensus().
 void restoreForces(const SavedState& saved, SceneStore& scene);
 
-/// Puts back attitudes that are counted from an earlier time, and who sleeps; after the census. Returns
-/// whether the census is to be taken again.
+/// Restores orientations that are not integrated, and sleeping islands. To be called after takeCensus().
+/// Returns whether takeCensus() must be called again.
 bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene);
 
 }  // namespace rbs

@@ -2,7 +2,7 @@
 // Reading scene files. docs/scenes.md lists the keys; this file is their one definition.
 //
 // Everything that can be wrong is collected and thrown at once: what has the wrong form while reading,
-// and what has a wrong value by validate(), whose paths are led back to the lines of the file.
+// and what has a wrong value by validate(), whose paths are mapped to the lines of the file.
 #include "body_reader.h"
 #include "number_text.h"
 #include "rigid_body_sim/file_access.h"
@@ -26,7 +26,7 @@ void readPreset(Fields& fields, const std::string& key, Setting& setting) {
   if (const auto choice = fields.choose(key, names)) setting.preset = kFidelities[*choice];
 }
 
-/// The name of a setting; or a mapping, with numbers to go with it, or with what the dial is turned by.
+/// The name of a quality level; or a mapping with its numbers, or with a goal by which the settings change.
 void readFidelity(Fields& top, FileProblems& problems, SceneDef& scene) {
   const YamlNode* node = top.find("fidelity");
   if (!node) return;
@@ -137,7 +137,7 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
   return state;
 }
 
-/// Leads a path of the expanded scene back to the entry of the file: "bodies[507].size" to "bodies[2].size".
+/// Maps a path of the expanded scene to the entry of the file: "bodies[507].size" to "bodies[2].size".
 std::string pathInFile(const std::string& path, const std::vector<std::size_t>& entries) {
   const std::string list = "bodies[";
   if (path.compare(0, list.size(), list) != 0) return path;
@@ -149,10 +149,10 @@ std::string pathInFile(const std::string& path, const std::vector<std::size_t>& 
 /// An entry that makes many bodies reports a fault once, with the value of its first body.
 void addFaults(const SceneDef& scene, const std::vector<std::size_t>& entries, const YamlNode& root,
                FileProblems& problems) {
-  std::set<std::pair<std::string, std::string>> told;
+  std::set<std::pair<std::string, std::string>> reported;
   for (const Problem& problem : validate(scene)) {
     const std::string path = pathInFile(problem.path, entries);
-    if (told.emplace(path, problem.allowed).second) {
+    if (reported.emplace(path, problem.allowed).second) {
       problems.add(lineOf(root, path), path, problem.value, problem.allowed);
     }
   }
@@ -203,8 +203,8 @@ SceneFile parseScene(const std::string& text, const std::string& file, std::opti
   return result;
 }
 
-// A fault is reported with the value in the file. Of a file that is no scene nothing is quoted: it may hold
-// what is not for whoever asked for it.
+// A fault is reported with the value in the file. Nothing is quoted from a file that is no scene: the user
+// may not be allowed to read it.
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed) {
   stopIfInterrupted(file);
   const std::string text = readText(file);

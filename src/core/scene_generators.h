@@ -17,10 +17,10 @@ struct Repeat {
   std::array<std::uint32_t, 3> count{1, 1, 1};  ///< along x, y and z of W, each >= 1
   Vec3 spacing = Vec3::Zero();                  ///< m, from one copy to the next
   double jitter = 0.0;                          ///< each copy is moved by up to this along each axis, m
-  bool turn = false;                            ///< whether each copy gets a random attitude
+  bool turn = false;                            ///< whether each copy gets a random orientation
   std::array<double, 2> scale{1.0, 1.0};  ///< each copy's size is multiplied by a number from this range
   std::vector<std::string> shapes;        ///< each copy is one of these at random; empty: that of the body
-  double speed = 0.0;  ///< each copy is given this speed in a random direction besides, m/s, >= 0
+  double speed = 0.0;  ///< speed in a random direction, added to the velocity of each copy, m/s, >= 0
 };
 
 /// Boxes laid in rows, each one box shorter than the row below: a wall in the plane of x and z. The
@@ -30,7 +30,8 @@ struct Pyramid {
   double gap = 0.0;        ///< between neighbours of a row, m
 };
 
-/// Copies on a circle about the vertical through the body's position, each turned as far as it is moved.
+/// Copies on a circle about the vertical through the body's position, each rotated by its angle on the
+/// circle.
 struct Ring {
   std::uint32_t count = 1;  ///< >= 1
   double radius = 1.0;      ///< m, > 0

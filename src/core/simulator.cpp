@@ -22,7 +22,7 @@ namespace {
 
 using Clock = Pacer::Clock;
 
-// What a world is made of, and made again on a reset.
+// The scene and state that a world is made of, and made of again on a reset.
 struct Origin {
   SceneDef scene;
   std::optional<SavedState> saved;
@@ -30,7 +30,7 @@ struct Origin {
 
 struct Command {
   std::function<void()> run;
-  std::shared_ptr<std::promise<void>> done;  // none: nobody waits
+  std::shared_ptr<std::promise<void>> done;  // null: nobody waits
 };
 
 // A request for steps that is under way.
@@ -45,21 +45,21 @@ struct StepRequest {
 }  // namespace
 
 struct Simulator::Impl {
-  // What the thread alone touches.
+  // Used by the thread alone.
   World world;
   Governor governor;
-  std::uint64_t edits_before = 0, versions_before = 0;  // of the worlds before it, so that the sums only grow
-  double elapsed_before = 0.0, began_at = 0.0;  // of the worlds before it; its own time when it came, s
-  std::uint64_t worlds = 0;                     // how many came before it
+  std::uint64_t edits_before = 0, versions_before = 0;  // of earlier worlds, so that the sums only grow
+  double elapsed_before = 0.0, began_at = 0.0;  // of earlier worlds; time at which this world began, s
+  std::uint64_t worlds = 0;                     // number of earlier worlds
   std::optional<StepRequest> request;
   bool stale = false;  // the world has changed since the last snapshot
 
-  // What others share with it, under the mutex.
+  // Shared with other threads, under the mutex.
   mutable std::mutex mutex;
   std::condition_variable wake;
   std::vector<Command> commands;
   bool stop = false;
-  Pace pace;  // but for what the pacer says
+  Pace pace;  // without the numbers of the pacer
   Pacer pacer;
 
   std::mutex replacing;  // one caller at a time makes another world
@@ -118,7 +118,7 @@ struct Simulator::Impl {
     std::exchange(request, std::nullopt)->end(by);
   }
 
-  // The caller gets the old world, and with it the work of taking it apart.
+  // The caller gets the old world, so that its destruction takes no time of this thread.
   void replaceWorld(World& fresh, const char* by) {
     endRequest(by);
     publish();
@@ -155,7 +155,7 @@ struct Simulator::Impl {
     done.get();
   }
 
-  // One snapshot shows what all of them did, before anybody hears that it is done.
+  // One snapshot shows the results of all commands, before any caller continues.
   void runCommands(std::vector<Command>& todo) {
     std::vector<std::exception_ptr> thrown(todo.size());
     bool awaited = false;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One number for the whole state of a world.
+// The state hash: one number for the whole state of a world.
 #pragma once
 
 #include "context.h"
 
 namespace rbs {
 
-/// Equal for worlds that will behave equally: bodies, settings, hands, wrenches, time, and the forces that
+/// Equal for worlds with equal futures: bodies, settings, user forces, wrenches, time, and the forces that
 /// warm-start the contacts. FNV-1a over the bits, 64 bits.
 std::uint64_t stateHash(const SceneStore& scene);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads the values of one mapping by name and type, and finds the keys that nobody asked for.
+// Reads the values of one mapping by name and type, and finds unknown keys.
 #pragma once
 
 #include "rigid_body_sim/scene.h"
@@ -13,7 +13,7 @@
 
 namespace rbs {
 
-// Each readValue() sets `out` and returns true, or reports what is wrong and leaves `out` as it was.
+// Each readValue() sets `out` and returns true, or reports the fault and leaves `out` unchanged.
 bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems, double& out);
 bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems, std::uint64_t& out);
 bool readValue(const YamlNode& node, const std::string& path, FileProblems& problems, std::uint32_t& out);
@@ -64,7 +64,7 @@ class Fields {
   void report(const std::string& key, const std::string& value, const std::string& allowed);
   /// Reports a problem whose path begins with that of the mapping, at the line that it is about.
   void report(const Problem& problem);
-  /// Reports every key that was never asked for. To be called once all are read.
+  /// Reports every key that was never read. To be called once all are read.
   void refuseOthers();
 
   /// Of this key; of the mapping itself for "".

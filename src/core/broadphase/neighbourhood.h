@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which bodies are near one whose course has changed within the step.
+// The bodies near a body whose trajectory has changed within the step.
 #pragma once
 
 #include "context.h"
 
 namespace rbs {
 
-/// Bodies in groups of those that the broad phase has sorted next to each other, with bounds around each
-/// group, so that most are passed over a group at a time.
+/// Groups of bodies that the broad phase has sorted next to each other, with bounds around each group, so
+/// that most bodies are skipped by groups.
 class Neighbourhood {
  public:
   /// `order` and the bounds by body are those of the broad phase. Both must outlive it.
