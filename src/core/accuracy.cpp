@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The order in which an accuracy study measures, so that it has an answer soon and a better one whenever it
-// is ended.
+// The schedule of an accuracy study: it has an answer early, and a better one the longer it runs.
 //
 // The first window begins at the present state and grows: 1, 2, 4, ... steps, compared each time. So the
-// first answer takes one step of each setting and of the reference, and growing a window to its full length
-// costs no more than running it at once. In a chaotic scene a difference d grows as d exp(t/T), with T the
-// Lyapunov time; that of the reference from its own half step starts at rounding or at a collision that the
-// two order differently, and outgrows the error of the settings, which starts at the truncation error of a
-// step. What counts is therefore the longest of the lengths at which the reference still converges
-// (accuracy_window.cpp), and the factor of two between them loses at most half of it. A window may also not
-// cost more than a share of the time: then it ends at the length it has.
+// first answer takes one step of each choice of settings and of the reference. Growing a window to its full
+// length costs no more than running it at once. In a chaotic scene a difference d grows as d exp(t/T), with T
+// the Lyapunov time. The difference of the reference from its own half step starts at rounding, or at a
+// collision that the two order differently. It outgrows the error of the settings, which starts at the
+// truncation error of a step. So the longest length counts at which the reference still converges
+// (accuracy_window.cpp). Lengths differ by a factor of two, so at most half is lost. A window that would cost
+// more than a fraction of the CPU time ends at the length that it has reached.
 //
-// Then each setting runs alone through all of the physics time, for its CPU time: a pile that collapses at
-// `preview` costs what the collapse costs. Last come the other windows, not in the order of time but so that
-// those that are done are spread evenly along the path, whenever the study is ended.
+// Then each choice of settings runs alone through all of the physics time, to measure its CPU time: a pile
+// that collapses at `preview` has the cost of the collapse. The other windows come last. Their order is not
+// that of time: the finished windows are spread evenly along the path, whenever the study is ended.
 #include "rigid_body_sim/accuracy.h"
 
 #include "accuracy_window.h"
@@ -30,10 +29,10 @@ namespace rbs {
 namespace {
 
 constexpr std::uint32_t kMostWindowSteps = 1000;
-/// Worlds that windows begin with which are kept at a time.
+/// Largest number of initial worlds of windows that are stored at a time.
 constexpr std::uint32_t kKept = 16;
-/// Largest shares of the CPU time: of all of it for one window and for the timed runs, of the rest for each
-/// part of the path.
+/// Largest fractions of the CPU time: of all of it for one window and for the timed runs, of the rest for
+/// each part of the path.
 constexpr double kWindowShare = 0.125, kTimingShare = 0.25, kPathShare = 0.25;
 /// Short runs are repeated, and the fastest counts, s.
 constexpr double kShortRun = 5e-3;
@@ -52,7 +51,7 @@ std::vector<std::size_t> spread(std::size_t n) {
   return order;
 }
 
-/// What the windows so far have found together.
+/// Sums over the windows so far.
 struct Sums {
   WindowSum converged, dropped;
   std::uint32_t windows = 0, windows_dropped = 0, shortened = 0, shortest = 0;  // the last in steps
@@ -108,7 +107,7 @@ class Study {
 
   AccuracyStudy run() {
     if (!std::isfinite(smallest_)) {
-      result_.trouble = "nothing moves in this scene";
+      result_.trouble = "the scene has no dynamic body";
       return result_;
     }
     try {
@@ -122,14 +121,15 @@ class Study {
     } catch (const Stopped&) {
     }
     if (result_.first_answer == 0.0)
-      result_.trouble = "not one step of every setting was done in " + text(spent()) + " s of CPU time";
+      result_.trouble = "the CPU time of " + text(spent()) +
+                        " s ended before each choice of solver settings had taken one step";
     return result_;
   }
 
  private:
   double spent() const { return threadCpuSeconds() - begin_; }
 
-  // Steps, and ends the study where its time is up or nobody wants it any more.
+  // Steps, and ends the study where its CPU time is over or goOn_ returns false.
   void advance(World& world) {
     world.step();
     const double share =
@@ -137,7 +137,7 @@ class Study {
     if (!goOn_(std::min(1.0, share), result_) || share > 1.0) throw Stopped{};
   }
 
-  // The worlds that the next windows begin with: as many as are kept, or fewer where the path is expensive.
+  // The initial worlds of the next windows: at most kKept, fewer where the path is expensive.
   std::vector<World> followPath() {
     const double until = spent() + kPathShare * (options_.max_cpu_seconds - spent());
     std::vector<World> begins;
@@ -188,8 +188,8 @@ class Study {
     }
   }
 
-  // Each setting alone, from the present state through all of the time; the windows time those that do not
-  // get there.
+  // Times a run of each choice of settings from the present state through all of `seconds`. Settings that do
+  // not reach the end are timed by the windows.
   void timeRuns() {
     const double end = spent() + kTimingShare * options_.max_cpu_seconds;
     const auto steps = static_cast<std::uint64_t>(std::max(1.0, std::round(options_.seconds / step_)));

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The dial as a ladder, and the two goals as ways to climb it.
+// The ladder of solver settings, and the two goals by which the governor climbs it.
 //
-// max_error: beside the world runs a copy of it one rung up; where the two end a window apart is the error of
-// this rung, the next being much more exact. Too large: a rung up. Well below: the next window tries the rung
-// below beside it, and goes there if its error is well below the goal, too. A rung that was tried in vain is
-// left in peace for twice as long each time. Everything is decided by states, so runs repeat.
+// max_error: a copy of the world runs alongside with the settings of the next rung up, which are much more
+// accurate. The deviation of the two at the end of a window is the error of the present rung. When it is
+// above the goal, the settings go up a rung. When it is well below, the copy takes the rung below in the next
+// window, and the settings go there if that error is well below the goal, too. A rung that was tried in vain
+// is left alone for twice as long each time. All decisions go by states, so runs repeat.
 //
-// max_step_ms: the mean wall time of the steps of a window. Too long: a rung down. Far below: a rung up, and
-// back if that was too much, to be tried again after twice as long.
+// max_step_ms: the measure is the mean wall time of the steps of a window. When it is too long, the settings
+// go down a rung. When it is far below the goal, they go up a rung, and back if that was too much; the next
+// trial then comes after twice as long.
 #include "rigid_body_sim/governor.h"
 
 #include "cpu_time.h"
@@ -96,7 +98,7 @@ struct Governor::Impl {
     Setting other = halved(setting);
     if (wants_error) {
       const std::size_t k = rungOf(setting);
-      tries_below = tries_below && k > 0;  // somebody else may have turned the dial
+      tries_below = tries_below && k > 0;  // the settings may have been changed from outside
       if (tries_below)
         other = kLadder[k - 1];
       else if (k + 1 < kLadder.size())
@@ -106,7 +108,7 @@ struct Governor::Impl {
     beside->setFidelity(other);
   }
 
-  void turn(World& world, std::size_t to, const std::string& why) {
+  void change(World& world, std::size_t to, const std::string& why) {
     world.setFidelity(kLadder[to]);
     reason = settingName(kLadder[to]) + ": " + why;
     calm = 0;
@@ -132,15 +134,15 @@ struct Governor::Impl {
       calm = 0;
       if (error <= kComfort * most) {
         patience = kFirstPatience;
-        return turn(world, k - 1, "its error of " + text(1e3 * error) + " mm/s is well below " + goal);
+        return change(world, k - 1, "its error of " + text(1e3 * error) + " mm/s is well below " + goal);
       }
       patience = std::min(2 * patience, kLongestPatience);
     } else if (error > most) {
       patience = std::min(2 * patience, kLongestPatience);
       if (k + 1 < kLadder.size())
-        turn(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
+        change(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the last rung, with an error of " +
+        reason = settingName(world.scene().fidelity) + ": the most accurate settings, with an error of " +
                  text(1e3 * error) + " mm/s above " + goal;
     } else if (++calm >= patience && k > 0) {
       tries_below = true;
@@ -155,12 +157,12 @@ struct Governor::Impl {
       patience = std::min(2 * patience, kLongestPatience);
       calm = 0;
       if (k > 0)
-        turn(world, k - 1, text(ms) + " ms a step are above " + goal);
+        change(world, k - 1, text(ms) + " ms per step are above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the first rung, although " + text(ms) +
-                 " ms a step are above " + goal;
+        reason = settingName(world.scene().fidelity) + ": the fastest settings, although " + text(ms) +
+                 " ms per step are above " + goal;
     } else if (++calm >= patience && ms < kIdle * most && k + 1 < kLadder.size()) {
-      turn(world, k + 1, text(ms) + " ms a step are far below " + goal);
+      change(world, k + 1, text(ms) + " ms per step are far below " + goal);
     }
   }
 };

@@ -20,10 +20,10 @@ void freeze(Context& context, Index i, const Pose& before, const Twist& twist_be
   bodies.traits[i].frozen = true;
   bodies.refresh(i);
   context.step.report.warnings.push_back(
-      {"non_finite",
-       "body '" + bodies.name[i] +
-           "' left all bounds and is frozen where it last was; delete it, or make it dynamic again "
-           "with less speed, or shorten the step"});
+      {"non_finite", "body '" + bodies.name[i] +
+                         "' is out of bounds or non-finite, and is frozen at its last position; delete it, "
+                         "or make it dynamic "
+                         "again with less speed, or shorten the step"});
 }
 
 }  // namespace rbs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What acts on single bodies from outside: impulses, wrenches, user forces.
+// External forces on single bodies: impulses, wrenches, user forces.
 #include "world_parts.h"
 
 #include "checks.h"
@@ -17,7 +17,7 @@ TimedWrench World::Impl::wrenchOf(BodyId id, const Vec3& force_W, const Vec3& to
   checkVector(point_W, Limits::max_position, "point", "m", problems);
   checkPositive(seconds, 1e9, "seconds", "s", problems);
   if (!bodies.traits[i].movable())
-    problems.push_back({"body", bodies.name[i], "a dynamic body that no drag holds"});
+    problems.push_back({"body", bodies.name[i], "a dynamic body that is neither held nor frozen"});
   throwIfAny(problems);
   const Pose pose = bodies.poseNow(i, scene.time);
   return {id, force_W, torque_W, pose.q_WB.conjugate() * (point_W - pose.p_WB), scene.time + seconds};
@@ -30,13 +30,13 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   checkVector(impulse_W, Limits::max_impulse, "impulse", "N s", problems);
   checkVector(point_W, Limits::max_position, "point", "m", problems);
   if (!bodies.traits[i].movable())
-    problems.push_back({"body", bodies.name[i], "a dynamic body that no drag holds"});
+    problems.push_back({"body", bodies.name[i], "a dynamic body that is neither held nor frozen"});
   throwIfAny(problems);
   Twist twist = bodies.twist[i];
   twist.v_WB += impulse_W / bodies.traits[i].mass;
   const Pose pose = bodies.poseNow(i, impl_->scene.time);
-  const Vec3 couple_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
-  twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(couple_B));
+  const Vec3 torque_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
+  twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(torque_B));
   if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
       twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
     throw InvalidInput({{"impulse", textOf(impulse_W),
@@ -77,9 +77,9 @@ void World::grab(BodyId id, const Grab& grab) {
   if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
     problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
   throwIfAny(problems);
-  for (BodyGrab& pull : impl_->scene.grabs) {
-    if (pull.body != id) continue;
-    pull.grab = grab;
+  for (BodyGrab& grabbed : impl_->scene.grabs) {
+    if (grabbed.body != id) continue;
+    grabbed.grab = grab;
     ++impl_->edits;
     return;
   }

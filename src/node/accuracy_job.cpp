@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto kPoll = 100ms;
-/// How long the program may take to end when it is asked to, and be silent without working.
+/// How long the program may take to end after SIGTERM, and how long it may be silent without using CPU time.
 constexpr auto kGrace = 2s, kSilence = 20s;
 constexpr double kComparePeriod = 0.2;  // s
 
@@ -117,7 +117,7 @@ void AccuracyJob::follow(std::vector<std::string> command, std::string scene, st
     program.emplace(command, scene);
   } catch (const std::exception& error) {
     AccuracyStudy nothing;
-    nothing.trouble = words("the program that measures cannot be run: ", error.what());
+    nothing.trouble = words("scene_accuracy cannot be run: ", error.what());
     started.set_exception(std::make_exception_ptr(std::runtime_error(nothing.trouble)));
     update(0.0, true, nothing);
     return;
@@ -126,24 +126,24 @@ void AccuracyJob::follow(std::vector<std::string> command, std::string scene, st
   update(1.0, true, read(*program));
 }
 
-// What the program has found when it ends, is stopped, or goes wrong.
+// The study when the program ends, is stopped, or fails.
 AccuracyStudy AccuracyJob::read(ChildProcess& program) {
   AccuracyStudy study;
   std::string trouble = "it ended early";
-  std::optional<Clock::time_point> asked;  // to end
+  std::optional<Clock::time_point> terminated;  // when SIGTERM was sent
   Clock::time_point alive = Clock::now();
   double cpu = 0.0;
   try {
     while (!program.ended()) {
       const Clock::time_point now = Clock::now();
-      if (stop_ && !asked) program.terminate(), asked = now, trouble = "it was stopped";
-      if (asked && now - *asked > kGrace) break;
+      if (stop_ && !terminated) program.terminate(), terminated = now, trouble = "it was stopped";
+      if (terminated && now - *terminated > kGrace) break;
       const std::optional<std::string> line = program.readLine(kPoll);
       if (line) {
-        const nlohmann::json told = nlohmann::json::parse(*line);
-        study = told.at("study").get<AccuracyStudy>();
-        if (told.contains("done")) return study;
-        update(told.at("share"), false, study);
+        const nlohmann::json report = nlohmann::json::parse(*line);
+        study = report.at("study").get<AccuracyStudy>();
+        if (report.contains("done")) return study;
+        update(report.at("share"), false, study);
       }
       if (line || program.cpuSeconds() > cpu) alive = now, cpu = program.cpuSeconds();
       if (now - alive > kSilence) {
@@ -152,11 +152,11 @@ AccuracyStudy AccuracyJob::read(ChildProcess& program) {
       }
     }
   } catch (const std::exception& error) {
-    trouble = words("it wrote what is no study: ", error.what());
+    trouble = words("its output is not an accuracy study: ", error.what());
   }
   if (!stop_) ROS_WARN_STREAM("scene_accuracy was ended: " << trouble);
   if (!stop_ || study.windows + study.dropped == 0)
-    study.trouble = "the program that measures gave no result: " + trouble;
+    study.trouble = "scene_accuracy gave no result: " + trouble;
   return study;
 }
 
@@ -168,7 +168,7 @@ void AccuracyJob::update(double progress, bool done, const AccuracyStudy& study)
   publish();
 }
 
-// Whether what was measured still holds.
+// Updates `stale`: whether the study is still valid for the running scene.
 void AccuracyJob::compare() {
   std::lock_guard<std::mutex> lock(mutex_);
   if (known_.job == 0) return;
@@ -204,9 +204,9 @@ AccuracyStudy AccuracyJob::foundFor(const Snapshot& now) const {
   std::lock_guard<std::mutex> lock(mutex_);
   if (!known_.done)
     throw std::runtime_error(
-        "nothing has been measured: call measure_accuracy, and wait until ~accuracy is done");
+        "no accuracy study is finished: call measure_accuracy, and wait until ~accuracy is done");
   const AccuracyStudy& study = known_.study;
-  if (!study.trouble.empty()) throw std::runtime_error("no errors are known: " + study.trouble);
+  if (!study.trouble.empty()) throw std::runtime_error("the study has no errors: " + study.trouble);
   const std::string stale = sceneChange(*known_.scene, now);
   if (!stale.empty())
     throw std::runtime_error(

@@ -39,7 +39,7 @@ std::optional<Color> colorFrom(const std_msgs::ColorRGBA& msg) {
   return color;
 }
 
-/// The hull that a request asks for. Throws InvalidInput.
+/// The hull that a request defines. Throws InvalidInput.
 PlacedHull hullFrom(const Spec& spec, const std::string& path) {
   if (!isZero(spec.size)) {
     throw InvalidInput({{path + ".size", inWords(fromMsg(spec.size)),

@@ -26,7 +26,7 @@ struct PlacedShape {
 /// The shape that a request describes; a mesh is read and its hull made. Throws InvalidInput.
 PlacedShape shapeFrom(const rigid_body_sim::BodySpec& spec, const std::string& path);
 
-/// What a request to spawn asks for, with all that needs no world and may take seconds: its shapes.
+/// The bodies of a request to spawn. Its shapes, which need no world and may take seconds, are made at once.
 class SpawnPlan {
  public:
   explicit SpawnPlan(std::vector<rigid_body_sim::BodySpec> specs);

@@ -68,7 +68,7 @@ Descriptor fileOf(const std::string& text) {
 [[noreturn]] void becomeProgram(char* const* arguments, pid_t parent, int input, int output, int report) {
   setpgid(0, 0);  // a Ctrl-C of the terminal is for the node
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);  // it has ended before that was asked for
+  if (getppid() != parent) _exit(1);  // the parent ended before prctl() took effect
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);  // the threads of ROS block all signals
@@ -78,7 +78,7 @@ Descriptor fileOf(const std::string& text) {
   close_range(STDERR_FILENO + 1, ~0U, CLOSE_RANGE_CLOEXEC);  // the sockets of ROS are not for others
   execv(arguments[0], arguments);
   const int reason = errno;
-  [[maybe_unused]] const ssize_t told = write(report, &reason, sizeof reason);
+  [[maybe_unused]] const ssize_t written = write(report, &reason, sizeof reason);
   _exit(127);
 }
 

@@ -10,8 +10,8 @@ Vec3 pointAt(const Pose& X_WB, const Vec3& p_B) {
   return X_WB.p_WB + X_WB.q_WB * p_B;
 }
 
-// The shape with this full extent along an axis. What is round keeps its proportions or grows all around, and
-// a capsule is at least as long as it is wide.
+// The shape with this full extent along an axis. A round shape keeps its proportions or grows in all
+// directions across its axis, and a capsule is at least as long as it is wide.
 Shape withExtent(const Shape& shape, int axis, double extent) {
   if (std::holds_alternative<Sphere>(shape)) return Sphere{0.5 * extent};
   Vec3 size = fullExtents(shape);
@@ -22,9 +22,10 @@ Shape withExtent(const Shape& shape, int axis, double extent) {
 }
 
 // A handle moved by d along the normal n of its face makes the extent e = e0 + d, e0 being that at the
-// press. The body is moved along n by what its opposite side has come out, so that this side stays.
+// press. The body moves along n by as much as its opposite side would move, so that this side stays.
 BodyEdit resizeBy(const Resize& grip, const Vec3& handle_W, const Shape& shape, const Pose& pose) {
-  constexpr double kLeast = 0.05;  // of the extent at the press: a handle cannot turn a body inside out
+  constexpr double kLeast =
+      0.05;  // fraction of the extent at the press: a handle cannot turn a body inside out
   int axis;
   grip.n_B.cwiseAbs().maxCoeff(&axis);
   const double d = (handle_W - grip.handle_W).dot(grip.n_W);
@@ -45,12 +46,12 @@ void Drag::hear(const std::optional<Pose>& handle) {
   heard_ = Clock::now();
   if (!handle) return;
   handle_ = *handle;
-  went_ = went_ || hasGone();
+  dragged_ = dragged_ || isBeyondClick();
   moved_ = true;
 }
 
-// A gizmo or a handle of a face gives back the pose that it was given, but for the single precision of RViz.
-bool Drag::hasGone() const {
+// A gizmo or a handle of a face gives back the pose that it was given, up to the single precision of RViz.
+bool Drag::isBeyondClick() const {
   if (const Pull* grip = std::get_if<Pull>(&grip_))
     return (pointAt(handle_, grip->p_B) - pointAt(pressed_, grip->p_B)).norm() > grip->click_slop;
   constexpr double kSingle = 1e-6;  // of the coordinates; rad
@@ -72,20 +73,21 @@ void Drag::apply(World& world, const Snapshot& now) {
   moved_ = false;
   applied_to_paused_ = now.paused;
   const BodyDescription& body = (*now.bodies)[i];
-  const bool leads = !now.paused && body.kind == BodyKind::Dynamic && !std::holds_alternative<Resize>(grip_);
-  if (!leads) release(world);
-  if (!leads && !went_) return;
+  const bool by_force =
+      !now.paused && body.kind == BodyKind::Dynamic && !std::holds_alternative<Resize>(grip_);
+  if (!by_force) release(world);
+  if (!by_force && !dragged_) return;
   if (const Resize* grip = std::get_if<Resize>(&grip_)) {
     world.editBody(body_, resizeBy(*grip, handle_.p_WB, body.shape, now.states[i].pose));
-  } else if (leads) {
-    lead(world);
+  } else if (by_force) {
+    applyUserForce(world);
   } else {
-    put(world, now.states[i].pose);
+    setPose(world, now.states[i].pose);
   }
 }
 
 // The gripped point p_B of the marker is where the mouse is: p_W = p_WM + R_WM p_B.
-void Drag::lead(World& world) {
+void Drag::applyUserForce(World& world) {
   if (const Pull* grip = std::get_if<Pull>(&grip_)) {
     Grab spring;
     spring.p_B = grip->p_B;
@@ -94,11 +96,11 @@ void Drag::lead(World& world) {
   } else {
     world.hold(body_, handle_);
   }
-  led_ = true;
+  acting_ = true;
 }
 
-// A pulled body keeps its attitude R_WB, so its gripped point is at p_W when p_WB = p_W - R_WB p_B.
-void Drag::put(World& world, const Pose& pose) const {
+// A pulled body keeps its orientation R_WB, so its gripped point is at p_W when p_WB = p_W - R_WB p_B.
+void Drag::setPose(World& world, const Pose& pose) const {
   BodyEdit edit;
   if (const Pull* grip = std::get_if<Pull>(&grip_)) {
     const Vec3 p_W = pointAt(handle_, grip->p_B);
@@ -110,8 +112,8 @@ void Drag::put(World& world, const Pose& pose) const {
 }
 
 void Drag::release(World& world) {
-  if (!led_) return;
-  led_ = false;
+  if (!acting_) return;
+  acting_ = false;
   world.release(body_);
 }
 

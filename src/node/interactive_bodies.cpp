@@ -75,8 +75,8 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
   if (snapshot.world != world_) forgetWorld(snapshot);
   for (const MouseEvent& event : news.mouse) handle(event, snapshot);
   if (news.selection) selectNamed(*news.selection, snapshot);
-  leadDrags(snapshot);
-  tellSelection(snapshot);
+  applyDrags(snapshot);
+  publishSelection(snapshot);
   showMarkers(snapshot);
 }
 
@@ -149,38 +149,38 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
     resizes_ = !resized_before;
     return;
   }
-  attempt("follow the menu", [&](World& world) {
+  attempt("run the menu entry", [&](World& world) {
     answer(words(description.name, ": ", runMenuAction(world, action, description, pose, hit_W)));
   });
 }
 
-void InteractiveBodies::leadDrags(const Snapshot& snapshot) {
+void InteractiveBodies::applyDrags(const Snapshot& snapshot) {
   for (auto it = drags_.begin(); it != drags_.end();) {
     const auto drag = it++;
     if (drag->second.silent() || snapshot.find(drag->second.body()) < 0) {
       endDrag(drag);
     } else if (drag->second.due(snapshot)) {
-      lead(drag->second);
+      apply(drag->second);
     }
   }
 }
 
-void InteractiveBodies::lead(Drag& drag) {
+void InteractiveBodies::apply(Drag& drag) {
   attempt("drag", [&](World& world) { drag.apply(world, *simulator_.snapshot()); });
 }
 
-// The last move of the mouse counts, even where the button came up before the next update().
+// The last motion of the mouse counts, even where the button was released before the next update().
 void InteractiveBodies::endDrag(std::map<std::string, Drag>::iterator drag) {
   const std::shared_ptr<const Snapshot> now = simulator_.snapshot();
   if (now->find(drag->second.body()) >= 0) {
-    if (drag->second.due(*now)) lead(drag->second);
+    if (drag->second.due(*now)) apply(drag->second);
     attempt("release", [&](World& world) { drag->second.release(world); });
   }
   board_.letGo(drag->second.marker());
   targets_.refresh();
   const BodyId body = drag->second.body();
   drags_.erase(drag);
-  for (auto& [client, other] : drags_) {  // the body has one user force: it goes on to whoever drags it still
+  for (auto& [client, other] : drags_) {  // a body has one user force: the next drag of it takes over
     if (other.body() == body) other.resume();
   }
 }
@@ -201,12 +201,12 @@ void InteractiveBodies::selectNamed(const std::string& name, const Snapshot& sna
   }
 }
 
-void InteractiveBodies::tellSelection(const Snapshot& snapshot) {
+void InteractiveBodies::publishSelection(const Snapshot& snapshot) {
   const int i = snapshot.find(selected_);
   std_msgs::String name;
   if (i >= 0) name.data = (*snapshot.bodies)[i].name;
-  if (name.data == told_selection_) return;
-  told_selection_ = name.data;
+  if (name.data == published_selection_) return;
+  published_selection_ = name.data;
   selection_.publish(name);
 }
 
@@ -221,7 +221,7 @@ void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
 
 void InteractiveBodies::showSelection(const Snapshot& snapshot) {
   const int i = snapshot.find(selected_);
-  if (i < 0) {  // it is gone, and a later body may get its id
+  if (i < 0) {  // the body is deleted, and a body of another world may get its id
     selected_ = BodyId{};
     resizes_ = false;
   }
@@ -245,7 +245,7 @@ int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapsho
   return is_of_selection ? snapshot.find(selected_) : snapshot.find(marker);
 }
 
-// Does nothing where another world has taken the place of the one that the mouse was at.
+// Does nothing where another world has replaced the one that the mouse was used on.
 void InteractiveBodies::attempt(const char* what, const std::function<void(World&)>& command) {
   try {
     simulator_.edit([&](World& world) {

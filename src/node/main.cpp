@@ -35,11 +35,11 @@ void initOnWallTime(int argc, char** argv) {
   ros::init(count, arguments.data(), "sim");
 }
 
-/// Ends the node in good order at SIGTERM, and when its terminal is closed, as roscpp does at SIGINT alone.
+/// Ends the node in good order at SIGTERM, and when its terminal is closed; roscpp does so at SIGINT only.
 void endInGoodOrder() {
   for (const int signal : {SIGTERM, SIGHUP}) {
     const auto before = std::signal(signal, [](int) { ros::requestShutdown(); });
-    if (before == SIG_IGN) std::signal(signal, SIG_IGN);  // as nohup asks for
+    if (before == SIG_IGN) std::signal(signal, SIG_IGN);  // as nohup requires
   }
 }
 
@@ -60,15 +60,17 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
       parameters.text("scene", session.scene, "a scene of the catalogue, or a path to a .yaml file");
   session.folder = parameters.text("scenes", scenes, "folder of the catalogue");
   session.run.paused = parameters.flag("paused", false, "start paused");
-  const int seed = parameters.integer("seed", -1, -1, std::numeric_limits<int>::max(),
-                                      "seed of gusts and scattered bodies; -1 takes the scene's own");
+  const int seed =
+      parameters.integer("seed", -1, -1, std::numeric_limits<int>::max(),
+                         "seed of the gusts and of randomly placed bodies; -1: that of the scene");
   if (seed >= 0) session.seed = static_cast<std::uint64_t>(seed);
-  const std::string fidelity = parameters.choice(
-      "fidelity", "", {"", "preview", "interactive", "accurate", "reference"}, "instead of the scene's own");
+  const std::string fidelity =
+      parameters.choice("fidelity", "", {"", "preview", "interactive", "accurate", "reference"},
+                        "quality level of the solver; empty: that of the scene");
   if (!fidelity.empty()) session.fidelity = rbs::fidelityNamed(fidelity);
   constexpr double kFastest = 1e6;
   session.run.speed = parameters.number("speed", session.run.speed, 0.0, kFastest,
-                                        "times real time; 0 is as fast as possible");
+                                        "requested real-time factor; 0 is as fast as possible");
   options.publishers.clock =
       parameters.flag("publish_clock", true, "publish /clock; otherwise messages are stamped with wall time");
   session.wall_stamps = !options.publishers.clock;
@@ -77,14 +79,13 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
                               : rbs::TfMode::None;
   options.world_frame = parameters.text("world_frame", rbs::kWorldName,
                                         "name of the world's frame, the parent of every body's frame");
-  options.publishers.tf_prefix =
-      parameters.text("tf_prefix", "", "put before the name of every body's frame");
+  options.publishers.tf_prefix = parameters.text("tf_prefix", "", "prefix of the name of every body's frame");
   options.publishers.contacts_rate =
       parameters.number("contacts_rate", options.publishers.contacts_rate, 0.0, 1e6,
                         "most messages of ~contacts a second; 0: one with every ~body_states");
   options.publishers.repeat_period =
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
-                        "after which descriptions and markers are sent again, s; 0: never");
+                        "period after which descriptions and markers are sent again, s; 0: never");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
   options.file_root = parameters.text(
       "file_root", "", "folder that scenes, states and meshes are read and written in; empty: anywhere");
@@ -92,7 +93,7 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
       parameters.flag("resume", false, "go on from the state that was kept when the node last ended");
   options.state_file =
       parameters.text("state_file", "",
-                      "where it is kept, an absolute path; empty: by node name in $ROS_HOME; "
+                      "file of the saved state, an absolute path; empty: by node name in $ROS_HOME; "
                       "none: nowhere");
   if (options.state_file == "none") {
     options.state_file.clear();
@@ -116,8 +117,8 @@ Options givenOptions(const ros::NodeHandle& node) {
   return options;
 }
 
-/// Answers what is asked on the command line without a node: one that started would end another of its name.
-/// Nothing where there is nothing but remappings; otherwise the exit code.
+/// Handles --help, --version and unknown arguments without starting a node, which would end another of its
+/// name. Nothing where there is nothing but remappings; otherwise the exit code.
 std::optional<int> answerWithoutNode(int argc, char** argv) {
   std::vector<std::string> arguments;
   ros::removeROSArgs(argc, argv, arguments);
@@ -139,7 +140,7 @@ std::optional<int> answerWithoutNode(int argc, char** argv) {
   readOptions(parameters, "that of the package");
   std::printf(
       "The node of rigid_body_sim. Usage: simulator_node [--help] [--version] [_PARAMETER:=VALUE ...]\n"
-      "Parameters, with what holds where none is given:\n%s",
+      "Parameters and their defaults:\n%s",
       parameters.list().c_str());
   return 0;
 }
@@ -153,9 +154,9 @@ void run() {
   rbs::findFramesBy([&](const std::string& frame_id) { return frames.find(frame_id); });
   rbs::Session session(options.session);
   rbs::Resume resume(session, options.state_file, options.resume);
-  rbs::Ghost ghost(node, session.simulator());
-  rbs::Publishers publishers(session.simulator(), session.timeline(), ghost, options.publishers);
-  rbs::Services services(session, ghost);
+  rbs::ReferenceRun reference_run(node, session.simulator());
+  rbs::Publishers publishers(session.simulator(), session.timeline(), reference_run, options.publishers);
+  rbs::Services services(session, reference_run);
   rbs::CommandTopics commands(session.simulator());
   constexpr int kThreads = 4;  // so that a client that waits for a load holds up no other client
   ros::AsyncSpinner spinner(kThreads);

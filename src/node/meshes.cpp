@@ -49,7 +49,7 @@ Meridian meridianOf(const Shape& shape, int rows) {
   return meridian;
 }
 
-// The surface that a meridian sweeps about the z axis, in the sectors that are asked for.
+// The surface that a meridian sweeps about the z axis, in the required sectors.
 template <class Wanted>
 TriangleMesh revolve(const Meridian& meridian, int columns, Wanted wanted) {
   const auto sample = [&](std::size_t row, int column) -> Vec3 {

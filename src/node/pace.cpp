@@ -10,7 +10,7 @@
 namespace rbs {
 namespace {
 
-// A step that takes less than this share of the time it may is not what holds the simulation up.
+// A step that takes less than this fraction of the available time is not the bottleneck.
 constexpr double kQuickStep = 0.8;
 
 std::string threeDigits(double value) {
@@ -19,7 +19,7 @@ std::string threeDigits(double value) {
   return digits;
 }
 
-// islands.advance is timed with its parts, the contacts.* rows: here it stands for what they leave.
+// islands.advance is timed with its parts, the contacts.* rows. This is its time without them.
 double ownSeconds(const StageInfo& stage, const std::vector<StageInfo>& stages) {
   if (stage.name != "islands.advance") return stage.seconds;
   double seconds = stage.seconds;
@@ -39,8 +39,8 @@ std::string inWords(const Pace& pace) {
     return words("stepping, ", pace.steps_left, pace.steps_left == 1 ? " step" : " steps", " to go");
   if (pace.paused) return "paused";
   const std::string achieved = threeDigits(pace.achieved_speed);
-  if (pace.requested_speed == 0.0) return achieved + " x real time, as fast as possible";
-  return achieved + " of " + threeDigits(pace.requested_speed) + " x real time";
+  if (pace.requested_speed == 0.0) return "real-time factor " + achieved + ", as fast as possible";
+  return "real-time factor " + achieved + " of " + threeDigits(pace.requested_speed);
 }
 
 std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
@@ -52,7 +52,7 @@ std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
                  threeDigits(1e3 * step), " ms");
   if (step + beside < kQuickStep * may_take)
     return words("a step takes ", threeDigits(1e3 * step), " ms of the ", threeDigits(1e3 * may_take),
-                 " ms that it may: the processor is busy with other work");
+                 " ms available: the processor is busy with other work");
   double most = 0.0;
   std::string slowest;
   for (const StageInfo& stage : snapshot.pipeline) {

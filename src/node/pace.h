@@ -8,10 +8,10 @@
 
 namespace rbs {
 
-/// Whether the simulation runs at less than nine tenths of the speed it is asked for.
+/// Whether the simulation runs at less than nine tenths of the requested real-time factor.
 bool fallsBehind(const Pace& pace);
 
-/// "0.3 of 1 x real time", "paused", "stepping, 412 steps to go", "12 x real time, as fast as possible".
+/// "real-time factor 0.3 of 1", "paused", "stepping, 412 steps to go", "12 x real time, as fast as possible".
 std::string inWords(const Pace& pace);
 
 /// What takes most of a step where the simulation falls behind: "contacts.solve takes 71 % of a step of 23

@@ -17,7 +17,8 @@ constexpr double kLinePeriod = 1.0;
 
 }  // namespace
 
-Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& ghost, const Options& options)
+Publishers::Publishers(Simulator& simulator, Timeline& timeline, const ReferenceRun& reference_run,
+                       const Options& options)
     : simulator_(simulator),
       timeline_(timeline),
       options_(options),
@@ -25,21 +26,21 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Ghost& gh
       tf_(node_, options.tf, options.tf_prefix),
       states_(node_, options.contacts_rate, options.repeat_period),
       events_(node_),
-      status_(node_, simulator, ghost),
+      status_(node_, simulator, reference_run),
       markers_(node_, "visualization_marker_array", "bodies", options.tf, options.tf_prefix,
                options.repeat_period),
       interactive_(simulator),
       moment_(timeline.advance(simulator, true)),
       spinner_(1, &queue_),
-      hands_spinner_(1, &hands_queue_) {
+      user_input_spinner_(1, &user_input_queue_) {
   if (options.clock) clock_ = node_.advertise<rosgraph_msgs::Clock>("/clock", 10);
   every(kMotionPeriod, &Publishers::sendMotion, queue_);
   every(kMarkerPeriod, &Publishers::sendMarkers, queue_);
-  every(kInteractivePeriod, &Publishers::sendInteractive, hands_queue_);
+  every(kInteractivePeriod, &Publishers::sendInteractive, user_input_queue_);
   every(kStatusPeriod, &Publishers::sendStatus, queue_);
   if (options.status_line) every(kLinePeriod, &Publishers::printStatus, queue_);
   spinner_.start();
-  hands_spinner_.start();
+  user_input_spinner_.start();
 }
 
 void Publishers::every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that the node publishes, each at its own rate, from threads that live on wall time: so pictures and
-// /clock go on while the simulation is paused. What hands do to bodies waits for the simulator, so it has a
-// thread of its own: a slow step holds up no clock and no transform.
+// Publishers of the node, each at its own rate, in threads that run on wall time. So pictures and /clock go
+// on while the simulation is paused. User input waits for the simulator, so it has a thread of its own: a
+// slow step delays no clock and no transform.
 #pragma once
 
 #include "event_publisher.h"
-#include "ghost.h"
 #include "interactive_bodies.h"
 #include "markers.h"
+#include "reference_run.h"
 #include "state_publisher.h"
 #include "status_publisher.h"
 #include "tf_publisher.h"
@@ -27,12 +27,13 @@ class Publishers {
     bool clock = true;         ///< send /clock
     bool status_line = false;  ///< print a line a second to the terminal
     TfMode tf = TfMode::All;
-    std::string tf_prefix;        ///< in front of the bodies' frames
+    std::string tf_prefix;        ///< prefix of the bodies' frames
     double contacts_rate = 10.0;  ///< most messages of ~contacts a second; 0: one with every ~body_states
-    double repeat_period = 5.0;   ///< after which descriptions and markers are sent again, s; 0: never
+    double repeat_period = 5.0;   ///< period after which descriptions and markers are sent again, s; 0: never
   };
 
-  Publishers(Simulator& simulator, Timeline& timeline, const Ghost& ghost, const Options& options);
+  Publishers(Simulator& simulator, Timeline& timeline, const ReferenceRun& reference_run,
+             const Options& options);
 
  private:
   void every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue);
@@ -46,7 +47,7 @@ class Publishers {
   Timeline& timeline_;
   const Options options_;
   ros::CallbackQueue queue_,
-      hands_queue_;  ///< of the timers alone, so that a long service call holds up nothing
+      user_input_queue_;  ///< of the timers alone, so that a long service call delays none
   ros::NodeHandle node_;
   ros::Publisher clock_;
   TfPublisher tf_;
@@ -57,7 +58,7 @@ class Publishers {
   InteractiveBodies interactive_;
   Timeline::Moment moment_;  ///< the last one
   std::vector<ros::WallTimer> timers_;
-  ros::AsyncSpinner spinner_, hands_spinner_;
+  ros::AsyncSpinner spinner_, user_input_spinner_;
 };
 
 }  // namespace rbs

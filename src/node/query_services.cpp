@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Services that answer questions about the world, from the last snapshot.
+// Queries on the last snapshot: ray casts, closest points, overlaps.
 #include "services.h"
 
 #include "body_spec.h"
@@ -46,9 +46,9 @@ std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Req
     msg.distance = hit.distance;
     response.hits.push_back(msg);
   }
-  if (hits.empty()) return "the ray meets nothing";
+  if (hits.empty()) return "the ray hits nothing";
   const std::string count = request.all ? bodyCount(hits.size()) + ", first " : "";
-  return words("the ray meets ", count, "'", response.hits[0].body, "' after ", hits[0].distance, " m at ",
+  return words("the ray hits ", count, "'", response.hits[0].body, "' after ", hits[0].distance, " m at ",
                inWords(hits[0].p_W));
 }
 
@@ -82,8 +82,9 @@ std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::R
     response.bodies.push_back(nameOf(snapshot, neighbour.body));
     response.distances.push_back(neighbour.distance);
   }
-  if (response.bodies.empty()) return "no body is there";
-  return words(bodyCount(response.bodies.size()), " there, first '", response.bodies[0], "'");
+  if (response.bodies.empty()) return words("no body within ", request.margin, " m of the shape");
+  return words(bodyCount(response.bodies.size()), " within ", request.margin, " m of the shape, first '",
+               response.bodies[0], "'");
 }
 
 }  // namespace

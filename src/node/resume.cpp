@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = boost::filesystem;
 
-/// The last line of a kept state. It tells a file that was cut or changed, which may still be a scene, from a
-/// whole one.
+/// The last line of a saved state: a checksum. It detects a file that was cut or changed, which may still be
+/// a valid scene.
 std::string seal(const std::string& text) {
   std::uint64_t sum = 0xcbf29ce484222325ull;  // FNV-1a
   for (const unsigned char byte : text) sum = (sum ^ byte) * 0x100000001b3ull;
@@ -34,8 +34,7 @@ void checkSeal(const std::string& file) {
   const std::size_t length = seal("").size();
   const std::size_t end = text.size() < length ? 0 : text.size() - length;
   const bool sealed = text.substr(end) == seal(text.substr(0, end));
-  if (!sealed)
-    throw InvalidInput({{file, "", "a state that a node has kept, and that nobody has cut or changed"}});
+  if (!sealed) throw InvalidInput({{file, "", "a state saved by a node, neither cut nor changed since"}});
 }
 
 std::string localTime(std::time_t time) {
@@ -70,7 +69,7 @@ Resume::Resume(Session& session, const std::string& file, bool take) : session_(
 void Resume::take() {
   try {
     if (!untaken_)
-      throw InvalidInput({{file_.empty() ? "~state_file" : file_, "", "a file with a kept state"}});
+      throw InvalidInput({{file_.empty() ? "~state_file" : file_, "", "a file with a saved state"}});
     checkSeal(file_);
     session_.loadState(file_);
     untaken_ = false;
@@ -84,8 +83,8 @@ void Resume::take() {
 
 void Resume::offer() const {
   boost::system::error_code gone;
-  ROS_INFO_STREAM("the state of " << localTime(fs::last_write_time(file_, gone)) << " is kept in " << file_
-                                  << ": start with resume:=true to go on from it");
+  ROS_INFO_STREAM("the state of " << localTime(fs::last_write_time(file_, gone)) << " is saved in " << file_
+                                  << ": start with resume:=true to continue from it");
 }
 
 std::string Resume::previous() const {
@@ -105,10 +104,10 @@ void Resume::keep() {
     fs::create_directories(fs::path(file_).parent_path());
     if (untaken_) fs::copy_file(file_, previous(), fs::copy_options::overwrite_existing);
     writeFile(file_, text + seal(text), true);
-    std::printf("kept '%s' at %g s in %s: start with resume:=true to go on from it\n", scene.name.c_str(),
+    std::printf("saved '%s' at %g s in %s: start with resume:=true to continue from it\n", scene.name.c_str(),
                 state.time, file_.c_str());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "the state was not kept: %s\n", error.what());
+    std::fprintf(stderr, "the state was not saved: %s\n", error.what());
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Resume: what the simulation has come to, kept in a file from the end of one node to the start of the next.
+// Resume: saves the state of the simulation in a file at the end of a node, and restores it in the next one.
 #pragma once
 
 #include "session.h"
@@ -10,19 +10,17 @@ namespace rbs {
 
 class Resume {
  public:
-  /// Where the node of this name keeps its state: in $ROS_HOME, or else ~/.ros.
+  /// File in which the node of this name saves its state: in $ROS_HOME, or else in ~/.ros.
   static std::string usualFile(const std::string& node_name);
 
-  /// With `take`, replaces the scene by the state in `file`; where there is none, or it is damaged or not one
-  /// that a node has kept, logs the reason and the scene stays. Without, logs that there is one and how to
-  /// take it. `file` empty: keeps and takes nothing.
+  /// With `take`, replaces the scene by the state in `file`. Where the file is missing, damaged, or not
+  /// written by a node, it logs the reason and the scene stays. Without `take`, it logs that there is a state
+  /// and how to resume it. `file` empty: nothing is saved or restored.
   Resume(Session& session, const std::string& file, bool take);
 
-  /// Writes the state, whole or not at all, where a person would miss it: the world was edited, or time has
-  /// gone on. A state that was there and was not taken gives way only to one that was edited, and is then
-  /// kept beside it, as
-  /// "*.previous.yaml". Waits for the step that is being taken. Prints what it did, since the log of ROS ends
-  /// before the node; never throws.
+  /// Writes the state, whole or not at all, where the world was edited or time has passed. An earlier state
+  /// that was not taken is replaced only by an edited one, and is then saved as "*.previous.yaml". Waits for
+  /// the step under way. Prints the result, because the log of ROS ends before the node. Never throws.
   void keep();
 
  private:
@@ -32,7 +30,7 @@ class Resume {
 
   Session& session_;
   const std::string file_;
-  bool untaken_ = false;  ///< whether there is a state that this node has not taken
+  bool untaken_ = false;  ///< whether the file holds a state that this node has not resumed
   std::uint64_t first_edits_, first_steps_;
 };
 

@@ -14,7 +14,7 @@
 namespace rbs {
 namespace {
 
-// A call of step holds a thread until its steps are done: one of its own. Another refuses a second call
+// A call of step occupies one thread until its steps are done. The other thread refuses a second call
 // meanwhile.
 constexpr int kStepThreads = 2;
 
@@ -24,12 +24,12 @@ using rigid_body_sim::SetSpeed;
 using rigid_body_sim::Step;
 using std_srvs::Trigger;
 
-Services::Services(Session& session, Ghost& ghost)
+Services::Services(Session& session, ReferenceRun& reference_run)
     : session_(session),
       simulator_(session.simulator()),
       node_("~"),
       accuracy_(node_, simulator_, session.timeline()),
-      ghost_(ghost),
+      reference_run_(reference_run),
       step_spinner_(kStepThreads, &step_queue_) {
   offerBodyEdits();
   offerPushes();
@@ -38,7 +38,7 @@ Services::Services(Session& session, Ghost& ghost)
   offerQueries();
   offerRun();
   offerScenes();
-  offerDial();
+  offerAccuracy();
   step_spinner_.start();
 }
 
@@ -51,8 +51,8 @@ std::string takeSteps(Simulator& simulator, const Step::Request& request, Step::
   response.taken = taken.steps;
   response.time = simulator.snapshot()->time;
   if (!taken.ended_by.empty())
-    throw std::runtime_error(words(taken.ended_by, " ended it after ", taken.steps, " of ", n, " steps, at ",
-                                   response.time, " s"));
+    throw std::runtime_error(words("ended by ", taken.ended_by, " after ", taken.steps, " of ", n,
+                                   " steps, at ", response.time, " s"));
   return words("took ", n, n == 1 ? " step" : " steps", ", now at ", response.time, " s");
 }
 
@@ -77,7 +77,8 @@ void Services::offerRun() {
   });
   offer<SetSpeed>("set_speed", [this](const SetSpeed::Request& request, SetSpeed::Response&) {
     simulator_.setSpeed(request.factor);
-    return request.factor == 0.0 ? "as fast as possible" : words("speed is ", request.factor, " x real time");
+    return request.factor == 0.0 ? "as fast as possible"
+                                 : words("requested real-time factor: ", request.factor);
   });
   offer<Step>(
       "step",

@@ -9,8 +9,8 @@
 namespace rbs {
 
 /// What has changed of the scene between two snapshots, "gravity was changed"; empty: nothing. The state of
-/// the bodies, the dial, colours and the view do not count. Costs one pass over the bodies where their
-/// descriptions have changed.
+/// the bodies, the solver settings, colours and the view do not count. Costs one pass over the bodies where
+/// their descriptions have changed.
 std::string sceneChange(const Snapshot& then, const Snapshot& now);
 
 }  // namespace rbs

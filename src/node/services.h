@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The services of the node: each posts a command to the simulator, waits until it is done and answers.
+// The services of the node: each posts a command to the simulator, waits until it is done and replies.
 //
-// An answer has `success` and `message`: what was done and assumed, or every reason why not, and then the
-// world is as it was. The call itself never fails.
+// A reply has `success` and `message`. The message of a success says what was done and assumed. That of a
+// refusal lists every fault, and the world is unchanged. The call itself never fails.
 #pragma once
 
 #include "accuracy_job.h"
-#include "ghost.h"
+#include "reference_run.h"
 #include "session.h"
 
 #include <ros/callback_queue.h>
@@ -22,23 +22,23 @@ namespace rbs {
 class Services {
  public:
   /// Offers all services, private to the node.
-  Services(Session& session, Ghost& ghost);
+  Services(Session& session, ReferenceRun& reference_run);
 
  private:
-  /// What a service does: answers with a message, or throws.
+  /// Handler of a service: returns the message of the reply, or throws.
   template <class Service>
   using Handler = std::function<std::string(const typename Service::Request&, typename Service::Response&)>;
 
-  /// The same for one that works on the world, between two steps.
+  /// Handler of a service that edits the world, between two steps.
   template <class Service>
   using Edit = std::string (*)(World&, const typename Service::Request&, typename Service::Response&);
 
-  /// The same for one that only reads.
+  /// Handler of a service that only reads the last snapshot.
   template <class Service>
   using Query = std::string (*)(const Snapshot&, const typename Service::Request&,
                                 typename Service::Response&);
 
-  /// On this queue of calls, or on that of all nodes.
+  /// Offers a service on this callback queue, or on the global one.
   template <class Service>
   void offer(const std::string& name, Handler<Service> handler, ros::CallbackQueue* queue = nullptr);
   template <class Service>
@@ -53,13 +53,13 @@ class Services {
   void offerSurroundings();
   void offerRun();
   void offerScenes();
-  void offerDial();
+  void offerAccuracy();
 
   Session& session_;
   Simulator& simulator_;
   ros::NodeHandle node_;
   AccuracyJob accuracy_;
-  Ghost& ghost_;
+  ReferenceRun& reference_run_;
   std::vector<ros::ServiceServer> servers_;
   ros::CallbackQueue step_queue_;
   ros::AsyncSpinner step_spinner_;

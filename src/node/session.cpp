@@ -6,7 +6,7 @@
 namespace rbs {
 namespace {
 
-// The allocator keeps what a large scene has held, for good, unless it is asked to give it back.
+// The allocator keeps the memory of a large scene for good, unless malloc_trim() gives it back.
 void giveBackMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);

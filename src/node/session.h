@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Session: the scene that is loaded, and what replaces it.
+// Session: the scene that is loaded, and its replacement by another.
 #pragma once
 
 #include "timeline.h"
@@ -16,10 +16,10 @@ namespace rbs {
 class Session {
  public:
   struct Options {
-    std::string folder;                 ///< of the catalogue of scenes
-    std::string scene = "playground";   ///< the first one
-    std::optional<std::uint64_t> seed;  ///< instead of that of every scene
-    std::optional<Fidelity> fidelity;   ///< likewise
+    std::string folder;                 ///< folder of the catalogue of scenes
+    std::string scene = "playground";   ///< first scene: a name of the catalogue or a path
+    std::optional<std::uint64_t> seed;  ///< replaces the seed of every scene
+    std::optional<Fidelity> fidelity;   ///< replaces the solver settings of every scene
     bool wall_stamps = false;           ///< stamp messages with wall time
     Simulator::Options run;
   };
@@ -38,7 +38,7 @@ class Session {
   /// Back to the world as it was loaded.
   void reset();
 
-  /// Whether the scene has air of its own, and not by a switch of the wind.
+  /// Whether the scene itself has air. Air that was added by switching the wind on does not count.
   bool hasOwnAir() const;
   /// The wind that a switch turns on: the one it turned off, or else that of the scene, or else the default.
   Wind usualWind() const;

@@ -70,7 +70,7 @@ void fillTotals(const Totals& totals, rigid_body_sim::Status& msg) {
   msg.angular_momentum = toMsg(totals.angular_momentum);
 }
 
-void fillDial(const Snapshot& snapshot, rigid_body_sim::Status& msg) {
+void fillSettings(const Snapshot& snapshot, rigid_body_sim::Status& msg) {
   msg.fidelity = settingName(snapshot.fidelity);
   msg.dial_reason = snapshot.dial_reason;
   const Goal goal = snapshot.goal.value_or(Goal{});
@@ -78,14 +78,14 @@ void fillDial(const Snapshot& snapshot, rigid_body_sim::Status& msg) {
   msg.max_step_ms = goal.max_step_ms.value_or(0.0);
   if (!snapshot.estimate) return;
   const ErrorEstimate& estimate = *snapshot.estimate;
-  rigid_body_sim::ErrorEstimate& told = msg.estimate.emplace_back();
-  told.distance = finite(estimate.error.distance);
-  told.angle = finite(estimate.error.angle);
-  told.energy = finite(estimate.error.energy);
-  told.window = estimate.window;
-  told.fidelity = settingName(estimate.setting);
-  told.beside = settingName(estimate.beside);
-  told.beside_ms = estimate.beside_ms;
+  rigid_body_sim::ErrorEstimate& out = msg.estimate.emplace_back();
+  out.distance = finite(estimate.error.distance);
+  out.angle = finite(estimate.error.angle);
+  out.energy = finite(estimate.error.energy);
+  out.window = estimate.window;
+  out.fidelity = settingName(estimate.setting);
+  out.beside = settingName(estimate.beside);
+  out.beside_ms = estimate.beside_ms;
 }
 
 void fillPace(const Pace& pace, const Snapshot& snapshot, rigid_body_sim::Status& msg) {
@@ -115,7 +115,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   msg.step_cpu_seconds = snapshot.step_cpu_seconds;
   fillReport(snapshot.report, msg);
   fillTotals(snapshot.totals, msg);
-  fillDial(snapshot, msg);
+  fillSettings(snapshot, msg);
   fillResiduals(snapshot.report.residuals, msg);
   for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
   return msg;
@@ -142,9 +142,10 @@ std::size_t frozenBodies(const Snapshot& snapshot) {
 
 }  // namespace
 
-StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const Ghost& ghost)
+StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulator,
+                                 const ReferenceRun& reference_run)
     : simulator_(simulator),
-      ghost_(ghost),
+      reference_run_(reference_run),
       status_(Topic::of<rigid_body_sim::Status>(node, "status", 10)),
       wind_(Topic::of<rigid_body_sim::Wind>(node, "wind", 10)) {
   diagnostics_.setHardwareID("none");
@@ -155,7 +156,7 @@ void StatusPublisher::publish(const Timeline::Moment& moment) {
   if (status_.wanted(true)) {
     rigid_body_sim::Status msg = statusMsg(moment, simulator_.pace());
     msg.estimates_error = simulator_.estimatesErrors();
-    if (const std::optional<double> lag = ghost_.lag(msg.time)) msg.ghost_lag.push_back(*lag);
+    if (const std::optional<double> lag = reference_run_.lag(msg.time)) msg.ghost_lag.push_back(*lag);
     status_.send(msg);
   }
   if (wind_.wanted(true)) wind_.send(windMsg(moment));
@@ -173,25 +174,25 @@ void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWra
   const std::size_t frozen = frozenBodies(snapshot);
   status.summary(Level::OK, inWords(pace));
   if (fallsBehind(pace))
-    status.mergeSummary(Level::WARN, "slower than asked for: " + bottleneck(pace, snapshot));
+    status.mergeSummary(Level::WARN, "below the requested speed: " + bottleneck(pace, snapshot));
   for (const Warning& warning : snapshot.report.warnings) status.mergeSummary(Level::WARN, warning.text);
   if (frozen > 0) status.mergeSummary(Level::ERROR, bodyCount(frozen) + " frozen: delete or reset");
   status.add("scene", snapshot.scene);
   status.add("bodies", snapshot.bodies->size());
   status.add("frozen bodies", frozen);
-  status.add("requested speed", pace.requested_speed);
-  status.add("achieved speed", pace.achieved_speed);
+  status.add("requested real-time factor", pace.requested_speed);
+  status.add("achieved real-time factor", pace.achieved_speed);
   status.add("simulated time lost, s", pace.lost_time);
   status.add("wall time of the last step, s", snapshot.report.seconds);
   status.add("deepest penetration, m", snapshot.report.deepest_penetration);
 }
 
 std::string statusLine(const Snapshot& snapshot, const Pace& pace) {
-  const std::string held_up_by = bottleneck(pace, snapshot);
+  const std::string slowed_by = bottleneck(pace, snapshot);
   return words(snapshot.scene, "  ", snapshot.time, " s  ", inWords(pace),
-               held_up_by.empty() ? "" : " (" + held_up_by + ")", "  ", bodyCount(snapshot.bodies->size()),
+               slowed_by.empty() ? "" : " (" + slowed_by + ")", "  ", bodyCount(snapshot.bodies->size()),
                "  ", snapshot.report.contacts, " contacts  ", 1e3 * snapshot.report.seconds,
-               " ms a step  deepest ", snapshot.report.deepest_penetration, " m");
+               " ms per step  penetration ", snapshot.report.deepest_penetration, " m");
 }
 
 }  // namespace rbs

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the simulation is doing: ~status, ~wind, /diagnostics and the line on the terminal.
+// Publishes the state of the simulation: ~status, ~wind, /diagnostics and the line on the terminal.
 #pragma once
 
-#include "ghost.h"
+#include "reference_run.h"
 #include "timeline.h"
 #include "topic.h"
 
@@ -12,7 +12,7 @@ namespace rbs {
 
 class StatusPublisher {
  public:
-  StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const Ghost& ghost);
+  StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const ReferenceRun& reference_run);
 
   void publish(const Timeline::Moment& moment);
   /// Sends /diagnostics, once a second however often it is called.
@@ -22,7 +22,7 @@ class StatusPublisher {
   void describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const Simulator& simulator_;
-  const Ghost& ghost_;
+  const ReferenceRun& reference_run_;
   Topic status_, wind_;
   diagnostic_updater::Updater diagnostics_;
   std::shared_ptr<const Snapshot> diagnosed_;

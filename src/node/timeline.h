@@ -16,15 +16,15 @@
 
 namespace rbs {
 
-/// Thread-safe, and nobody holds it up: a lock of it lasts for a few lines.
+/// Thread-safe. Its lock is held for a few lines only, so no caller waits long.
 class Timeline {
  public:
   /// With `wall` the stamps are those of the wall clock instead.
   explicit Timeline(bool wall);
 
-  /// That the world was replaced by another.
+  /// A replacement of the world by another.
   struct Replacement {
-    std::string kind;  ///< of the event: "loaded" or "reset"
+    std::string kind;  ///< kind of the event: "loaded" or "reset"
     std::string text;
   };
 
@@ -36,8 +36,8 @@ class Timeline {
     std::vector<Replacement> replacements;  ///< noted since the moment before
   };
 
-  /// The newest snapshot with its stamp. The stamp is a new one where time has gone on, where an edit was
-  /// made, or where it is asked for, to send again what has not changed; on the wall clock ten times a second
+  /// The newest snapshot with its stamp. The stamp is new where time has passed, where an edit was made, or
+  /// where `again` requires it, to send unchanged data again. On the wall clock it is new ten times a second
   /// at least.
   Moment advance(const Simulator& simulator, bool again);
 
@@ -50,8 +50,8 @@ class Timeline {
  private:
   const bool wall_;
   mutable std::mutex mutex_;
-  double elapsed_ = 0.0;     ///< of the last moment's snapshot, s
-  std::uint64_t edits_ = 0;  ///< likewise
+  double elapsed_ = 0.0;     ///< Snapshot::elapsed of the last moment, s
+  std::uint64_t edits_ = 0;  ///< Snapshot::edits of the last moment
   ros::Time stamp_;          ///< of the last moment
   std::vector<Replacement> replacements_;
 };

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Services that change the air and gravity, and those that read.
+// Services that change the air, gravity and effects, and services that read bodies.
 #include "services.h"
 
 #include "convert.h"
 #include "names.h"
-#include "rigid_body_sim/neglect.h"
+#include "rigid_body_sim/modelling_error.h"
 #include "rigid_body_sim/quote.h"
 #include "words.h"
 
@@ -36,25 +36,25 @@ void check(const Wind& wind) {
   if (!problems.empty()) throw InvalidInput(problems);
 }
 
-/// Makes the air move, and adds air where there is none. Answers in words.
-std::string blow(World& world, const Wind& wind) {
+/// Switches the wind on, and adds air where there is none. Returns the reply in words.
+std::string startWind(World& world, const Wind& wind) {
   check(wind);
   const bool has_air = world.scene().air.has_value();
   if (!has_air) world.setAir(Air{});
   world.setWind(wind);
   return words("wind on: ", describe(world.snapshot().air),
-               has_air ? "" : "; the scene had no air, it was added");
+               has_air ? "" : "; air was added, because the scene had none");
 }
 
-/// Stills the air, and takes it away where the scene has none of its own.
-std::string still(World& world, bool own_air) {
+/// Switches the wind off, and removes the air where the scene itself has none.
+std::string stopWind(World& world, bool own_air) {
   if (own_air) {
     world.setWind(std::nullopt);
   } else {
     world.setAir(std::nullopt);
   }
   return words("wind off: ", describe(world.snapshot().air),
-               own_air ? "" : ", since the scene has none of its own");
+               own_air ? "" : ", because the scene has none of its own");
 }
 
 std::string enableWind(Session& session, bool on) {
@@ -62,13 +62,13 @@ std::string enableWind(Session& session, bool on) {
   session.simulator().edit([&](World& world) {
     const std::optional<Wind> wind = world.scene().wind;
     if (wind) session.setUsualWind(*wind);
-    message = on ? blow(world, session.usualWind()) : still(world, session.hasOwnAir());
+    message = on ? startWind(world, session.usualWind()) : stopWind(world, session.hasOwnAir());
   });
   return message;
 }
 
 std::string setWind(World& world, const SetWind::Request& request, SetWind::Response&) {
-  return blow(world, Wind{fromMsg(request.velocity), request.gust});
+  return startWind(world, Wind{fromMsg(request.velocity), request.gust});
 }
 
 std::string setGravity(World& world, const SetGravity::Request& request, SetGravity::Response&) {
@@ -106,7 +106,7 @@ std::string describe(const EffectOverrides& effects) {
                off.empty() ? "" : "forced off: ", off);
 }
 
-// What is neglected is measured on a copy, on the thread of the service: the simulation goes on meanwhile.
+// The modelling error is measured on a copy, on the thread of the service: the simulation goes on meanwhile.
 std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
                        SetEffects::Response& response) {
   std::string message;
@@ -123,9 +123,9 @@ std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
     state = world.captureState();
   });
   for (const std::string& name : request.force_off) {
-    const auto neglect = measureNeglect(scene, state, {{effectNamed(name), false}});
+    const auto error = measureModellingError(scene, state, {{effectNamed(name), false}});
     response.neglected.push_back(
-        words("without ", name, ": ", neglect ? rbs::describe(*neglect) : "the scene is too large to tell"));
+        words("without ", name, ": ", error ? rbs::describe(*error) : "the scene is too large to measure"));
   }
   return message;
 }

@@ -82,7 +82,7 @@ AccuracyPlot::AccuracyPlot() {
   for (const Axis axis : {xBottom, yLeft}) setAxisScaleEngine(axis, new QwtLogScaleEngine);
   setAxisMaxMinor(yLeft, 0);
   setAxisMaxMajor(yLeft, 5);
-  setAxisTitle(xBottom, small("CPU ms a step"));
+  setAxisTitle(xBottom, small("CPU ms per step"));
   setAxisTitle(yLeft, small("error, m/s"));
   setCanvasBackground(Qt::white);
   setFixedHeight(200);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The settings of the dial by what they cost and what they give, and the live one among them.
+// Chart of error against CPU time: one point for each choice of solver settings, and the live one.
 #pragma once
 
 #include <rigid_body_sim/AccuracyStudy.h>

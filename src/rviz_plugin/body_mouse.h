@@ -69,7 +69,7 @@ class BodyMouse : public rviz::InteractiveObject {
   Ogre::Vector3 position_;  ///< of the body as it is drawn, in the fixed frame
   Ogre::Quaternion orientation_;
   std::optional<Drag> drag_;
-  QTimer still_there_;             ///< tells the simulator that a mouse at rest still drags
+  QTimer still_there_;             ///< sends to the simulator that a mouse at rest still drags
   boost::shared_ptr<QMenu> menu_;  ///< that is open
 };
 

@@ -56,7 +56,7 @@ int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
 
 // Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
-  nothing_there_ = "There is no body: the mouse turns the view.";
+  nothing_there_ = "There is no body here: the mouse turns the view.";
   for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
     bodiesOf(node);  // so that they are known before the first press
   const std::optional<PickedMarker> picked = pickMarker(*context_, event);
@@ -66,7 +66,8 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   const QString node = QString::fromStdString(picked->node);
   const rigid_body_sim::BodyDescription* const body = simulator->find(picked->id);
   if (!body) {
-    nothing_there_ = QString("%1 has not said which body this is: the mouse turns the view.").arg(node);
+    nothing_there_ =
+        QString("%1 has not sent the description of this body yet: the mouse turns the view.").arg(node);
   } else if (body->shape == "plane") {
     nothing_there_ = QString("'%1' is a plane, which cannot be dragged: the mouse turns the view.")
                          .arg(QString::fromStdString(body->name));

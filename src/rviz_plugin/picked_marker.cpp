@@ -13,7 +13,7 @@
 namespace rbs {
 namespace {
 
-// A marker tells its namespace and id only by the properties that RViz shows of what is selected. They are
+// A marker has its namespace and id only in the properties that RViz shows of what is selected. They are
 // made here, read and taken away again. Those of a marker that is selected now are in use: it is deselected
 // first.
 QString titleOf(rviz::SelectionManager& manager, rviz::SelectionHandler& handler,

@@ -16,7 +16,7 @@
 
 namespace rbs {
 
-/// Calls services one after the other, in the order they were asked for. All but the calls themselves
+/// Calls services one after the other, in the order of the requests. All but the calls themselves
 /// happens on the thread that made this object.
 class ServiceWorker : public QObject {
   Q_OBJECT

@@ -37,7 +37,7 @@ SimulationPanel::SimulationPanel()
       answer_(new ElidedText(3)),
       warnings_(new ElidedText(2)),
       status_(new StatusView),
-      dial_(new DialView(simulator_)),
+      accuracy_(new AccuracyView(simulator_)),
       pipeline_(new PipelineTable) {
   node_->setNode("sim");
   layOut();
@@ -67,7 +67,7 @@ void SimulationPanel::layOut() {
   rows->addWidget(transport_);
   rows->addLayout(choices);
   rows->addWidget(status_);
-  rows->addWidget(dial_);
+  rows->addWidget(accuracy_);
   rows->addWidget(pipeline_, 1);
 
   auto* last_row = new QHBoxLayout;
@@ -134,7 +134,7 @@ void SimulationPanel::save(rviz::Config config) const {
 
 void SimulationPanel::follow(const QString& node) {
   node_->setNode(node);
-  tell(QString("No simulator is heard at '%1'.").arg(node), true);
+  tell(QString("No simulator answers at '%1'.").arg(node), true);
   simulator_.follow(node);
 }
 
@@ -142,7 +142,7 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   look(status);
   transport_->show(status);
   status_->show(status);
-  dial_->show(status);
+  accuracy_->show(status);
   pipeline_->show(status.pipeline);
   scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
   wind_->setChecked(status.wind);
@@ -174,7 +174,7 @@ void SimulationPanel::showHeard(bool is_heard) {
   if (is_heard) {
     tell({}, false);
   } else {
-    tell(QString("No simulator is heard at '%1'.").arg(simulator_.node()), true);
+    tell(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
   }
 }
 

@@ -2,7 +2,7 @@
 // SimulationPanel: the simulation's controls and its state, as a panel of RViz.
 #pragma once
 
-#include "dial_view.h"
+#include "accuracy_view.h"
 #include "elided_text.h"
 #include "node_box.h"
 #include "pipeline_table.h"
@@ -68,7 +68,7 @@ class SimulationPanel : public rviz::Panel {
   NodeBox* node_;
   ElidedText *answer_, *warnings_;
   StatusView* status_;
-  DialView* dial_;
+  AccuracyView* accuracy_;
   PipelineTable* pipeline_;
   QPointer<QShortcut> wind_key_;  ///< a child of RViz's window, which may go first
   QTimer warned_;                 ///< how long a warning stays

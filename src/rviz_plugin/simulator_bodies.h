@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The bodies of one simulator, as its descriptions tell them, and the way by which a mouse reaches them.
+// The bodies of one simulator by its descriptions, and the topics by which a mouse acts on them.
 #pragma once
 
 #include <rigid_body_sim/BodyDescriptions.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SimulatorClient: the simulator as the panel sees it, what it says and what it can be asked for.
+// SimulatorClient: the topics and services of one simulator, as the panel uses them.
 #pragma once
 
 #include "service_worker.h"

@@ -5,11 +5,11 @@ namespace rbs {
 namespace {
 
 QString speedInWords(const rigid_body_sim::Status& status) {
-  const QString asked =
+  const QString requested =
       status.requested_speed == 0.0 ? "max" : QString::number(status.requested_speed, 'g', 3) + " ×";
   if (status.steps_left > 0) return QString("%1 steps to go").arg(status.steps_left);
-  if (status.paused) return "paused, " + asked;
-  return QString::number(status.achieved_speed, 'g', 2) + " of " + asked;
+  if (status.paused) return "paused, " + requested;
+  return QString::number(status.achieved_speed, 'g', 2) + " of " + requested;
 }
 
 /// A length that is small beside the bodies.
@@ -20,7 +20,9 @@ QString smallLength(double metres) {
 }
 
 QString lossInWords(const rigid_body_sim::Status& status) {
-  return QString("%1\n%2 s of simulated time were lost since the speed was set: they are not made up for.")
+  return QString(
+             "%1\n%2 s of simulated time were lost since the speed was set. The simulation does not catch "
+             "up.")
       .arg(status.bottleneck.empty() ? "It keeps up." : QString::fromStdString(status.bottleneck))
       .arg(status.lost_time, 0, 'f', 1);
 }
@@ -34,16 +36,16 @@ StatusView::StatusView() : grid_(new QGridLayout(this)) {
   grid_->setColumnStretch(1, 1);
   grid_->setColumnStretch(3, 1);
   time_ = addNumber(0, 0, "Time", "Physics time since the scene began");
-  speed_ = addNumber(0, 2, "Speed", "Achieved speed of the speed asked for, times real time");
+  speed_ = addNumber(0, 2, "Speed", "Achieved and requested real-time factor");
   bodies_ = addNumber(1, 0, "Bodies", "All bodies of the world");
-  contacts_ = addNumber(1, 2, "Contacts", "Points where bodies touch or nearly touch");
+  contacts_ = addNumber(1, 2, "Contacts", "Contact points: bodies touch or nearly touch there");
   energy_ =
       addNumber(2, 0, "Energy", "Kinetic and potential energy; the potential one is zero at the origin");
-  impacts_ = addNumber(2, 2, "Impacts", "Impacts of the last step");
+  impacts_ = addNumber(2, 2, "Impacts",
+                       "Impacts of the last step, located in time (continuous collision detection)");
   deepest_ = addNumber(3, 0, "Deepest", "Deepest penetration at the end of the last step");
   step_time_ = addNumber(3, 2, "Step", "Wall time of the last step");
-  slow_ =
-      addNumber(4, 0, "Slowed by", "What holds the simulation up, where it runs slower than it is asked to");
+  slow_ = addNumber(4, 0, "Slowed by", "The bottleneck, where the simulation runs slower than requested");
   grid_->addWidget(slow_, 4, 1, 1, 3);
   slow_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);  // a long text makes no window wider
 }

@@ -13,7 +13,7 @@ namespace {
 QSpinBox* makeSteps() {
   auto* box = new QSpinBox;
   box->setRange(1, 1000);
-  box->setToolTip("Steps to take at a press of the button before");
+  box->setToolTip("Number of steps that the button beside it takes");
   return box;
 }
 
@@ -25,7 +25,7 @@ QDoubleSpinBox* makeSpeed() {
   box->setSuffix(" ×");
   box->setSpecialValueText("max");
   box->setKeyboardTracking(false);
-  box->setToolTip("Speed, times real time; 0 is as fast as possible");
+  box->setToolTip("Requested real-time factor; 0 is as fast as possible");
   return box;
 }
 
@@ -38,7 +38,7 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   row->setSpacing(4);
   play_ = addButton(playIcon(), "Run");
   QToolButton* const reset = addButton(resetIcon(), "Reset: back to the scene as it was loaded");
-  step_ = addButton(stepIcon(), "Step, while paused");
+  step_ = addButton(stepIcon(), "Take steps, while paused");
   row->addWidget(steps_);
   row->addStretch();
   row->addWidget(new QLabel("Speed"));

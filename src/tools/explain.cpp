@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints what a scene simulates, why, and what each part costs, without a node.
+// Prints the stages that a scene runs, the reason for each, and its cost, without a node.
 #include "catalogue.h"
 
-#include "rigid_body_sim/neglect.h"
+#include "rigid_body_sim/modelling_error.h"
 #include "rigid_body_sim/scenes.h"
 
 #include <nlohmann/json.hpp>
@@ -35,12 +35,12 @@ constexpr int kInterrupted = 130;  // exit code, as of a program that ended by S
 
 volatile std::sig_atomic_t interrupted = 0;
 
-/// How far the steps are, on a terminal.
+/// Shows on a terminal how far the steps are.
 class Progress {
  public:
-  /// Of so many steps in all.
+  /// For this number of steps in all.
   explicit Progress(std::int64_t steps) : steps_(steps) {}
-  /// More were taken. Returns whether to go on.
+  /// Counts steps that were taken. Returns whether to go on.
   bool operator()(std::int64_t more) {
     taken_ += more;
     const auto now = std::chrono::steady_clock::now();
@@ -61,13 +61,13 @@ class Progress {
   std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
 };
 
-/// What there is to say of a scene.
+/// The result for a scene.
 struct Explanation {
   Snapshot snapshot;
   std::vector<StageInfo> stages;  ///< with the mean seconds of a step, of those that were taken
   std::vector<std::string> neglected;
-  std::int64_t steps = 0;    ///< that were taken: all that were asked for, unless it was interrupted
-  double cpu_seconds = 0.0;  ///< of a step, the mean of a run that looks at nothing else
+  std::int64_t steps = 0;    ///< steps taken: all that were requested, unless it was interrupted
+  double cpu_seconds = 0.0;  ///< mean CPU time of a step in a run that reads nothing, s; 0: not measured
 };
 
 double cpuSeconds() {
@@ -76,7 +76,8 @@ double cpuSeconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Of a short run, which caches and clocks disturb, the fastest of three. 0 where it was interrupted.
+/// CPU time of a step, s; 0 where it was interrupted. A short run is disturbed by caches and clocks, so it is
+/// repeated and the fastest of three counts.
 double cpuSecondsOfAStep(const World& begin, std::int64_t steps, Progress& progress) {
   constexpr int kRuns = 3;
   constexpr double kShort = 0.1;
@@ -122,9 +123,10 @@ Explanation explain(const Request& request) {
   Explanation result{world.snapshot(), std::move(stages), {}, steps, cpu_seconds};
   for (const auto& [effect, on] : file.scene.effects) {
     if (on || interrupted != 0) continue;
-    const auto neglect = measureNeglect(file.scene, file.state.value_or(SavedState{}), {{effect, false}});
+    const auto error =
+        measureModellingError(file.scene, file.state.value_or(SavedState{}), {{effect, false}});
     result.neglected.push_back(std::string("without ") + effectName(effect) + ": " +
-                               (neglect ? describe(*neglect) : "the scene is too large to tell"));
+                               (error ? describe(*error) : "the scene is too large to measure"));
   }
   return result;
 }
@@ -163,9 +165,9 @@ void print(const Request& request, const Explanation& e) {
     std::printf("  %-22s %10s  %-14s %s\n", stage.name.c_str(), cost, items.c_str(), stage.reason.c_str());
   }
   for (const std::string& line : e.neglected) std::printf("%s\n", line.c_str());
-  if (request.steps == 0) std::printf("Nothing was run; --steps 100 measures what each part costs.\n");
+  if (request.steps == 0) std::printf("No step was taken; --steps 100 measures the cost of each part.\n");
   if (e.cpu_seconds > 0.0)
-    std::printf("A step takes %.4g ms of CPU time where nobody looks on.\n", 1e3 * e.cpu_seconds);
+    std::printf("A step takes %.4g ms of CPU time in a run that reads nothing.\n", 1e3 * e.cpu_seconds);
   if (interrupted != 0)
     std::printf("Interrupted after %lld of %lld steps.\n", static_cast<long long>(e.steps),
                 static_cast<long long>(request.steps));
@@ -189,7 +191,7 @@ int main(int argc, char** argv) {
   namespace po = boost::program_options;
   Request request;
   po::options_description options(
-      "What a scene simulates, why, and what each part costs.\n"
+      "Lists the stages that a scene runs, the reason for each, and its cost.\n"
       "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file");
   auto add = options.add_options();
   add("help", "print this");
@@ -199,7 +201,7 @@ int main(int argc, char** argv) {
   add("fidelity", po::value(&request.fidelity), "preview, interactive, accurate or reference");
   add("on", po::value(&request.on)->multitoken()->composing(), "effects to force on");
   add("off", po::value(&request.off)->multitoken()->composing(),
-      "effects to force off, and what that neglects");
+      "effects to force off; prints the modelling error");
   add("steps", po::value(&request.steps),
       "take this many steps, up to 1,000,000, and print the mean cost of one; Ctrl-C ends them early");
   add("json", po::bool_switch(&request.json), "print JSON");

@@ -59,7 +59,7 @@ std::string lengthText(double metres) {
 void printChoice(const AccuracyStudy& study, const Request& request) {
   const auto say = [](const std::string& wish, const SettingCost* cost) {
     if (!cost) {
-      std::printf("%s: no setting that was measured\n", wish.c_str());
+      std::printf("%s: none of the measured solver settings\n", wish.c_str());
       return;
     }
     std::printf("%s: %s (%s a second, %.3g ms a step)\n", wish.c_str(), settingName(cost->setting).c_str(),
@@ -81,11 +81,11 @@ void printWindows(const AccuracyStudy& study) {
   if (study.shortened > 0)
     std::printf(
         " %u of them end earlier, the shortest after %.3g s: the reference does not converge for longer, or "
-        "the time would not do.",
+        "the CPU time ran out.",
         study.shortened, study.shortest);
   if (study.dropped > 0)
     std::printf(" In %u more the reference does not converge even for one step%s.", study.dropped,
-                study.windows > 0 ? "; they are left out" : ": all errors are upper bounds from these");
+                study.windows > 0 ? "; they are dropped" : ": all errors are upper bounds from these");
   std::printf("\n\n");
 }
 
@@ -96,12 +96,12 @@ void print(const AccuracyStudy& study, const Request& request) {
     return;
   }
   std::printf(
-      "Distance of the worst body from the reference for each second simulated, and the CPU time of a step.\n"
+      "Deviation of the worst body from the reference per second simulated, and the CPU time of a step.\n"
       "Means of %u windows along %.3g s%s. Halving the step of the reference changes %s a second.\n",
       std::max(study.windows, 1u), study.seconds, study.complete ? "" : " (there was no time for all)",
       lengthText(study.uncertainty.distance).c_str());
   printWindows(study);
-  std::printf("  %-38s %12s %14s %14s %12s %12s\n", "setting", "ms a step", "position", "at worst",
+  std::printf("  %-38s %12s %14s %14s %12s %12s\n", "solver settings", "ms a step", "position", "at worst",
               "orientation", "energy");
   for (const SettingCost& cost : study.settings)
     std::printf("  %-38s %12.3g %s%12s %14s %8.2g deg %10.2g %%\n", settingName(cost.setting).c_str(),
@@ -196,7 +196,7 @@ int main(int argc, char** argv) {
   Request request;
   AccuracyOptions& o = request.options;
   po::options_description options(
-      "What accuracy costs for a scene: error and time of each setting.\n"
+      "Accuracy study of a scene: error and CPU time of each choice of solver settings.\n"
       "Usage: scene_accuracy SCENE [OPTIONS]      SCENE: a name of the catalogue, a .yaml file, or - for "
       "standard input\n"
       "Exit codes: 0 done, 1 bad scene or request, 2 bad arguments, 3 no errors can be given, 130 "
@@ -206,17 +206,21 @@ int main(int argc, char** argv) {
   add("scene", po::value(&request.scene));
   add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)),
       "the catalogue of scenes");
-  add("from", po::value(&request.from), "s to simulate first, as the scene is set");
-  add("fidelity", po::value(&request.fidelity), "to simulate them with, instead of the scene's");
-  add("seconds", po::value(&o.seconds)->default_value(o.seconds), "of physics time to look ahead");
-  add("window", po::value(&o.window)->default_value(o.window), "s that settings run from a common state");
-  add("windows", po::value(&request.windows)->default_value(request.windows), "begun along those seconds");
+  add("from", po::value(&request.from), "s of physics time to simulate first");
+  add("fidelity", po::value(&request.fidelity), "quality level for that, instead of the scene's");
+  add("seconds", po::value(&o.seconds)->default_value(o.seconds), "s of physics time to look ahead");
+  add("window", po::value(&o.window)->default_value(o.window),
+      "length of a window, in which the settings run from a common state, s");
+  add("windows", po::value(&request.windows)->default_value(request.windows),
+      "number of windows, evenly spaced along the seconds");
   add("max-seconds", po::value(&o.max_cpu_seconds)->default_value(o.max_cpu_seconds),
-      "CPU time in which it must be done");
-  add("max-error", po::value(&request.max_error), "m a second: say which setting is the cheapest within");
-  add("max-step-ms", po::value(&request.max_step_ms), "ms: say which setting is the most accurate within");
+      "CPU time that the study may take, s");
+  add("max-error", po::value(&request.max_error),
+      "m per second simulated: print the cheapest settings within this error");
+  add("max-step-ms", po::value(&request.max_step_ms),
+      "ms: print the most accurate settings within this time of a step");
   add("json", po::bool_switch(&request.json), "print JSON");
-  add("progress", po::bool_switch(&request.progress), "print lines of JSON while it goes on, for programs");
+  add("progress", po::bool_switch(&request.progress), "print lines of JSON while it runs, for programs");
   add("background", po::bool_switch(&request.background), "at the lowest priority");
   po::positional_options_description positions;
   positions.add("scene", 1);

@@ -89,7 +89,8 @@ TEST(AccuracyStudy, EndsWhenToldToAndWhenItsTimeIsOver) {
       measureAccuracy(world, options, [&](double, const AccuracyStudy&) { return ++calls < 10; });
   EXPECT_EQ(calls, 10);
   EXPECT_FALSE(stopped.complete);
-  EXPECT_THAT(stopped.trouble, testing::HasSubstr("not one step of every setting"));
+  EXPECT_THAT(stopped.trouble,
+              testing::HasSubstr("ended before each choice of solver settings had taken one step"));
   EXPECT_EQ(cheapestWithin(stopped, 1.0), nullptr);
   EXPECT_EQ(mostAccurateWithin(stopped, 1e9), nullptr);
 

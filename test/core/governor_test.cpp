@@ -203,7 +203,7 @@ TEST(Governor, AGoalOfTimeGoesDownAndUpTheLadder) {
   Governor governor;
   run(governor, world, 2.0);
   EXPECT_EQ(world.scene().fidelity, Setting(Fidelity::Preview));
-  EXPECT_THAT(governor.reason(world), HasSubstr("the first rung, although"));
+  EXPECT_THAT(governor.reason(world), HasSubstr("the fastest settings, although"));
   world.setGoal(Goal{std::nullopt, 1e5});
   run(governor, world, 40.0);
   EXPECT_EQ(world.scene().fidelity.preset, Fidelity::Reference);

@@ -105,7 +105,7 @@ class ClientTest(unittest.TestCase):
         self.assertGreater(stages['islands.advance']['seconds_per_step'], 0.0)
         self.assertGreater(answer['cpu_seconds_per_step'], 0.0)
         self.assertNotIn('cpu_seconds_per_step', json.loads(run(SMALL, '--json').stdout))
-        self.assertIn('of CPU time where nobody looks on', run(SMALL, '--steps', '3').stdout)
+        self.assertIn('of CPU time in a run that reads nothing', run(SMALL, '--steps', '3').stdout)
         self.assertIn('without drag: in 0.25', answer['neglected'][0])
         for wrong in (['nowhere'], [SMALL, '--on', 'magnetism'], [SMALL, '--fidelity', 'best'], []):
             refused = run(*wrong)

@@ -94,7 +94,7 @@ class MeasuringTest(unittest.TestCase):
         for name, script in FAULTY.items():
             with self.subTest(name):
                 pid = self.measure_with(script)
-                self.assertIn('the program that measures gave no result', self.told().trouble)
+                self.assertIn('scene_accuracy gave no result', self.told().trouble)
                 self.assert_gone(pid)
                 self.assertEqual(children_of(self.node.pid), [])
                 self.assertIn('no result', ask('apply_accuracy', max_error=1.0).message)
@@ -115,7 +115,7 @@ class MeasuringTest(unittest.TestCase):
             self.assert_gone(pid)
         call('stop_accuracy')
         self.assertIn('stopped', self.told().trouble)
-        self.assertIn('nothing', call('stop_accuracy').message)
+        self.assertIn('no accuracy study', call('stop_accuracy').message)
 
     def test_a_program_that_cannot_be_run_is_told(self):
         refused = ask('measure_accuracy')

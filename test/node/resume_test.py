@@ -77,7 +77,7 @@ class ResumeTest(unittest.TestCase):
             call('step', n=20)
             last = self.status.fresh()
             self.assertEqual(node.end(number), 0, node.said())
-            self.assertIn('kept \'small\' at ', node.said())
+            self.assertIn('saved \'small\' at ', node.said())
             return last.hash
 
     @staticmethod
@@ -179,14 +179,14 @@ class ResumeTest(unittest.TestCase):
         with Node(self.file) as node:
             call('step', n=1)
             self.assertEqual(node.end(signal.SIGTERM), 0)
-            self.assertIn('the state was not kept: ', node.said())
+            self.assertIn('the state was not saved: ', node.said())
             self.assertIn(self.folder, node.said())
 
     def test_none_keeps_nothing(self):
         with Node('none') as node:
             call('clear')
             node.end(signal.SIGTERM)
-            self.assertNotIn('kept', node.said())
+            self.assertNotIn('saved', node.said())
 
     def test_a_relative_path_is_refused(self):
         node = Node('sim.yaml')

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Services that turn the dial from fast to exact, and that tell what each setting costs.
+// Services for solver settings and accuracy: choose them, measure their cost, control them by a goal.
 #include "services.h"
 
 #include "words.h"
@@ -21,17 +21,17 @@ using rigid_body_sim::TuneFidelity;
 using std_srvs::SetBool;
 using std_srvs::Trigger;
 
-/// Puts the dial to a setting, where no goal turns it any more. Answers in words.
-std::string turn(World& world, const Setting& setting) {
+/// Applies solver settings and ends the goal. Returns the reply in words.
+std::string applySettings(World& world, const Setting& setting) {
   const bool same = world.scene().fidelity == setting;
   world.setFidelity(setting);
   world.setGoal(std::nullopt);
-  return words("fidelity ", same ? "stays " : "is ", settingName(setting));
+  return words("solver settings", same ? " unchanged: " : ": ", settingName(setting));
 }
 
 std::string setFidelity(World& world, const SetFidelity::Request& request, SetFidelity::Response& response) {
   const std::vector<StageInfo> before = world.pipeline();
-  const std::string message = turn(world, fidelityNamed(request.fidelity));
+  const std::string message = applySettings(world, fidelityNamed(request.fidelity));
   response.changes = stageChanges(before, world.pipeline());
   return message;
 }
@@ -43,7 +43,7 @@ std::string tuneFidelity(World& world, const TuneFidelity::Request& request,
   if (request.sub_steps != 0) setting.sub_steps = request.sub_steps;
   if (request.tolerance != 0.0) setting.tolerance = request.tolerance;
   if (request.max_solve_ms != 0.0) setting.max_solve_ms = request.max_solve_ms;
-  const std::string message = turn(world, setting);
+  const std::string message = applySettings(world, setting);
   response.fidelity = settingName(setting);
   return message;
 }
@@ -58,34 +58,33 @@ Goal goalOf(const AccuracyGoal::Request& request) {
 }
 
 std::string inWords(const Goal& goal) {
-  return goal.max_error ? words("an error of at most ", *goal.max_error, " m for each second simulated")
-                        : words("at most ", *goal.max_step_ms, " ms a step");
+  return goal.max_error ? words("an error of at most ", *goal.max_error, " m per second simulated")
+                        : words("at most ", *goal.max_step_ms, " ms per step");
 }
 
 std::string seek(World& world, const AccuracyGoal::Request& request, AccuracyGoal::Response& response) {
   const Goal goal = goalOf(request);
   world.setGoal(goal);
   response.fidelity = settingName(world.scene().fidelity);
-  return words("the dial is turned for ", inWords(goal), "; it begins at ", response.fidelity,
-               goal.max_step_ms ? "; results now depend on how fast the machine is" : "");
+  return words("goal: ", inWords(goal), "; the solver settings follow it, beginning with ", response.fidelity,
+               goal.max_step_ms ? "; results now depend on the speed of the machine" : "");
 }
 
-/// Puts the dial to the setting that a study recommends.
+/// Applies the solver settings that a study recommends.
 std::string apply(World& world, const AccuracyStudy& study, const Goal& goal,
                   AccuracyGoal::Response& response) {
   const SettingCost* cost =
       goal.max_error ? cheapestWithin(study, *goal.max_error) : mostAccurateWithin(study, *goal.max_step_ms);
-  if (!cost) throw std::runtime_error("no setting that was measured has " + inWords(goal));
-  const std::string message = turn(world, cost->setting);
+  if (!cost) throw std::runtime_error("none of the measured solver settings has " + inWords(goal));
+  const std::string message = applySettings(world, cost->setting);
   response.fidelity = settingName(cost->setting);
   return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance,
-               " m for each second simulated, ", cost->step_ms, " ms a step, as measured on '", study.scene,
-               "'");
+               " m per second simulated, ", cost->step_ms, " ms per step, measured on '", study.scene, "'");
 }
 
 }  // namespace
 
-void Services::offerDial() {
+void Services::offerAccuracy() {
   offerEdit<SetFidelity>("set_fidelity", setFidelity);
   offerEdit<TuneFidelity>("tune_fidelity", tuneFidelity);
   offerEdit<AccuracyGoal>("seek_accuracy", seek);
@@ -107,10 +106,11 @@ void Services::offerDial() {
     if (request.max_cpu_seconds != 0.0) options.max_cpu_seconds = request.max_cpu_seconds;
     response.job = accuracy_.start(options);
     return words("job ", response.job, ": measuring for up to ", options.max_cpu_seconds,
-                 " s of CPU time; ~accuracy tells how far it is");
+                 " s of CPU time; ~accuracy reports progress");
   });
   offer<Trigger>("stop_accuracy", [this](const Trigger::Request&, Trigger::Response&) {
-    return accuracy_.stop() ? "stopped; what is known stays in ~accuracy" : "nothing was being measured";
+    return accuracy_.stop() ? "stopped; the results so far stay in ~accuracy"
+                            : "no accuracy study was running";
   });
   offer<SetBool>("estimate_error", [this](const SetBool::Request& request, SetBool::Response&) {
     simulator_.estimateErrors(request.data);
@@ -119,9 +119,9 @@ void Services::offerDial() {
                         : "error estimation off";
   });
   offer<SetBool>("show_ghost", [this](const SetBool::Request& request, SetBool::Response&) {
-    ghost_.show(request.data);
-    return request.data ? "the reference run of this scene begins here; ~ghost shows it"
-                        : "the ghost is gone";
+    reference_run_.show(request.data);
+    return request.data ? "reference run on: it starts from the present state; ~ghost shows it"
+                        : "reference run off";
   });
 }
 

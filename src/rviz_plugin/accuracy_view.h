@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The dial from fast to exact: where it stands, what its settings cost for this scene, and what error it has
-// now.
+// Accuracy in the panel: the quality level, the cost of each choice of solver settings, and the present
+// error.
 #pragma once
 
 #include "accuracy_plot.h"
@@ -14,10 +14,10 @@
 
 namespace rbs {
 
-class DialView : public QWidget {
+class AccuracyView : public QWidget {
   Q_OBJECT
  public:
-  explicit DialView(SimulatorClient& simulator);
+  explicit AccuracyView(SimulatorClient& simulator);
 
   void show(const rigid_body_sim::Status& status);
 

@@ -11,7 +11,7 @@
 namespace rbs {
 
 /// Modelling error of forced effects: the deviation between a run with them and one without.
-struct Neglect {
+struct ModellingError {
   double seconds = 0.0;   ///< physics time that both runs took, s
   Difference difference;  ///< deviation of the run with forced effects from the run with detected ones
 };
@@ -20,10 +20,10 @@ struct Neglect {
 /// end states. Each run takes 0.25 s of physics time, rounded up to whole steps. It takes less where the
 /// number of bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies. Throws
 /// InvalidInput for a faulty scene or state. Cost: the steps of both runs.
-std::optional<Neglect> measureNeglect(SceneDef scene, const SavedState& state,
-                                      const EffectOverrides& effects);
+std::optional<ModellingError> measureModellingError(SceneDef scene, const SavedState& state,
+                                                    const EffectOverrides& effects);
 
-/// "in 0.25 s it moves 'box' by 0.31 m and turns 'cone' by 12 degrees", or "in 0.25 s it changes nothing".
-std::string describe(const Neglect& measured);
+/// "in 0.25 s 'box' deviates by 0.31 m, and 'cone' deviates by 12 degrees", or "in 0.25 s no body deviates".
+std::string describe(const ModellingError& measured);
 
 }  // namespace rbs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ghost.h"
+#include "reference_run.h"
 
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -15,17 +15,17 @@ namespace rbs {
 namespace {
 
 constexpr float kAlpha = 0.35f;
-constexpr double kRepeatPeriod = 5.0;  // s, as of the bodies
-/// How long a step of it may hold up the end of the node.
+constexpr double kRepeatPeriod = 5.0;  // s, as for the markers of the live bodies
+/// How long a step of the reference run may delay the end of the node.
 constexpr auto kGrace = std::chrono::seconds(2);
 
-Setting referenceRun() {
+Setting referenceSettings() {
   Setting setting(Fidelity::Reference);
   setting.divisions = 2;
   return setting;
 }
 
-// Behind the live simulation, which must not wait for it.
+// The live simulation goes first: it must not wait for the reference run.
 void lowerPriorityOfThisThread() {
   constexpr int kNice = 10;
   setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
@@ -33,25 +33,25 @@ void lowerPriorityOfThisThread() {
 
 }  // namespace
 
-/// What the thread of a reference run owns together with the ghost.
-struct Ghost::Run {
-  std::mutex mutex;  ///< held by the thread whenever it touches the ghost
+/// What the thread of a reference run owns together with the ReferenceRun.
+struct ReferenceRun::Run {
+  std::mutex mutex;  ///< held by the thread whenever it uses the ReferenceRun
   std::atomic<bool> shown{
-      true};  ///< set under the mutex; once it is false, the thread touches the ghost no more
-  std::atomic<double> time{0.0};  ///< physics time that it has come to, s
+      true};  ///< set under the mutex; once it is false, the thread no longer uses the ReferenceRun
+  std::atomic<double> time{0.0};  ///< physics time that the run has reached, s
   std::promise<void> ended;
 };
 
-Ghost::Ghost(ros::NodeHandle& node, Simulator& simulator)
+ReferenceRun::ReferenceRun(ros::NodeHandle& node, Simulator& simulator)
     : simulator_(simulator), markers_(node, "ghost", "ghost", TfMode::None, "", kRepeatPeriod) {}
 
-Ghost::~Ghost() {
+ReferenceRun::~ReferenceRun() {
   const std::shared_ptr<Run> run = run_;
   show(false);
   if (run) run->ended.get_future().wait_for(kGrace);
 }
 
-void Ghost::show(bool on) {
+void ReferenceRun::show(bool on) {
   std::lock_guard<std::mutex> lock(mutex_);
   if (run_) {
     std::lock_guard<std::mutex> lock_run(run_->mutex);
@@ -67,20 +67,20 @@ void Ghost::show(bool on) {
   std::atomic_store(&run_, run);
 }
 
-std::optional<double> Ghost::lag(double now) const {
+std::optional<double> ReferenceRun::lag(double now) const {
   const std::shared_ptr<Run> run = std::atomic_load(&run_);
   if (!run || !run->shown) return std::nullopt;
   return std::max(0.0, now - run->time);
 }
 
-void Ghost::follow(Run& run) {
+void ReferenceRun::follow(Run& run) {
   lowerPriorityOfThisThread();
   try {
     keepUp(run);
   } catch (const std::exception& error) {
     std::lock_guard<std::mutex> lock(run.mutex);
     if (run.shown) {
-      ROS_ERROR_STREAM("the ghost has ended: " << error.what());
+      ROS_ERROR_STREAM("the reference run has ended: " << error.what());
       hide();
       run.shown = false;
     }
@@ -88,8 +88,8 @@ void Ghost::follow(Run& run) {
   run.ended.set_value();
 }
 
-// Takes its steps without the mutex.
-void Ghost::keepUp(Run& run) {
+// Steps the reference run without holding the mutex.
+void ReferenceRun::keepUp(Run& run) {
   constexpr auto kPeriod = std::chrono::milliseconds(33), kRest = std::chrono::milliseconds(5);
   std::optional<World> world;
   std::uint64_t edits = 0;
@@ -105,7 +105,7 @@ void Ghost::keepUp(Run& run) {
         edits = then->edits;
         world.emplace(std::move(copy));
         world->setGoal(std::nullopt);
-        world->setFidelity(referenceRun());
+        world->setFidelity(referenceSettings());
         run.time = world->time();
       }
       const auto now = std::chrono::steady_clock::now();
@@ -119,14 +119,14 @@ void Ghost::keepUp(Run& run) {
   }
 }
 
-void Ghost::hide() {
+void ReferenceRun::hide() {
   Snapshot nothing;
   nothing.bodies = std::make_shared<std::vector<BodyDescription>>();
   markers_.publish(nothing);
 }
 
-// Of what moves, in its colours.
-void Ghost::publish(const Snapshot& snapshot) {
+// Draws the dynamic bodies of the reference run, translucent, in their own colours.
+void ReferenceRun::publish(const Snapshot& snapshot) {
   if (snapshot.bodies != described_) {
     auto drawn = std::make_shared<std::vector<BodyDescription>>();
     for (BodyDescription body : *snapshot.bodies) {
@@ -136,12 +136,12 @@ void Ghost::publish(const Snapshot& snapshot) {
     described_ = snapshot.bodies;
     drawn_ = std::move(drawn);
   }
-  Snapshot ghost;
-  ghost.bodies = drawn_;
-  ghost.view = snapshot.view;
+  Snapshot overlay;
+  overlay.bodies = drawn_;
+  overlay.view = snapshot.view;
   for (std::size_t k = 0; k < snapshot.states.size(); ++k)
-    if ((*snapshot.bodies)[k].kind == BodyKind::Dynamic) ghost.states.push_back(snapshot.states[k]);
-  markers_.publish(ghost);
+    if ((*snapshot.bodies)[k].kind == BodyKind::Dynamic) overlay.states.push_back(snapshot.states[k]);
+  markers_.publish(overlay);
 }
 
 }  // namespace rbs

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "dial_view.h"
+#include "accuracy_view.h"
 
 #include <QHBoxLayout>
 #include <QVBoxLayout>
@@ -11,7 +11,7 @@ constexpr double kNoticedLag = 0.1;  // s
 
 }  // namespace
 
-DialView::DialView(SimulatorClient& simulator)
+AccuracyView::AccuracyView(SimulatorClient& simulator)
     : simulator_(simulator),
       preset_(new QComboBox),
       measure_(new QPushButton("Measure")),
@@ -21,12 +21,13 @@ DialView::DialView(SimulatorClient& simulator)
       stale_(new QLabel),
       plot_(new AccuracyPlot) {
   preset_->addItems({"preview", "interactive", "accurate", "reference"});
-  preset_->setToolTip("How finely contacts are solved: from fast to exact");
-  measure_->setToolTip("Measures what each setting costs for the scene as it is now");
+  preset_->setToolTip("Quality level of the contact solver, from fast to exact");
+  measure_->setToolTip(
+      "Measures error and CPU time of each choice of solver settings for the scene as it is now");
   error_->setToolTip(
-      "Estimates the error of the present setting while the simulation runs, by a second simulation with "
-      "half the step size");
-  ghost_->setToolTip("Shows the reference run from here on, translucent, beside the bodies");
+      "Estimates the error of the present solver settings while the simulation runs, by a second simulation "
+      "with half the step size");
+  ghost_->setToolTip("Draws a reference run that starts from the present state, translucent");
   text_->setWordWrap(true);
   text_->hide();
   stale_->setWordWrap(true);
@@ -53,10 +54,10 @@ DialView::DialView(SimulatorClient& simulator)
   connect(error_, &QCheckBox::clicked, &simulator_, &SimulatorClient::estimateError);
   connect(ghost_, &QCheckBox::clicked, &simulator_, &SimulatorClient::showGhost);
   connect(plot_, &AccuracyPlot::chosen, &simulator_, &SimulatorClient::tuneFidelity);
-  connect(&simulator_, &SimulatorClient::studyReceived, this, &DialView::showStudy);
+  connect(&simulator_, &SimulatorClient::studyReceived, this, &AccuracyView::showStudy);
 }
 
-void DialView::show(const rigid_body_sim::Status& status) {
+void AccuracyView::show(const rigid_body_sim::Status& status) {
   const QString setting = QString::fromStdString(status.fidelity);
   preset_->setCurrentText(setting.section(", ", 0, 0));
   error_->setChecked(status.estimates_error);
@@ -67,14 +68,14 @@ void DialView::show(const rigid_body_sim::Status& status) {
     text += (text.isEmpty() ? "" : "; ") + QString("error %1 mm/s").arg(1e3 * estimate.distance, 0, 'g', 3);
   for (const double lag : status.ghost_lag)
     if (lag > kNoticedLag)
-      text += (text.isEmpty() ? "" : "; ") + QString("the ghost is %1 s behind").arg(lag, 0, 'f', 1);
+      text += (text.isEmpty() ? "" : "; ") + QString("the reference run is %1 s behind").arg(lag, 0, 'f', 1);
   text_->setText(text);
   text_->setVisible(!text.isEmpty());
   const double error = status.estimate.empty() ? 0.0 : status.estimate[0].distance;
   plot_->showLive(1e3 * status.step_cpu_seconds, error);
 }
 
-void DialView::showStudy(const rigid_body_sim::AccuracyStudy& study) {
+void AccuracyView::showStudy(const rigid_body_sim::AccuracyStudy& study) {
   measure_->setText(study.done ? "Measure" : QString("%1 %").arg(int(100.0 * study.progress)));
   plot_->show(study);
   stale_->setText(QString("Measured on '%1', but %2 since: measure again")
