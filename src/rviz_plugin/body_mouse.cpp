@@ -57,7 +57,7 @@ void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
   const bool is_for_menu = event.right();
   if (!drags() && !is_for_menu && event.panel->getViewController())
     event.panel->getViewController()->handleMouseEvent(event);
-  showHints();  // where the view has told its own
+  showHints();  // over the hints of the view
 }
 
 void BodyMouse::showHints() {

@@ -87,7 +87,7 @@ void SimulationPanel::connectWidgets() {
   connect(&simulator_, &SimulatorClient::statusReceived, this, &SimulationPanel::show);
   connect(&simulator_, &SimulatorClient::heardChanged, this, &SimulationPanel::showHeard);
   connect(&simulator_, &SimulatorClient::scenesListed, this, &SimulationPanel::showScenes);
-  connect(&simulator_, &SimulatorClient::told, this, &SimulationPanel::tell);
+  connect(&simulator_, &SimulatorClient::reported, this, &SimulationPanel::showMessage);
   connect(&simulator_, &SimulatorClient::selectionChanged, this, &SimulationPanel::followSelection);
   connect(scenes_, qOverload<int>(&QComboBox::activated), this,
           [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
@@ -134,7 +134,7 @@ void SimulationPanel::save(rviz::Config config) const {
 
 void SimulationPanel::follow(const QString& node) {
   node_->setNode(node);
-  tell(QString("No simulator answers at '%1'.").arg(node), true);
+  showMessage(QString("No simulator answers at '%1'.").arg(node), true);
   simulator_.follow(node);
 }
 
@@ -172,9 +172,9 @@ void SimulationPanel::look(const rigid_body_sim::Status& status) {
 void SimulationPanel::showHeard(bool is_heard) {
   controls_->setEnabled(is_heard);
   if (is_heard) {
-    tell({}, false);
+    showMessage({}, false);
   } else {
-    tell(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
+    showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
   }
 }
 
@@ -186,7 +186,7 @@ void SimulationPanel::showScenes(const QStringList& names, const QStringList& pr
   }
 }
 
-void SimulationPanel::tell(const QString& text, bool is_trouble) {
+void SimulationPanel::showMessage(const QString& text, bool is_trouble) {
   answer_->setText(text);
   color(*answer_, is_trouble);
 }
@@ -230,13 +230,14 @@ void SimulationPanel::deleteSelection(QWidget* window) {
     return !panel->simulator_.selection().isEmpty();
   });
   if (it != panels.end()) return (*it)->simulator_.deleteSelection();
-  for (SimulationPanel* const panel : panels) panel->tell("No body is selected, so none is deleted.", false);
+  for (SimulationPanel* const panel : panels)
+    panel->showMessage("No body is selected, so none is deleted.", false);
 }
 
 void SimulationPanel::dropSelections(QWidget* window, const QString& why) {
   for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>()) {
     if (!panel->simulator_.selection().isEmpty()) panel->simulator_.select({});
-    panel->tell(why, false);
+    panel->showMessage(why, false);
   }
 }
 

@@ -21,7 +21,7 @@
 namespace rbs {
 
 /// Greyed while no simulator is heard. The layout keeps the name of the node as "Node" and the scene that its
-/// view was saved with as "Scene": for any other scene, the view moves to where that asks to be seen from.
+/// view was saved with as "Scene": for any other scene, the view moves to the view that the scene defines.
 ///
 /// A window may have several panels, each for a simulator of its own. One body is selected among them all,
 /// and key 1 goes to the panel that was used last.
@@ -50,7 +50,7 @@ class SimulationPanel : public rviz::Panel {
   void showHeard(bool is_heard);
   void look(const rigid_body_sim::Status& status);
   void showScenes(const QStringList& names, const QStringList& properties);
-  void tell(const QString& text, bool is_trouble);
+  void showMessage(const QString& text, bool is_trouble);
   void warn(const std::vector<std::string>& warnings);
   void followSelection(const QString& body);
   void takeKeys();

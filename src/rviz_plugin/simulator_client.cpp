@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kWatchPeriod = 250;  // ms
 constexpr int kSilence = 8;        // looks without a status between them, after which the node counts as gone
-constexpr double kPatience = 2.0;  // s without an answer, after which the user is told
+constexpr double kPatience = 2.0;  // s without an answer, after which the user gets a message
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void SimulatorClient::follow(const QString& node) {
         ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
     select_ = ros_.advertise<std_msgs::String>(inNode("select"), 10);
   } catch (const ros::InvalidNameException& error) {
-    Q_EMIT told(QString::fromStdString(error.what()), true);
+    Q_EMIT reported(QString::fromStdString(error.what()), true);
   }
 }
 
@@ -55,7 +55,7 @@ void SimulatorClient::receive(const rigid_body_sim::Status& status) {
 
 void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
   Q_EMIT studyReceived(study);
-  if (study.done && !study.trouble.empty()) Q_EMIT told(QString::fromStdString(study.trouble), true);
+  if (study.done && !study.trouble.empty()) Q_EMIT reported(QString::fromStdString(study.trouble), true);
 }
 
 void SimulatorClient::receiveSelection(const std_msgs::String& body) {
@@ -64,7 +64,7 @@ void SimulatorClient::receiveSelection(const std_msgs::String& body) {
 }
 
 void SimulatorClient::receiveAnswer(const std_msgs::String& text) {
-  Q_EMIT told(QString::fromStdString(text.data), false);
+  Q_EMIT reported(QString::fromStdString(text.data), false);
 }
 
 // Silence is counted in looks, not in time: an RViz that takes seconds for a picture looks, and hears, as
@@ -73,7 +73,7 @@ void SimulatorClient::watch() {
   if (is_heard_ && ++quiet_looks_ > kSilence) setHeard(false);
   const QString service = worker_.overdue(kPatience);
   if (service.isEmpty()) return;
-  Q_EMIT told(QString("%1: no answer for %2 s").arg(service).arg(int(worker_.waited())), true);
+  Q_EMIT reported(QString("%1: no answer for %2 s").arg(service).arg(int(worker_.waited())), true);
 }
 
 void SimulatorClient::setHeard(bool is_heard) {
@@ -95,7 +95,7 @@ void SimulatorClient::listScenes() {
 
 void SimulatorClient::tellAnswer(const QString& service, bool success, const QString& message) {
   if (success && service.endsWith("/list_scenes")) return;  // the user did not ask for it
-  Q_EMIT told(success ? message : QString("%1: %2").arg(service, message), !success);
+  Q_EMIT reported(success ? message : QString("%1: %2").arg(service, message), !success);
 }
 
 std::string SimulatorClient::inNode(const char* name) const {

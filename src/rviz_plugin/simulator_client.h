@@ -27,7 +27,7 @@ class SimulatorClient : public QObject {
   SimulatorClient();
 
   /// Follows the node of this name, relative to the namespace of RViz unless it begins with '/'. A name
-  /// that ROS does not take is told through told() and leaves nothing followed.
+  /// that ROS does not take is reported by reported() and no simulator is followed then.
   void follow(const QString& node);
   const QString& node() const { return node_; }
 
@@ -56,7 +56,7 @@ class SimulatorClient : public QObject {
   /// The catalogue of the node: names, and what each scene shows.
   void scenesListed(const QStringList& names, const QStringList& properties);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
-  void told(const QString& text, bool is_trouble);
+  void reported(const QString& text, bool is_trouble);
 
  private:
   void receive(const rigid_body_sim::Status& status);
