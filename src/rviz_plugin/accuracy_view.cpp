@@ -16,7 +16,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
       preset_(new QComboBox),
       measure_(new QPushButton("Measure")),
       error_(new QCheckBox("Error")),
-      ghost_(new QCheckBox("Ghost")),
+      reference_run_(new QCheckBox("Reference")),
       text_(new QLabel),
       stale_(new QLabel),
       plot_(new AccuracyPlot) {
@@ -27,7 +27,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
   error_->setToolTip(
       "Estimates the error of the present solver settings while the simulation runs, by a second simulation "
       "with half the step size");
-  ghost_->setToolTip("Draws a reference run that starts from the present state, translucent");
+  reference_run_->setToolTip("Draws a reference run that starts from the present state, translucent");
   text_->setWordWrap(true);
   text_->hide();
   stale_->setWordWrap(true);
@@ -39,7 +39,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
   row->addWidget(preset_, 1);
   row->addWidget(measure_);
   row->addWidget(error_);
-  row->addWidget(ghost_);
+  row->addWidget(reference_run_);
   auto* rows = new QVBoxLayout(this);
   rows->setContentsMargins(0, 0, 0, 0);
   rows->setSpacing(2);
@@ -52,7 +52,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
           [this](int index) { simulator_.setFidelity(preset_->itemText(index)); });
   connect(measure_, &QPushButton::clicked, &simulator_, &SimulatorClient::measureAccuracy);
   connect(error_, &QCheckBox::clicked, &simulator_, &SimulatorClient::estimateError);
-  connect(ghost_, &QCheckBox::clicked, &simulator_, &SimulatorClient::showGhost);
+  connect(reference_run_, &QCheckBox::clicked, &simulator_, &SimulatorClient::showGhost);
   connect(plot_, &AccuracyPlot::chosen, &simulator_, &SimulatorClient::tuneFidelity);
   connect(&simulator_, &SimulatorClient::studyReceived, this, &AccuracyView::showStudy);
 }
@@ -61,7 +61,7 @@ void AccuracyView::show(const rigid_body_sim::Status& status) {
   const QString setting = QString::fromStdString(status.fidelity);
   preset_->setCurrentText(setting.section(", ", 0, 0));
   error_->setChecked(status.estimates_error);
-  ghost_->setChecked(!status.ghost_lag.empty());
+  reference_run_->setChecked(!status.ghost_lag.empty());
   QString text = setting.contains(", ") ? setting : QString();
   if (!status.dial_reason.empty()) text = QString::fromStdString(status.dial_reason);
   for (const rigid_body_sim::ErrorEstimate& estimate : status.estimate)

@@ -27,7 +27,7 @@ class AccuracyView : public QWidget {
   SimulatorClient& simulator_;
   QComboBox* preset_;
   QPushButton* measure_;
-  QCheckBox *error_, *ghost_;
+  QCheckBox *error_, *reference_run_;
   QLabel* text_;
   QLabel* stale_;  ///< why the chart does not hold any more
   AccuracyPlot* plot_;

@@ -140,7 +140,7 @@ TEST(AccuracyStudy, TellsHowFarItIs) {
 
 TEST(AccuracyStudy, SaysWhyThereIsNoError) {
   World still(onFloor(1.0 / 60.0, 0.5));
-  EXPECT_EQ(measureAccuracy(still, {}, kAlways).trouble, "nothing moves in this scene");
+  EXPECT_EQ(measureAccuracy(still, {}, kAlways).trouble, "the scene has no dynamic body");
 }
 
 // Tumbling cubes that collide: in ten seconds halving the step of the reference changes everything.
