@@ -29,14 +29,18 @@ std::optional<ModellingError> measureModellingError(SceneDef scene, const SavedS
 
 std::string describe(const ModellingError& measured) {
   const Difference& error = measured.difference;
-  std::string words = "in " + text(measured.seconds) + " s ";
-  if (error.moved_body.empty() && error.turned_body.empty()) return words + "no body deviates";
-  if (!error.moved_body.empty())
-    words += "'" + error.moved_body + "' deviates by " + text(error.distance) + " m";
-  if (!error.turned_body.empty())
-    words += (error.moved_body.empty() ? "'" : ", and '") + error.turned_body + "' deviates by " +
-             text(error.angle * 180.0 / kPi) + " degrees";
-  return words;
+  const std::string distance = text(error.distance) + " m",
+                    angle = text(error.angle * 180.0 / kPi) + " degrees";
+  const std::string moved = "'" + error.moved_body + "' deviates by " + distance,
+                    turned = "'" + error.turned_body + "' deviates by " + angle;
+  std::string found = "no body deviates";
+  if (!error.moved_body.empty() && error.moved_body == error.turned_body)
+    found = moved + " and " + angle;
+  else if (!error.moved_body.empty())
+    found = error.turned_body.empty() ? moved : moved + ", and " + turned;
+  else if (!error.turned_body.empty())
+    found = turned;
+  return "in " + text(measured.seconds) + " s " + found;
 }
 
 }  // namespace rbs

@@ -66,8 +66,8 @@ std::string seek(World& world, const AccuracyGoal::Request& request, AccuracyGoa
   const Goal goal = goalOf(request);
   world.setGoal(goal);
   response.fidelity = settingName(world.scene().fidelity);
-  return words("goal: ", inWords(goal), "; the solver settings follow it, beginning with ", response.fidelity,
-               goal.max_step_ms ? "; results now depend on the speed of the machine" : "");
+  return words("goal: ", inWords(goal), "; the solver settings adapt to it, beginning with ",
+               response.fidelity, goal.max_step_ms ? "; results now depend on the speed of the machine" : "");
 }
 
 /// Applies the solver settings that a study recommends.

@@ -82,9 +82,13 @@ std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::R
     response.bodies.push_back(nameOf(snapshot, neighbour.body));
     response.distances.push_back(neighbour.distance);
   }
-  if (response.bodies.empty()) return words("no body within ", request.margin, " m of the shape");
-  return words(bodyCount(response.bodies.size()), " within ", request.margin, " m of the shape, first '",
-               response.bodies[0], "'");
+  if (response.bodies.empty())
+    return request.margin > 0.0 ? words("no body within ", request.margin, " m of the shape")
+                                : "no body touches the shape";
+  const std::string count = bodyCount(response.bodies.size());
+  if (request.margin == 0.0)
+    return words(count, " in contact with the shape, first '", response.bodies[0], "'");
+  return words(count, " within ", request.margin, " m of the shape, first '", response.bodies[0], "'");
 }
 
 }  // namespace
