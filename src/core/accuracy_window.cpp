@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kReferenceDivisions = 8;
 constexpr std::size_t kReferenceRuns = 3;
-/// An uncertainty below this share of the smallest body is rounding, which a chaotic scene amplifies.
+/// An uncertainty below this fraction of the smallest body is rounding, which a chaotic scene amplifies.
 constexpr double kChaos = 1e-6;
 
 Setting referenceIn(std::uint32_t divisions) {

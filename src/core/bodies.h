@@ -35,7 +35,8 @@ struct Inertia {
   Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
 };
 
-/// What the broad and narrow phase and the effects ask of a body, the traits of its shape among it.
+/// Properties of a body that the broad and narrow phase and the effects use, the traits of its shape among
+/// them.
 struct Traits : ShapeTraits {
   Shape shape;
   BodyKind kind = BodyKind::Dynamic;

@@ -6,7 +6,7 @@
 namespace rbs {
 namespace {
 
-constexpr double kLargestLag = 0.1;   // wall time beyond which lateness is given up, not made up for, s
+constexpr double kLargestLag = 0.1;   // lateness in wall time that is still caught up, s; more is dropped
 constexpr double kSpeedWindow = 1.0;  // over which the achieved speed is averaged, s
 constexpr double kSampling = 0.02;    // between two samples of it, s
 constexpr double kShortestPicture = 1.0 / 80.0;  // between two pictures, s; nobody reads them more often

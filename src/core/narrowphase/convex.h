@@ -66,8 +66,8 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
   if (distance.enough) return {distance.lower - radii, Vec3::UnitX(), Vec3::Zero()};
   Vec3 on_a, on_b;
   ConvexGap gap;
-  // Cores this near have no direction in v, or, where v does not prove its length, a bad one: EPA finds a
-  // better.
+  // For cores this near, v has no direction, or a bad one where v does not prove its length. EPA finds a
+  // better direction.
   constexpr double kCoresTouch = 1e-13, kCoresNear = 1e-6,
                    kProved = 64.0 * std::numeric_limits<double>::epsilon();
   const bool proved = distance.upper - distance.lower <= kProved * distance.scale;
@@ -85,7 +85,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
     }();
     if (!distance.n.isZero(0.0)) {
       const double upper = distance.n.dot(difference(distance.n).w);
-      if (upper < depth.upper - kCoresNear * distance.scale)  // EPA went astray
+      if (upper < depth.upper - kCoresNear * distance.scale)  // the result of EPA contradicts that of GJK
         depth.a = distance.simplex.witnessA(), depth.b = distance.simplex.witnessB();
       if (upper < depth.upper) depth.n = distance.n, depth.upper = upper;
     }

@@ -25,7 +25,7 @@ struct Facet {
 
 /// The facet of the core of a shape (support.h) whose outward normal is nearest to `d`, of those that hold a
 /// point of the core farthest along d. In the shape's frame; d is a unit vector. The disc of a cylinder or
-/// cone is stood for by eight points of its rim, and its round side by one line.
+/// cone is represented by eight points of its rim, and its round side by one line.
 Facet facetTowards(const Box& box, const Vec3& d);
 Facet facetTowards(const Capsule& capsule, const Vec3& d);
 Facet facetTowards(const Cylinder& cylinder, const Vec3& d);
