@@ -118,7 +118,8 @@ ShapeTraits traitsOf(const Shape& shape) {
                  [&](const Capsule& c) { revolved(c.radius, false); },
                  [&](const Cylinder& c) { revolved(c.radius, true); },
                  [&](const Cone& c) { revolved(c.radius, true); },
-                 [&](const Plane&) { traits.unbounded = true; }, [&](const auto&) { traits.edged = true; }},
+                 [&](const Plane&) { traits.unbounded = true; }, [&](const Box&) { traits.edged = true; },
+                 [&](const ConvexHull&) { traits.edged = true; }},
       shape);
   return traits;
 }
