@@ -27,9 +27,9 @@ class BodyBlocks {
  public:
   explicit BodyBlocks(const System& system);
 
-  /// Factors 1 + J^T D J, D by point, and by couple where they are given, with g by couple. False where a
-  /// block on the diagonal is singular or not finite.
-  bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g = {});
+  /// Factors 1 + J^T D J, D by column of impulses, with g by couple. False where a block on the diagonal is
+  /// singular or not finite.
+  bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
   /// (1 + J^T D J)^-1 y, from the factors.
   Velocities solve(const Velocities& y) const;
 

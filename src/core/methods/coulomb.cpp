@@ -33,27 +33,107 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
   return fastest;
 }
 
+// A problem, and the best answer to it so far.
+struct Case {
+  const System& system;
+  BodyBlocks& matrix;
+  double tolerance, aim;
+  Answer best;
+  bool is_warm = !best.r.isZero(0.0);  // the guess tells something
+  bool slips = false;                  // somewhere the direction is prescribed
+  std::size_t size = system.points().size();
+  bool is_large = size > 4000;
+  bool wants_every_digit = tolerance < 1e-9;
+  // A little more than asked, so that the same impulses pass as the guess of the next step.
+  double target = 0.1 * aim;
+  double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
+
+  Answer cold() const {
+    const Impulses zero = Impulses::Zero(3, system.columns());
+    return {zero, system.residuals(zero)};
+  }
+};
+
+struct Attempt {
+  CoulombSolver solver;
+  Answer (*solve)(const Case&, double tolerance, int cap);
+  bool (*applies)(const Case&);
+  double Case::*enough;     // the residual from which it is not made
+  double Case::*tolerance;  // of the solver
+  int cap;                  // of its iterations
+  int finish;               // iterations of Newton's method that finish it
+  int rounds = 1;
+};
+
+Answer newtonFromGuess(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.best, 1e5, tolerance, cap, at.tolerance);
+}
+Answer newtonFromRest(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.cold(), 100.0, tolerance, cap, at.tolerance);
+}
+Answer newtonFromBest(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.best, 10.0, tolerance, cap, at.tolerance);
+}
+Answer sweeps(const Case& at, double tolerance, int cap) {
+  return gaussSeidel(at.system, tolerance, cap);
+}
+Answer interior(const Case& at, double tolerance, int cap) {
+  return interiorPoint(at.system, at.matrix, tolerance, cap);
+}
+Answer path(const Case& at, double tolerance, int cap) {
+  return followPath(at.system, at.matrix, tolerance, cap);
+}
+Answer admmFromRest(const Case& at, double tolerance, int cap) {
+  return admm(at.system, at.matrix, Impulses::Zero(3, at.system.columns()), tolerance, cap);
+}
+Answer admmFromBest(const Case& at, double tolerance, int cap) {
+  return admm(at.system, at.matrix, at.best.r, tolerance, cap);
+}
+
+// Points that slide in a prescribed direction may allow no solution at all (Painleve 1895), and who
+// prescribes one can do without: then the last resorts are left out, and the interior point as well unless
+// every digit is asked.
+constexpr Attempt kAttempts[] = {
+    // Loads that changed in size only.
+    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_warm; }, &Case::aim,
+     &Case::target, 5, 0},
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::aim,
+     &Case::target, 100, 10},
+    {CoulombSolver::Newton, newtonFromRest, [](const Case& at) { return at.system.free().cols() <= 4; },
+     &Case::aim, &Case::target, 20, 0},
+    {CoulombSolver::Admm, admmFromRest, [](const Case& at) { return at.is_large; }, &Case::tolerance,
+     &Case::rough, 100, 10},
+    {CoulombSolver::InteriorPoint, interior, [](const Case& at) { return at.wants_every_digit; },
+     &Case::tolerance, &Case::rough, 80, 40},
+    {CoulombSolver::InteriorPoint, interior,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
+     20},
+    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::tolerance,
+     &Case::target, 30, 0},
+    // The central path may turn back where the interior point gets stuck.
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::tolerance,
+     &Case::rough, 150, 20},
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     &Case::rough, 100, 40},
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     &Case::rough, 600, 40},
+    {CoulombSolver::Admm, admmFromBest,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     &Case::rough, 500, 20},
+    {CoulombSolver::Admm, admmFromBest,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     &Case::rough, 500, 20, 4},
+    // Bodies are not to fall through, even where time is over.
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isLate(); }, &Case::tolerance,
+     &Case::tolerance, 10, 0},
+};
+
 }  // namespace
 
-// Where nothing is expected and nothing closes, nothing happens. Else solvers are tried in this order until
-// one passes:
-//   the guess as it is
-//   a few steps of Newton from the guess, for loads that changed in size only
-//   Gauss-Seidel on a few points without loops
-//   Newton on small islands, ADMM on large ones
-//   the interior point
-//   Newton from the best of these
-//   the interior point's path by arc length, where that turns back
-//   ADMM again, from the best of these
-// Where time is over before that, a few sweeps of Gauss-Seidel are still made, so that bodies do not fall
-// through. Where it is not Newton's own, an answer that is not yet within the tolerance is given to Newton to
-// finish. Couples are known to Newton and Gauss-Seidel alone: there Newton starts once more, softer, and that
-// is all. Points that slide in a given direction may allow no solution at all (Painleve 1895), and who gives
-// one can do without: then the last resorts are left out, and the interior point as well unless every digit
-// is asked.
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
-  constexpr std::size_t kFewBodies = 4, kSomePoints = 500, kManyPoints = 4000;
-  constexpr double kFinish = 1e-6;  // the tolerance of those that Newton finishes
   const double near = std::min(tolerance, kGuess * aim);
   const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
   if (closing <= near) {
@@ -61,75 +141,40 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
   }
   const System system(problem);
-  CoulombSolver solver = CoulombSolver::Guess;
-  Answer best;
-  best.r = system.guess(problem);
-  best.residuals = near < kEveryDigit ? system.residuals(best.r)
-                                      : system.residuals(best.r, system.relativeVelocitiesAbout(best.r));
-  int iterations = 0;
-  const auto consider = [&](CoulombSolver of, const Answer& answer) {
-    iterations += answer.iterations;
-    if (answer.residuals.beyond_rounding >= best.residuals.beyond_rounding) return;
-    best = answer;
-    solver = of;
-  };
-  const bool is_warm = !best.r.isZero(0.0);
+  const Impulses guess = system.guess(problem);
+  const Residuals of_guess = near < kEveryDigit
+                                 ? system.residuals(guess)
+                                 : system.residuals(guess, system.relativeVelocitiesAbout(guess));
+  CoulombResult result{CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, false};
+  Answer best{guess, of_guess, 0};
   if (!best.within(near)) {
-    const std::size_t size = system.points().size();
-    const bool is_large = size > kManyPoints;
-    const bool patient = tolerance < 1e-9;
-    const bool slides = std::any_of(system.points().begin(), system.points().end(),
-                                    [](const Point& point) { return point.slides; });
-    // A little more than asked, so that the same impulses pass as the guess of the next step.
-    const double target = 0.1 * aim, rough = std::max(0.1 * tolerance, kFinish);
     BodyBlocks matrix(system);
-    const bool turns = !system.couples().empty();
-    const Impulses cold = Impulses::Zero(3, best.r.cols());
-    const auto finish = [&](CoulombSolver of, const Answer& answer, int cap) {
-      consider(of, answer);
-      if (!best.within(aim)) consider(of, newton(system, matrix, answer, 1e3, target, cap, tolerance));
+    Case at{system, matrix, tolerance, aim, std::move(best)};
+    at.slips = std::any_of(system.points().begin(), system.points().end(),
+                           [](const Point& point) { return point.sliding.slips; });
+    const auto consider = [&](CoulombSolver solver, const Answer& answer) {
+      result.iterations += answer.iterations;
+      if (answer.residuals.beyond_rounding >= at.best.residuals.beyond_rounding) return;
+      at.best = answer;
+      result.solver = solver;
     };
-    if (is_warm) consider(CoulombSolver::Newton, newton(system, matrix, best, 1e5, target, 5, tolerance));
-    if (!best.within(aim) && separable(system)) {
-      finish(CoulombSolver::GaussSeidel, gaussSeidel(system, target, 100), 10);
+    for (const Attempt& attempt : kAttempts) {
+      for (int round = 0; round < attempt.rounds; ++round) {
+        if (at.best.within(at.*attempt.enough) || !attempt.applies(at)) break;
+        const Answer answer = attempt.solve(at, at.*attempt.tolerance, attempt.cap);
+        consider(attempt.solver, answer);
+        if (attempt.finish > 0 && !at.best.within(aim))
+          consider(attempt.solver, newton(system, matrix, answer, 1e3, at.target, attempt.finish, tolerance));
+      }
     }
-    if (!best.within(aim) && problem.bodies.size() <= kFewBodies) {
-      const Answer start{cold, system.residuals(cold)};
-      consider(CoulombSolver::Newton, newton(system, matrix, start, 100.0, target, 20, tolerance));
-    }
-    for (const double stiffness : {10.0, 1.0})
-      if (turns && !best.within(tolerance))
-        consider(CoulombSolver::Newton, newton(system, matrix, best, stiffness, target, 200, tolerance));
-    if (!best.within(tolerance) && is_large && !turns) {
-      finish(CoulombSolver::Admm, admm(system, matrix, cold, rough, 100), 10);
-    }
-    if (!best.within(tolerance) && (patient || !slides) && !turns) {
-      finish(CoulombSolver::InteriorPoint, interiorPoint(system, matrix, rough, 80), patient ? 40 : 20);
-    }
-    if (!best.within(tolerance) && !slides && !turns) {
-      consider(CoulombSolver::Newton, newton(system, matrix, best, 10.0, target, 30, tolerance));
-    }
-    if (!best.within(tolerance) && !slides && !turns && (patient || size <= kSomePoints)) {
-      const int cap = !patient ? 150 : is_large ? 100 : 600;
-      finish(CoulombSolver::InteriorPoint, followPath(system, matrix, rough, cap), patient ? 40 : 20);
-    }
-    // Only who asks for every digit waits for the last resort.
-    for (int round = 0; round < (is_large ? 1 : 4) && patient && !slides && !turns && !best.within(tolerance);
-         ++round) {
-      finish(CoulombSolver::Admm, admm(system, matrix, best.r, rough, 500), 20);
-    }
+    best = std::move(at.best);
   }
-
-  if (!best.within(tolerance) && system.isLate())
-    consider(CoulombSolver::GaussSeidel, gaussSeidel(system, tolerance, 10));
-
   system.store(best.r, problem);
-  return {solver,
-          iterations,
-          best.residuals.signorini,
-          best.residuals.coulomb,
-          best.residuals.dissipation,
-          best.within(tolerance)};
+  result.signorini = best.residuals.signorini;
+  result.coulomb = best.residuals.coulomb;
+  result.dissipation = best.residuals.dissipation;
+  result.converged = best.within(tolerance);
+  return result;
 }
 
 }  // namespace rbs

@@ -10,7 +10,9 @@
 //   r' = P_K(r - rho v),   w' = v + (r' - r)/rho,
 // a = 1.6 being over-relaxation, and s is taken anew from y. The matrix changes with rho only, and rho only
 // where the residuals of the two equations, J y + drive + s - w and rho (w' - w), are far from equal (Boyd et
-// al. 2011, 3.4.1). That it converges for Coulomb's problem, where s moves, is not a theorem.
+// al. 2011, 3.4.1). A couple has for K its disc of rolling and its interval of spinning under the normal
+// impulses that its points have just got, and no shift. That it converges for Coulomb's problem, where s and
+// these bounds move, is not a theorem.
 #include "methods/coulomb_solvers.h"
 
 #include <cmath>
@@ -28,43 +30,56 @@ constexpr int kCheckEvery = 5;
 
 Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, double tolerance, int cap) {
   const std::vector<Point>& points = system.points();
+  const std::size_t columns = system.columns();
   Answer best{start, system.residuals(start), 0};
   Impulses r = start, w = system.relativeVelocities(start);
-  std::vector<Vec3> s(points.size(), Vec3::Zero());
+  std::vector<Vec3> s(columns, Vec3::Zero());
+  const auto setShift = [&](std::size_t k, const Vec3& u) {
+    const FrictionSet<2>& sliding = points[k].sliding;
+    if (!sliding.slips) s[k][2] = sliding.factor * u.head<2>().norm();
+  };
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!points[k].slides) s[k][2] = points[k].mu * w.col(k).head<2>().norm();
+    setShift(k, w.col(k));
     const Vec3 v = w.col(k) + s[k];
-    w.col(k) = v + nearestOnCone(points[k], -v);
+    w.col(k) = v + nearestOnCone(points[k].sliding, -v);
   }
-  std::vector<Mat3> D(points.size());
+  // Points come first, so that couples find their new normal impulses.
+  const auto nearest = [&](std::size_t k, const Vec3& x) {
+    if (k < points.size()) return nearestOnCone(points[k].sliding, x);
+    const Couple& couple = system.couples()[k - points.size()];
+    return System::nearest(couple, x, System::normalSum(couple, r));
+  };
+  std::vector<Mat3> D(columns);
+  const std::vector<Vec3> g(system.couples().size(), Vec3::Zero());
   double rho = 1.0;  // in units of 1/response
   const auto factor = [&] {
-    for (std::size_t k = 0; k < points.size(); ++k) D[k] = rho / points[k].response * Mat3::Identity();
-    return matrix.factor(D);
+    for (std::size_t k = 0; k < columns; ++k) D[k] = rho / system.rows(k).response * Mat3::Identity();
+    return matrix.factor(D, g);
   };
   if (!factor()) return best;
   while (best.iterations < cap && !system.isLate()) {
     const int step = ++best.iterations;
     Velocities right = system.free();
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Vec3 wanted = w.col(k) - points[k].drive - s[k];
-      System::push(points[k], r.col(k) + rho / points[k].response * wanted, right);
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Rows& rows = system.rows(k);
+      const Vec3 wanted = w.col(k) - rows.drive - s[k];
+      System::push(rows, r.col(k) + rho / rows.response * wanted, right);
     }
     const Velocities y = matrix.solve(right);
     double primal = 0.0, dual = 0.0;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      const Point& point = points[k];
-      const double stiffness = rho / point.response;
-      const Vec3 u = system.velocity(point, y);
+    for (std::size_t k = 0; k < columns; ++k) {
+      const Rows& rows = system.rows(k);
+      const double stiffness = rho / rows.response;
+      const Vec3 u = system.velocity(rows, y);
       const Vec3 shifted = u + s[k];
       const Vec3 relaxed = kRelaxation * shifted + (1.0 - kRelaxation) * w.col(k);
-      const Vec3 r_new = nearestOnCone(point, r.col(k) - stiffness * relaxed);
+      const Vec3 r_new = nearest(k, r.col(k) - stiffness * relaxed);
       const Vec3 w_new = relaxed + (r_new - r.col(k)) / stiffness;
       primal += (shifted - w_new).squaredNorm();
       dual += rho * rho * (w_new - w.col(k)).squaredNorm();
       r.col(k) = r_new;
       w.col(k) = w_new;
-      if (!point.slides) s[k][2] = point.mu * u.head<2>().norm();
+      if (k < points.size()) setShift(k, u);
     }
     if (step % kCheckEvery == 0) {
       const Residuals residuals = system.residuals(r);

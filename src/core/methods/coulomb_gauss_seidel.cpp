@@ -15,9 +15,10 @@ constexpr int kLeastSweeps = 10;  // also where time is over
 
 // The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
 Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
-  if (!point.slides) return solveContact(W, q, point.mu);
+  const FrictionSet<2>& sliding = point.sliding;
+  if (!sliding.slips) return solveContact(W, q, sliding.factor);
   // Friction is known but for its size: u_n = W_n (1, -mu slide) r_n + q_n.
-  const Vec3 along(-point.mu * point.slide[0], -point.mu * point.slide[1], 1.0);
+  const Vec3 along(-sliding.factor * sliding.slip[0], -sliding.factor * sliding.slip[1], 1.0);
   const double response = W.row(2).dot(along);
   if (q[2] >= 0.0 || response <= 0.0) return Vec3::Zero();
   return -q[2] / response * along;
@@ -26,9 +27,8 @@ Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
 // A step towards the law of one couple under the normal impulses of its points: its own block is nearly a
 // multiple of the identity.
 Vec3 improveCouple(const Couple& couple, const Vec3& old, const Vec3& u, const Impulses& r) {
-  const double n = r.row(2).segment(couple.first, couple.size).sum();
   const double most = 3.0 * couple.response;  // more than the largest eigenvalue
-  return nearestCouple(couple, old - u / most, n);
+  return System::nearest(couple, old - u / most, System::normalSum(couple, r));
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
     W.push_back(point.J_i * point.J_i.transpose() + point.J_j * point.J_j.transpose());
   }
   Answer answer;
-  answer.r = Impulses::Zero(3, points.size() + system.couples().size());
+  answer.r = Impulses::Zero(3, system.columns());
   Velocities y = system.free();
   while (answer.iterations < cap) {
     ++answer.iterations;

@@ -24,7 +24,7 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
   CentralPath path(system, matrix);
   CentralPath::Place predictor, corrector;
   Answer best;
-  best.r = Impulses::Zero(3, system.points().size());
+  best.r = Impulses::Zero(3, system.columns());
   best.residuals = system.residuals(best.r);
   for (int short_steps = 0; best.iterations < cap && short_steps < kShortSteps && !system.isLate();) {
     ++best.iterations;

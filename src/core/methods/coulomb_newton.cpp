@@ -49,35 +49,30 @@ class Round {
   };
 
   State at(const Velocities& x, double stiffness) const {
-    const std::size_t points = system_.points().size();
-    State state{x,
-                x,
-                Impulses(3, r_.cols()),
-                std::vector<Mat3>(r_.cols()),
-                std::vector<Vec3>(system_.couples().size()),
-                0.0};
-    for (std::size_t k = 0; k < system_.points().size(); ++k) {
-      const Point& point = system_.points()[k];
+    const std::vector<Point>& points = system_.points();
+    const std::vector<Couple>& couples = system_.couples();
+    State state{
+        x, x, Impulses(3, r_.cols()), std::vector<Mat3>(r_.cols()), std::vector<Vec3>(couples.size()), 0.0};
+    const auto velocity = [&](const Rows& rows, std::size_t k) {
       Vec3 u = u_r_.col(k);
-      if (point.i != kNone) u.noalias() += point.J_i * x.col(point.i);
-      if (point.j != kNone) u.noalias() += point.J_j * x.col(point.j);
+      if (rows.i != kNone) u.noalias() += rows.J_i * x.col(rows.i);
+      if (rows.j != kNone) u.noalias() += rows.J_j * x.col(rows.j);
+      return u;
+    };
+    for (std::size_t k = 0; k < points.size(); ++k) {
       Vec3 d;
-      project(point, r_.col(k), u, stiffness / point.response, d, state.D[k]);
+      step(points[k], r_.col(k), velocity(points[k], k), stiffness / points[k].response, d, state.D[k]);
       state.d.col(k) = d;
-      System::push(point, -d, state.F);
+      System::push(points[k], -d, state.F);
     }
-    for (std::size_t k = 0; k < system_.couples().size(); ++k) {
-      const Couple& couple = system_.couples()[k];
-      Vec3 u = u_r_.col(points + k);
-      if (couple.i != kNone) u.noalias() += couple.J_i * x.col(couple.i);
-      if (couple.j != kNone) u.noalias() += couple.J_j * x.col(couple.j);
-      double n = 0.0;
-      for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += r_(2, p) + state.d(2, p);
+    for (std::size_t c = 0; c < couples.size(); ++c) {
+      const std::size_t k = points.size() + c;
+      const double n = System::normalSum(couples[c], r_) + System::normalSum(couples[c], state.d);
       Vec3 d;
-      project(couple, r_.col(points + k), u, n, stiffness / couple.response, d, state.D[points + k],
-              state.g[k]);
-      state.d.col(points + k) = d;
-      System::push(couple, -d, state.F);
+      step(couples[c], r_.col(k), velocity(couples[c], k), n, stiffness / couples[c].response, d, state.D[k],
+           state.g[c]);
+      state.d.col(k) = d;
+      System::push(couples[c], -d, state.F);
     }
     state.norm = state.F.norm();
     return state;
@@ -85,59 +80,30 @@ class Round {
 
  private:
   // d and D of one point.
-  static void project(const Point& point, const Vec3& r, const Vec3& u, double rho, Vec3& d, Mat3& D) {
+  static void step(const Point& point, const Vec3& r, const Vec3& u, double rho, Vec3& d, Mat3& D) {
     D.setZero();
-    const double n = r[2] - rho * u[2], limit = point.mu * n;
+    const double n = r[2] - rho * u[2];
     if (n <= 0.0) {
       d = -r;
       return;
     }
-    d[2] = -rho * u[2];
+    const auto sliding = point.sliding.step(r.head<2>(), u.head<2>(), rho, n);
+    d << sliding.d, -rho * u[2];
+    D.topLeftCorner<2, 2>() = sliding.by_u;
+    D.topRightCorner<2, 1>() = rho * point.sliding.factor * sliding.by_N;
     D(2, 2) = rho;
-    if (point.slides) {
-      d.head<2>() = -limit * point.slide - r.head<2>();
-      D.topRightCorner<2, 1>() = -rho * point.mu * point.slide;
-      return;
-    }
-    const Vec2 x = r.head<2>() - rho * u.head<2>();
-    const double length = x.norm();
-    if (length <= limit) {
-      d.head<2>() = -rho * u.head<2>();
-      D(0, 0) = D(1, 1) = rho;
-    } else {
-      const Vec2 t = x / length;
-      d.head<2>() = limit * t - r.head<2>();
-      D.topRightCorner<2, 1>() = rho * point.mu * t;
-      D.topLeftCorner<2, 2>() = rho * limit / length * (Eigen::Matrix2d::Identity() - t * t.transpose());
-    }
   }
 
   // d, D and g of one couple.
-  static void project(const Couple& couple, const Vec3& r, const Vec3& u, double n, double rho, Vec3& d,
-                      Mat3& D, Vec3& g) {
+  static void step(const Couple& couple, const Vec3& r, const Vec3& u, double n, double rho, Vec3& d, Mat3& D,
+                   Vec3& g) {
     D.setZero();
-    g.setZero();
-    const Vec3 x = r - rho * u, next = nearestCouple(couple, x, n);
-    d = next - r;
-    const double length = x.head<2>().norm(), limit = couple.roll * n;
-    if (!couple.rolls.isZero(0.0)) {
-      g.head<2>() = -couple.roll * couple.rolls;
-    } else if (length <= limit) {
-      d.head<2>() = -rho * u.head<2>();
-      D(0, 0) = D(1, 1) = rho;
-    } else {
-      const Vec2 t = x.head<2>() / length;
-      g.head<2>() = couple.roll * t;
-      D.topLeftCorner<2, 2>() = rho * limit / length * (Eigen::Matrix2d::Identity() - t * t.transpose());
-    }
-    if (couple.spins != 0.0) {
-      g[2] = -couple.spin * couple.spins;
-    } else if (std::abs(x[2]) <= couple.spin * n) {
-      d[2] = -rho * u[2];
-      D(2, 2) = rho;
-    } else {
-      g[2] = std::copysign(couple.spin, x[2]);
-    }
+    const auto rolling = couple.rolling.step(r.head<2>(), u.head<2>(), rho, n);
+    const auto spinning = couple.spinning.step(r.tail<1>(), u.tail<1>(), rho, n);
+    d << rolling.d, spinning.d;
+    D.topLeftCorner<2, 2>() = rolling.by_u;
+    D.bottomRightCorner<1, 1>() = spinning.by_u;
+    g << couple.rolling.factor * rolling.by_N, couple.spinning.factor * spinning.by_N;
   }
 
   const System& system_;

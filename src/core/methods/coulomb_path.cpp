@@ -41,7 +41,7 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
   CentralPath path(system, matrix);
   CentralPath::Place tangent, correction;
   Answer best;
-  best.r = Impulses::Zero(3, system.points().size());
+  best.r = Impulses::Zero(3, system.columns());
   best.residuals = system.residuals(best.r);
 
   struct Mark {

@@ -78,10 +78,8 @@ System::System(const CoulombProblem& problem) {
     point.drive = given.drive;
     if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame, -1.0, point.drive);
     if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame, 1.0, point.drive);
-    point.mu = given.mu;
     point.drive /= speed_;
-    point.slides = given.mu > 0.0 && given.slide != Vec2::Zero();
-    point.slide = given.slide;
+    point.sliding = {given.mu, given.slide};
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
     points_.push_back(point);
   }
@@ -100,8 +98,8 @@ System::System(const CoulombProblem& problem) {
     couple.J_i = turningOf(given.i, -1.0);
     couple.J_j = turningOf(given.j, 1.0);
     couple.drive /= speed_;
-    couple.roll = given.roll, couple.spin = given.spin;
-    couple.rolls = given.rolls, couple.spins = given.spins;
+    couple.rolling = {given.roll, given.rolls};
+    couple.spinning = {given.spin, FrictionSet<1>::Vec(given.spins)};
     couple.response = (couple.J_i.squaredNorm() + couple.J_j.squaredNorm()) / 3.0;
     couples_.push_back(couple);
   }
@@ -172,11 +170,11 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     const Point& point = points_[k];
     const Vec3 u = velocity.col(k);
     const Vec3 push = point.response * r.col(k);
-    const double limit = point.mu * std::max(push[2], 0.0);
+    const double limit = point.sliding.factor * std::max(push[2], 0.0);
     const double signorini = std::abs(std::min(u[2], push[2]));
     double coulomb, dissipation = 0.0;
-    if (point.slides) {
-      coulomb = (push.head<2>() + limit * point.slide).norm();
+    if (point.sliding.slips) {
+      coulomb = (push.head<2>() + limit * point.sliding.slip).norm();
     } else {
       coulomb = std::max(0.0, push.head<2>().norm() - limit);
       Vec2 target = push.head<2>() - u.head<2>();
@@ -192,9 +190,9 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += std::max(r(2, p), 0.0);
     n *= couple.response;
     const Vec3 push = couple.response * r.col(points_.size() + k);
-    const double coulomb =
-        std::max({0.0, push.head<2>().norm() - couple.roll * n, std::abs(push[2]) - couple.spin * n});
-    const Vec3 target = nearestCouple(couple, push - velocity.col(points_.size() + k), n);
+    const double coulomb = std::max({0.0, push.head<2>().norm() - couple.rolling.factor * n,
+                                     std::abs(push[2]) - couple.spinning.factor * n});
+    const Vec3 target = nearest(couple, push - velocity.col(points_.size() + k), n);
     count(couple, push, 0.0, coulomb, (push - target).norm());
   }
   return worst;
@@ -204,13 +202,13 @@ Impulses System::guess(const CoulombProblem& problem) const {
   Impulses r(3, columns());
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Vec3 given = problem.points[k].impulse / impulse_;
-    r.col(k) = given.allFinite() ? nearestOnCone(points_[k], given) : Vec3::Zero();
+    r.col(k) = given.allFinite() ? nearestOnCone(points_[k].sliding, given) : Vec3::Zero();
   }
   for (std::size_t k = 0; k < couples_.size(); ++k) {
     const Couple& couple = couples_[k];
     const Vec3 given = problem.couples[k].impulse / impulse_;
-    const double n = r.row(2).segment(couple.first, couple.size).sum();
-    r.col(points_.size() + k) = given.allFinite() ? nearestCouple(couple, given, n) : Vec3::Zero();
+    r.col(points_.size() + k) =
+        given.allFinite() ? nearest(couple, given, normalSum(couple, r)) : Vec3::Zero();
   }
   return r;
 }
@@ -234,32 +232,6 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
     if (couple.i != kNone && turns_[couple.i]) problem.bodies[couple.i].w -= roots_[couple.i].solve(turn_W);
     if (couple.j != kNone && turns_[couple.j]) problem.bodies[couple.j].w += roots_[couple.j].solve(turn_W);
   }
-}
-
-Vec3 nearestCouple(const Couple& couple, const Vec3& x, double n) {
-  const double roll = couple.roll * n, spin = couple.spin * n;
-  Vec3 nearest = x;
-  const double length = x.head<2>().norm();
-  if (!couple.rolls.isZero(0.0)) {
-    nearest.head<2>() = -roll * couple.rolls;
-  } else if (length > roll) {
-    nearest.head<2>() *= roll / length;
-  }
-  nearest[2] = couple.spins != 0.0 ? -spin * couple.spins : std::clamp(x[2], -spin, spin);
-  return nearest;
-}
-
-Vec3 nearestOnCone(const Point& point, const Vec3& x) {
-  if (point.slides) {
-    const double n = std::max(x[2], 0.0);
-    return {-point.mu * n * point.slide[0], -point.mu * n * point.slide[1], n};
-  }
-  const double length = x.head<2>().norm();
-  if (length <= point.mu * x[2]) return x;
-  const double n = (point.mu * length + x[2]) / (1.0 + point.mu * point.mu);
-  if (n <= 0.0) return Vec3::Zero();
-  if (point.mu == 0.0) return {0.0, 0.0, n};
-  return {point.mu * n / length * x[0], point.mu * n / length * x[1], n};
 }
 
 }  // namespace rbs::coulomb

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "methods/coulomb.h"
+#include "methods/friction_set.h"
 
 #include <Eigen/Cholesky>
 
@@ -32,17 +33,14 @@ struct Rows {
 };
 
 struct Point : Rows {
-  double mu;
-  bool slides;  ///< along `slide`, whatever u_T
-  Vec2 slide;   ///< of length 1 where it slides
+  FrictionSet<2> sliding;  ///< under its own normal impulse
 };
 
 /// Its velocity is that of turning times its length, so that it has the units of a point.
 struct Couple : Rows {
   std::size_t first, size;  ///< its points
-  double roll, spin;
-  Vec2 rolls;    ///< of length 1: about this axis, whatever u_T; or zero
-  double spins;  ///< 1 or -1: this way, whatever u_n; or zero
+  FrictionSet<2> rolling;   ///< under the sum of their normal impulses
+  FrictionSet<1> spinning;  ///< likewise
 };
 
 /// How far impulses are from the law; the greatest over the points. See CoulombResult.
@@ -59,13 +57,24 @@ class System {
 
   const std::vector<Point>& points() const { return points_; }
   const std::vector<Couple>& couples() const { return couples_; }
-  const Velocities& free() const { return free_; }  ///< y_free
+  const Velocities& free() const { return free_; }                          ///< y_free
+  std::size_t columns() const { return points_.size() + couples_.size(); }  ///< of impulses
+  const Rows& rows(std::size_t k) const {                                   ///< of a column of impulses
+    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
+  }
 
   Vec3 velocity(const Rows& rows, const Velocities& y) const {
     Vec3 u = rows.drive;
     if (rows.i != kNone) u.noalias() += rows.J_i * y.col(rows.i);
     if (rows.j != kNone) u.noalias() += rows.J_j * y.col(rows.j);
     return u;
+  }
+  /// J dy, by which dy changes the velocity.
+  static Vec3 change(const Rows& rows, const Velocities& dy) {
+    Vec3 du = Vec3::Zero();
+    if (rows.i != kNone) du.noalias() += rows.J_i * dy.col(rows.i);
+    if (rows.j != kNone) du.noalias() += rows.J_j * dy.col(rows.j);
+    return du;
   }
   /// Adds J^T r of one point or couple.
   static void push(const Rows& rows, const Vec3& r, Velocities& y) {
@@ -80,6 +89,17 @@ class System {
   Residuals residuals(const Impulses& r, const Impulses& velocity) const;
   Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
 
+  /// The sum of the normal impulses of a couple's points.
+  static double normalSum(const Couple& couple, const Impulses& r) {
+    return r.row(2).segment(couple.first, couple.size).sum();
+  }
+  /// The impulse of a couple that is nearest to x under the sum n of normal impulses.
+  static Vec3 nearest(const Couple& couple, const Vec3& x, double n) {
+    Vec3 nearest;
+    nearest << couple.rolling.nearest(x.head<2>(), n), couple.spinning.nearest(x.tail<1>(), n);
+    return nearest;
+  }
+
   /// Whether the solvers are to end.
   bool isLate() const { return until_ && std::chrono::steady_clock::now() >= *until_; }
 
@@ -88,11 +108,6 @@ class System {
   void store(const Impulses& r, CoulombProblem& problem) const;
 
  private:
-  std::size_t columns() const { return points_.size() + couples_.size(); }
-  const Rows& rows(std::size_t k) const {  // of a column of impulses
-    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
-  }
-
   template <class Scalar>
   Impulses velocitiesSummedIn(const Impulses& r) const;
 
@@ -104,12 +119,5 @@ class System {
   Velocities free_;
   std::optional<std::chrono::steady_clock::time_point> until_;
 };
-
-/// Where a couple's impulse belongs for x: on its disc of rolling and its interval of spinning, under the sum
-/// n of the normal impulses of its points.
-Vec3 nearestCouple(const Couple& couple, const Vec3& x, double n);
-
-/// The nearest impulse on the point's cone, |r_T| <= mu r_n; on the ray of its sliding where that is known.
-Vec3 nearestOnCone(const Point& point, const Vec3& x);
 
 }  // namespace rbs::coulomb
