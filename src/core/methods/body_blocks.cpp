@@ -105,15 +105,17 @@ void BodyBlocks::order() {
   }
 }
 
+template <int kRows>
 void BodyBlocks::addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot) {
-  if (rows.i != kNone) diagonal_[place_[rows.i]].noalias() += rows.J_i.transpose() * DJ_i;
-  if (rows.j != kNone) diagonal_[place_[rows.j]].noalias() += rows.J_j.transpose() * DJ_j;
+  const auto add = [](Mat6& block, const Mat36& J, const Mat36& DJ) {
+    block.template bottomRows<kRows>().noalias() += J.rightCols<kRows>().transpose() * DJ;
+  };
+  if (rows.i != kNone) add(diagonal_[place_[rows.i]], rows.J_i, DJ_i);
+  if (rows.j != kNone) add(diagonal_[place_[rows.j]], rows.J_j, DJ_j);
   if (rows.i == kNone || rows.j == kNone) return;
   const bool i_first = place_[rows.i] < place_[rows.j];
-  Mat6& A_ji = i_first ? lower_[slot] : upper_[slot];
-  Mat6& A_ij = i_first ? upper_[slot] : lower_[slot];
-  A_ji.noalias() += rows.J_j.transpose() * DJ_i;
-  A_ij.noalias() += rows.J_i.transpose() * DJ_j;
+  add(i_first ? lower_[slot] : upper_[slot], rows.J_j, DJ_i);
+  add(i_first ? upper_[slot] : lower_[slot], rows.J_i, DJ_j);
 }
 
 void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
@@ -125,17 +127,20 @@ void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g
     Mat36 DJ_i, DJ_j;
     if (points[k].i != kNone) DJ_i.noalias() = D[k] * points[k].J_i;
     if (points[k].j != kNone) DJ_j.noalias() = D[k] * points[k].J_j;
-    addBlocks(points[k], DJ_i, DJ_j, slot_[k]);
+    addBlocks<6>(points[k], DJ_i, DJ_j, slot_[k]);
   }
+  // A couple turns, no more: three rows of its blocks are zero.
   for (std::size_t k = 0; k < g.size(); ++k) {
     const Couple& couple = system_.couples()[k];
-    const Mat3& own = D[points.size() + k];
-    Mat36 DJ_i = own * couple.J_i, DJ_j = own * couple.J_j;
+    Vec6 n_i = Vec6::Zero(), n_j = Vec6::Zero();
     for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) {
-      DJ_i.noalias() += D[p](2, 2) * g[k] * points[p].J_i.row(2);
-      DJ_j.noalias() += D[p](2, 2) * g[k] * points[p].J_j.row(2);
+      n_i += D[p](2, 2) * points[p].J_i.row(2).transpose();
+      n_j += D[p](2, 2) * points[p].J_j.row(2).transpose();
     }
-    addBlocks(couple, DJ_i, DJ_j, slot_[couple.first]);
+    Mat36 DJ_i = g[k] * n_i.transpose(), DJ_j = g[k] * n_j.transpose();
+    DJ_i.rightCols<3>() += D[points.size() + k] * couple.J_i.rightCols<3>();
+    DJ_j.rightCols<3>() += D[points.size() + k] * couple.J_j.rightCols<3>();
+    addBlocks<3>(couple, DJ_i, DJ_j, slot_[couple.first]);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace rbs::coulomb {
 
@@ -93,9 +94,8 @@ double CentralPath::meanProduct() const {
 
 bool CentralPath::linearise() {
   const std::size_t points = place.points.size();
-  const Impulses r = impulses();
   away_ = place.y - system_.free();
-  for (std::size_t k = 0; k < system_.columns(); ++k) System::push(system_.rows(k), -r.col(k), away_);
+  system_.push(-impulses(), away_);
   off_.setZero();
   for (std::size_t k = 0; k < points; ++k) {
     const PointPairs& pairs = place.points[k];
@@ -183,7 +183,7 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
         couples_[k].spinning.constant(wanted.couples[k].spinning, e_n);
   }
   Velocities right = wanted.away;
-  push(e, wanted.off, right);
+  system_.push(e + respond(wanted.off), right);
   direction.y = matrix_.solve(right);
   // One refinement, which also tells what the factors are worth.
   direction.y += matrix_.solve(residual(right, direction.y));
@@ -192,7 +192,7 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   direction.points.resize(points);
   direction.couples.resize(couples_.size());
   for (std::size_t k = 0; k < points; ++k) {
-    const Vec3 du = System::change(system_.points()[k], direction.y) + wanted.off.col(k);
+    const Vec3 du = System::changed(system_.points()[k], Vec3::Zero(), direction.y) + wanted.off.col(k);
     PointPairs& d = direction.points[k];
     d.u_n = du[2];
     d.r_n = (wanted.points[k].product - place.points[k].r_n * d.u_n) / place.points[k].u_n;
@@ -200,7 +200,7 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   }
   for (std::size_t k = 0; k < couples_.size(); ++k) {
     const Couple& couple = system_.couples()[k];
-    const Vec3 du = System::change(couple, direction.y) + wanted.off.col(points + k);
+    const Vec3 du = System::changed(couple, Vec3::Zero(), direction.y) + wanted.off.col(points + k);
     const double dn = direction.normalSum(couple);
     direction.couples[k] = {couples_[k].rolling.change(wanted.couples[k].rolling, du.head<2>(), dn),
                             couples_[k].spinning.change(wanted.couples[k].spinning, du.tail<1>(), dn)};
@@ -208,23 +208,26 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   return true;
 }
 
-void CentralPath::push(const Impulses& r, const Impulses& du, Velocities& y) const {
+Impulses CentralPath::respond(Impulses du) const {
   const std::size_t points = place.points.size();
-  for (std::size_t k = 0; k < points; ++k) System::push(system_.points()[k], r.col(k) - D_[k] * du.col(k), y);
+  // Couples first: they need the changes of their points' velocities.
   for (std::size_t k = 0; k < couples_.size(); ++k) {
     const Couple& couple = system_.couples()[k];
     double dn = 0.0;
     for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) dn -= D_[p](2, 2) * du(2, p);
-    System::push(couple, r.col(points + k) - D_[points + k] * du.col(points + k) + dn * g_[k], y);
+    du.col(points + k) = (dn * g_[k] - D_[points + k] * du.col(points + k)).eval();
   }
+  for (std::size_t k = 0; k < points; ++k) du.col(k) = -(D_[k] * du.col(k)).eval();
+  return du;
 }
 
 /// right - (1 + J^T D J) dy.
 Velocities CentralPath::residual(const Velocities& right, const Velocities& dy) const {
   Velocities rest = right - dy;
   Impulses du(3, system_.columns());
-  for (std::size_t k = 0; k < system_.columns(); ++k) du.col(k) = System::change(system_.rows(k), dy);
-  push(Impulses::Zero(3, system_.columns()), du, rest);
+  for (std::size_t k = 0; k < system_.columns(); ++k)
+    du.col(k) = System::changed(system_.rows(k), Vec3::Zero(), dy);
+  system_.push(respond(std::move(du)), rest);
   return rest;
 }
 

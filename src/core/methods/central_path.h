@@ -96,8 +96,8 @@ class CentralPath {
   };
 
   bool solve(const Wanted& wanted, Place& direction) const;
-  /// Adds J^T (r - D du + g dN) for an impulse r by column that depends on nothing.
-  void push(const Impulses& r, const Impulses& du, Velocities& y) const;
+  /// -D du, and at couples + g dN.
+  Impulses respond(Impulses du) const;
   Velocities residual(const Velocities& right, const Velocities& dy) const;
 
   const System& system_;

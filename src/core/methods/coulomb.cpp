@@ -126,6 +126,10 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::Admm, admmFromBest,
      [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
      &Case::rough, 500, 20, 4},
+    // Heaps whose couples neither path nor proximal steps have settled.
+    {CoulombSolver::Newton, newtonFromBest,
+     [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::tolerance,
+     &Case::target, 200, 0},
     // Bodies are not to fall through, even where time is over.
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isLate(); }, &Case::tolerance,
      &Case::tolerance, 10, 0},

@@ -53,15 +53,10 @@ class Round {
     const std::vector<Couple>& couples = system_.couples();
     State state{
         x, x, Impulses(3, r_.cols()), std::vector<Mat3>(r_.cols()), std::vector<Vec3>(couples.size()), 0.0};
-    const auto velocity = [&](const Rows& rows, std::size_t k) {
-      Vec3 u = u_r_.col(k);
-      if (rows.i != kNone) u.noalias() += rows.J_i * x.col(rows.i);
-      if (rows.j != kNone) u.noalias() += rows.J_j * x.col(rows.j);
-      return u;
-    };
     for (std::size_t k = 0; k < points.size(); ++k) {
       Vec3 d;
-      step(points[k], r_.col(k), velocity(points[k], k), stiffness / points[k].response, d, state.D[k]);
+      step(points[k], r_.col(k), System::changed(points[k], u_r_.col(k), x), stiffness / points[k].response,
+           d, state.D[k]);
       state.d.col(k) = d;
       System::push(points[k], -d, state.F);
     }
@@ -69,8 +64,8 @@ class Round {
       const std::size_t k = points.size() + c;
       const double n = System::normalSum(couples[c], r_) + System::normalSum(couples[c], state.d);
       Vec3 d;
-      step(couples[c], r_.col(k), velocity(couples[c], k), n, stiffness / couples[c].response, d, state.D[k],
-           state.g[c]);
+      step(couples[c], r_.col(k), System::changed(couples[c], u_r_.col(k), x), n,
+           stiffness / couples[c].response, d, state.D[k], state.g[c]);
       state.d.col(k) = d;
       System::push(couples[c], -d, state.F);
     }

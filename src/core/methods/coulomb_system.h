@@ -63,23 +63,21 @@ class System {
     return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
   }
 
-  Vec3 velocity(const Rows& rows, const Velocities& y) const {
-    Vec3 u = rows.drive;
-    if (rows.i != kNone) u.noalias() += rows.J_i * y.col(rows.i);
-    if (rows.j != kNone) u.noalias() += rows.J_j * y.col(rows.j);
+  /// u + J dy.
+  static Vec3 changed(const Rows& rows, Vec3 u, const Velocities& dy) {
+    if (rows.i != kNone) u.noalias() += rows.J_i * dy.col(rows.i);
+    if (rows.j != kNone) u.noalias() += rows.J_j * dy.col(rows.j);
     return u;
   }
-  /// J dy, by which dy changes the velocity.
-  static Vec3 change(const Rows& rows, const Velocities& dy) {
-    Vec3 du = Vec3::Zero();
-    if (rows.i != kNone) du.noalias() += rows.J_i * dy.col(rows.i);
-    if (rows.j != kNone) du.noalias() += rows.J_j * dy.col(rows.j);
-    return du;
-  }
+  Vec3 velocity(const Rows& rows, const Velocities& y) const { return changed(rows, rows.drive, y); }
   /// Adds J^T r of one point or couple.
   static void push(const Rows& rows, const Vec3& r, Velocities& y) {
     if (rows.i != kNone) y.col(rows.i).noalias() += rows.J_i.transpose() * r;
     if (rows.j != kNone) y.col(rows.j).noalias() += rows.J_j.transpose() * r;
+  }
+  /// Adds J^T r.
+  void push(const Impulses& r, Velocities& y) const {
+    for (std::size_t k = 0; k < columns(); ++k) push(rows(k), r.col(k), y);
   }
   /// u of impulses r, with the rounding of r only: summed in long double.
   Impulses relativeVelocities(const Impulses& r) const { return velocitiesSummedIn<long double>(r); }

@@ -43,14 +43,15 @@ struct FrictionSet {
   /// d = nearest(r - rho u, N) - r, and how it changes: by -by_u du and by factor by_N dN.
   struct Step {
     Vec d;
-    Mat by_u = Mat::Zero();
-    Vec by_N = Vec::Zero();
+    Mat by_u;
+    Vec by_N;
   };
   Step step(const Vec& r, const Vec& u, double rho, double N) const {
     Step step;
     const double limit = factor * N;
     if (slips) {
       step.d = -limit * slip - r;
+      step.by_u.setZero();
       step.by_N = -slip;
       return step;
     }
@@ -59,6 +60,7 @@ struct FrictionSet {
     if (length <= limit) {
       step.d = -rho * u;
       step.by_u = rho * Mat::Identity();
+      step.by_N.setZero();
     } else {
       const Vec t = x / length;
       step.d = limit * t - r;
