@@ -202,8 +202,8 @@ TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
   for (const BodyState& state : world.snapshot().states) EXPECT_LE(state.twist.v_WB.norm(), 1e-6);
 }
 
-// Fourteen marbles fall into a narrow box, one on the other. Newton's method alone took up to 36,000
-// iterations a step, left one island in fifteen unsolved, and threw marbles out at 1 km/s.
+// Fourteen marbles fall into a narrow box. Newton's method alone took up to 40,000 iterations a step and left
+// one island in sixteen unsolved.
 TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.fidelity = Fidelity::Accurate;
