@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The solvers of the Coulomb problem, each from a start to the best impulses it finds.
+// The solvers of the Coulomb problem, each from a start to the best impulses it finds. All of them solve
+// problems with couples and with prescribed slip.
 #pragma once
 
 #include "methods/body_blocks.h"

@@ -29,7 +29,7 @@ struct FrictionSet {
   FrictionSet(double factor, const Vec& slip)
       : factor(factor), slips(factor > 0.0 && !slip.isZero(0.0)), slip(slip) {}
 
-  /// More than the only impulse 0, or one prescribed impulse per N.
+  /// False: N alone determines the impulse, by the prescribed slip or because the factor is 0.
   bool isBall() const { return factor > 0.0 && !slips; }
 
   /// The impulse of the set that is nearest to x.
