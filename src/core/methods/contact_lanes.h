@@ -9,16 +9,13 @@
 // "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
 #pragma once
 
+#include "methods/lanes.h"
 #include "methods/solver_contacts.h"
 
 #include <array>
 #include <vector>
 
 namespace rbs {
-
-/// One number of each of four pairs. Arithmetic goes number by number and rounds as if each were alone.
-using Lanes = double __attribute__((vector_size(32), aligned(32)));
-inline constexpr int kLanes = 4;
 
 /// A soft constraint as an impulse solver writes it (soft_step.cpp).
 struct Softness {

@@ -7,7 +7,7 @@
 //   y = y_free + J^T r,   u = J y + drive.
 #pragma once
 
-#include "methods/coulomb.h"
+#include "methods/coulomb_problem.h"
 #include "methods/friction_set.h"
 
 #include <Eigen/Cholesky>

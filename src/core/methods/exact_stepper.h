@@ -3,6 +3,7 @@
 // up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
 #pragma once
 
+#include "methods/coulomb.h"
 #include "methods/inner_step.h"
 #include "methods/island_motion.h"
 #include "methods/methods.h"

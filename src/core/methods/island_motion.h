@@ -3,7 +3,7 @@
 #pragma once
 
 #include "context.h"
-#include "methods/coulomb.h"
+#include "methods/coulomb_problem.h"
 
 #include <vector>
 

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Arithmetic on lanes, for the loops over them alone.
+// Four numbers at a time, and arithmetic on them, for the loops over contacts.
 #pragma once
 
-#include "methods/contact_lanes.h"
+#include "methods/solver_contacts.h"
 
 #include <array>
 
 // GCC 12 takes a vector that is made of four numbers for one that is read before it is made.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+
+namespace rbs {
+
+/// One number of each of four pairs. Arithmetic goes number by number and rounds as if each were alone.
+using Lanes = double __attribute__((vector_size(32), aligned(32)));
+inline constexpr int kLanes = 4;
+
+}  // namespace rbs
 
 namespace rbs::lanes {
 

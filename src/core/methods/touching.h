@@ -2,7 +2,7 @@
 // Where an island touches at one instant: its contact points as the exact step sees them.
 #pragma once
 
-#include "methods/coulomb.h"
+#include "methods/coulomb_problem.h"
 #include "methods/methods.h"
 
 #include <vector>

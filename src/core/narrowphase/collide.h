@@ -2,6 +2,7 @@
 // The collision table: which routine finds the manifold of which pair of shapes.
 #pragma once
 
+#include "narrowphase/gap.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/simplex.h"
 #include "rigid_body_sim/shape.h"
@@ -13,13 +14,7 @@ namespace rbs {
 /// planes have no contact points.
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
 
-/// Signed distance of A and B, with the closest points of their surfaces: p_WB - p_WA = distance n_W up to
-/// rounding. Where there are several such pairs of points, one of them.
-struct Gap {
-  double distance;  ///< separation, m; negative: penetration depth. Infinite for two planes
-  Vec3 n_W;         ///< unit, from A to B
-  Vec3 p_WA, p_WB;  ///< of A and of B, m; zero for two planes
-};
+/// The gap of two shapes.
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 
 /// The gap of a pair that is queried repeatedly. `kept` is the last simplex of the search, empty at first.

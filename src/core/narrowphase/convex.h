@@ -2,13 +2,14 @@
 // Gap, manifold and intersection of any two convex shapes with support functions, by GJK and EPA.
 #pragma once
 
-#include "narrowphase/collide.h"
 #include "narrowphase/epa.h"
 #include "narrowphase/facet.h"
 #include "narrowphase/finish.h"
+#include "narrowphase/gap.h"
 #include "narrowphase/gjk.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/patch.h"
+#include "rigid_body_sim/shape.h"
 
 #include <algorithm>
 #include <array>

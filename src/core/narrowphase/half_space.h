@@ -2,11 +2,12 @@
 // Any convex shape against a half-space: the heights of its points that face the plane.
 #pragma once
 
-#include "narrowphase/collide.h"
 #include "narrowphase/facet.h"
+#include "narrowphase/gap.h"
 #include "narrowphase/manifold.h"
 #include "narrowphase/support.h"
 #include "narrowphase/tolerances.h"
+#include "rigid_body_sim/shape.h"
 
 #include <limits>
 

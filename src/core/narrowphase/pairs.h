@@ -3,8 +3,9 @@
 // pairs use the templates of convex.h; an overload here replaces the template for a pair.
 #pragma once
 
-#include "narrowphase/collide.h"
+#include "narrowphase/gap.h"
 #include "narrowphase/manifold.h"
+#include "rigid_body_sim/shape.h"
 
 namespace rbs {
 
