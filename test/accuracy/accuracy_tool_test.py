@@ -138,7 +138,7 @@ class Runs(Folder):
         self.assertEqual(min(r['cpu_seconds'] for r in good), soonest['cpu_seconds'])
         written, text = self.page()
         self.assertEqual(0, written.returncode, written.stderr)
-        table = text[text.index('What sub-steps and tolerance buy'):]
+        table = text[text.index('The effect of sub-steps and tolerance'):]
         self.assertIn('| preview as it is | 2 sub-steps | 4 sub-steps | 8 sub-steps |', table)
         self.assertIn('| reference as it is | tolerance 1e-06 | tolerance 1e-09 |', table)
         chart = pathlib.Path(self.out, 'sliding_stop.svg').read_text(encoding='utf-8')
@@ -194,7 +194,7 @@ class Runs(Folder):
         self.assertIn('No other engine was built in', text)
         self.assertIn('Nowhere in this run', text)
         self.assertIn('Soonest of ours: to 1e-3 `', text)
-        self.assertNotIn('What sub-steps and tolerance buy', text)  # nothing on a flight
+        self.assertNotIn('The effect of sub-steps and tolerance', text)  # nothing on a flight
 
         result = self.results()
         result['whole'] = False
