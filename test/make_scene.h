@@ -2,7 +2,7 @@
 // Short ways to write a scene in a test.
 #pragma once
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "rigid_body_sim/world.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // The cost of the broad phase against the number of bodies: balls and boxes that rain into a pen as wide as
 // they need, and balls that hang in space with their centres in a plane x + y + z = 0, across the axis (1, 1,
 // 1). Times are the least of the steps, since a busy machine only adds to them.
-#include "random.h"
+#include "base/random.h"
 #include "rigid_body_sim/world.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // residuals of 1e-6, or F and the residual reached; what solveCoulomb() makes of it, also to 1e-12; and how
 // many of random jams it solves. Times are the least of a few runs, since a busy machine only adds to them.
 #include "core/coulomb_problems.h"
-#include "methods/coulomb_solvers.h"
+#include "coulomb/coulomb_solvers.h"
 
 #include <algorithm>
 #include <chrono>

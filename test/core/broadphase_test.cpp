@@ -3,10 +3,10 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
-#include "census.h"
 #include "core/narrowphase_oracles.h"
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"
+#include "step/census.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The census: that an edit looks only at the bodies it is about, and comes to what a look at all would.
-#include "census.h"
+#include "step/census.h"
 
+#include "base/random.h"
 #include "make_scene.h"
-#include "random.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The contact on Coulomb's cone against what defines it.
-#include "methods/cone.h"
+#include "coulomb/cone.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Adding a kind of constraint takes its own file: one that the program does not have goes through the graph
 // and the soft step here, beside contacts.
-#include "census.h"
-#include "islands.h"
 #include "make_scene.h"
-#include "methods/soft_step.h"
+#include "solver/soft_step.h"
+#include "step/census.h"
+#include "step/islands.h"
 
 #include <gtest/gtest.h>
 

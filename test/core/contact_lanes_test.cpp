@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and
 // gone through in the pairs' own order, with responses from whole matrices.
-#include "methods/contact_lanes.h"
-#include "islands.h"
+#include "solver/contact_lanes.h"
+#include "step/islands.h"
 
-#include "algebra.h"
-#include "census.h"
+#include "base/algebra.h"
 #include "make_scene.h"
+#include "step/census.h"
 
 #include <gtest/gtest.h>
 

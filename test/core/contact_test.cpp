@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contacts: what persists from step to step, what waits aside, and where impulses go.
-#include "contact.h"
+#include "state/contact.h"
 #include "make_scene.h"
 
 #include <gtest/gtest.h>

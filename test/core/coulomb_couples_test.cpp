@@ -2,7 +2,7 @@
 // Rolling and torsional resistance in the Coulomb problem: each solver by itself against closed forms, a slow
 // method in long double, and the law evaluated from its definition.
 #include "core/coulomb_problems.h"
-#include "methods/coulomb_solvers.h"
+#include "coulomb/coulomb_solvers.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 // benchmark.
 #pragma once
 
-#include "algebra.h"
-#include "methods/coulomb.h"
+#include "base/algebra.h"
+#include "coulomb/coulomb.h"
 
 #include <array>
 #include <cmath>

@@ -2,7 +2,7 @@
 // The exact Coulomb problem of an island: closed forms of statics and sliding, all modes of a few points
 // tried one by one, slow methods in long double, and the law itself, evaluated from its definition.
 #include "core/coulomb_problems.h"
-#include "methods/coulomb_system.h"
+#include "coulomb/coulomb_system.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // What is proved of the depth near a stationary direction, against directions drawn at random.
 #include "narrowphase/depth_proof.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "core/narrowphase_oracles.h"
 #include "narrowphase/convex.h"
 

@@ -15,8 +15,8 @@
 // What excludes its alternative is compared with it in the same way: impacts at their times with contacts
 // that act somewhere in the step, sleep with being awake. There the nudge is what the choice gives up by its
 // own account, and velocities, which jump in an impact, are left out.
+#include "base/random.h"
 #include "make_scene.h"
-#include "random.h"
 #include "rigid_body_sim/scenes.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The free top in closed form, against Euler's equations integrated in long double.
-#include "free_top.h"
+#include "dynamics/free_top.h"
 #include "free_top_oracle.h"
 
 #include <gtest/gtest.h>

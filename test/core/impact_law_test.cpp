@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The law of impact against what it must keep, whatever meets and however.
-#include "methods/impact_law.h"
+#include "solver/impact_law.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The check of the stores: it finds nothing in sound ones, and each of the faults put into them here.
-#include "invariants.h"
+#include "state/invariants.h"
 
-#include "census.h"
 #include "make_scene.h"
-#include "pipeline.h"
+#include "step/census.h"
+#include "step/pipeline.h"
 
 #include <gtest/gtest.h>
 

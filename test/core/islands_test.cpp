@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The constraint graph: which bodies make an island, whatever kind of constraint connects them.
-#include "islands.h"
-#include "census.h"
+#include "step/islands.h"
 #include "make_scene.h"
+#include "step/census.h"
 
 #include <gtest/gtest.h>
 

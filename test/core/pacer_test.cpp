@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pace of a simulation, on a clock that the test turns: it never looks at the one on the wall.
-#include "pacer.h"
+#include "simulator/pacer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scene files: what is written is read back bit for bit, generators make what they say, and a faulty or
 // hostile file is refused whole, with every fault at its line.
-#include "number_text.h"
+#include "base/number_text.h"
 #include "rigid_body_sim/scenes.h"
-#include "scene_limits.h"
+#include "scene/scene_limits.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

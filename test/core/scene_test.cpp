@@ -2,8 +2,8 @@
 // validate() finds every fault of a definition, by its path, and none in what is sound.
 #include "rigid_body_sim/scene.h"
 
+#include "base/text.h"
 #include "rigid_body_sim/quote.h"
-#include "text.h"
 
 #include <gtest/gtest.h>
 

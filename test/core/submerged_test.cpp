@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of a shape below a plane, against closed forms and brute force.
-#include "submerged.h"
-#include "algebra.h"
-#include "random.h"
+#include "shapes/submerged.h"
+#include "base/algebra.h"
+#include "base/random.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Takes steps of a scene that holds everything but one effect, for a count of its instructions.
 // Usage: effects_probe EFFECT full|empty STEPS
-#include "random.h"
+#include "base/random.h"
 #include "rigid_body_sim/world.h"
 
 #include <cstdio>

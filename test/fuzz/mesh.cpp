@@ -2,8 +2,8 @@
 // The readers of meshes, and the hulls of what they read.
 #include "targets.h"
 
-#include "meshes/formats.h"
 #include "rigid_body_sim/shape.h"
+#include "shapes/meshes/formats.h"
 
 #include <cmath>
 

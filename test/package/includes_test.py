@@ -1,13 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Arrows between the files of the core only go down: a header with its source file is one node, and no includes go round.
-The core knows nothing of ROS."""
+"""Includes between the rooms of the core only go down, and between its files they do not go round: a header with its source
+file is one node. The core knows nothing of ROS."""
 import pathlib
 import re
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / 'src/core'
+# From the lowest room up; docs/architecture.md says what each holds.
+ROOMS = ['base', 'shapes', 'narrowphase', 'coulomb', 'state', 'broadphase', 'dynamics', 'effects', 'solver', 'step', 'scene', 'world',
+         'accuracy', 'simulator']
 
 
 def node(name):
@@ -51,7 +54,28 @@ def round_trip(graph):
     return []
 
 
+def upward(graph):
+    """The includes of a room above, as (file, included file)."""
+    def height(name):
+        return ROOMS.index(name.split('/')[0])
+    return [(name, other) for name in sorted(graph) for other in sorted(graph[name]) if height(other) > height(name)]
+
+
 class IncludesTest(unittest.TestCase):
+
+    def test_an_upward_include_is_found(self):
+        self.assertEqual(upward({'state/a': {'step/b', 'base/c'}, 'step/b': {'state/a'}, 'base/c': set()}), [('state/a', 'step/b')])
+
+    def test_includes_between_rooms_go_down(self):
+        self.assertEqual(sorted(path.name for path in CORE.iterdir() if path.is_dir()), sorted(ROOMS))
+        self.assertEqual(upward(arrows()), [])
+
+    def test_every_private_header_is_named_by_its_room(self):
+        for path in CORE.rglob('*'):
+            if path.suffix in ('.h', '.cpp'):
+                for other in re.findall(r'#include "([^"]+)"', path.read_text()):
+                    if not other.startswith('rigid_body_sim/') and other != 'effects_built.h':
+                        self.assertTrue((CORE / other).exists(), '%s includes %s' % (path.relative_to(ROOT), other))
 
     def test_a_circle_is_found(self):
         self.assertEqual(round_trip({'a': {'b'}, 'b': {'c'}, 'c': {'b'}}), ['b', 'c', 'b'])

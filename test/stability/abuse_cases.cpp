@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What people do to a running scene: resizing into overlap, teleporting, dragging, wrong numbers.
+#include "base/random.h"
 #include "measure.h"
-#include "random.h"
 
 #include "rigid_body_sim/scenes.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fast bodies: time of impact, and that nothing passes a wall.
+#include "base/random.h"
 #include "measure.h"
-#include "random.h"
 
 #include <algorithm>
 

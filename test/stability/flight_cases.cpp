@@ -2,7 +2,7 @@
 // Free flight and free rotation.
 #include "measure.h"
 
-#include "random.h"
+#include "base/random.h"
 
 #include <algorithm>
 

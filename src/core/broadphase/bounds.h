@@ -2,7 +2,7 @@
 // Swept bounds for the broad phase: the space that a body can reach during a part of a step.
 #pragma once
 
-#include "context.h"
+#include "state/context.h"
 
 namespace rbs {
 

@@ -2,7 +2,7 @@
 // The bodies near a body whose trajectory has changed within the step.
 #pragma once
 
-#include "context.h"
+#include "state/context.h"
 
 namespace rbs {
 

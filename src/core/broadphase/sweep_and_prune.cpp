@@ -2,7 +2,6 @@
 #include "broadphase/sweep_and_prune.h"
 
 #include "broadphase/bounds.h"
-#include "sleep.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,8 +132,7 @@ void run(Context& context) {
   sweep.fresh = step.report.overlap_tests > 2 * sweep.tests + kFewTests * collidable.size();
   sweepPlanes(context, found);
   std::sort(found.begin(), found.end());
-  scene.contacts.update(scene.bodies, found,
-                        [&](const Contact& contact) { return sleep::isAsleep(scene, contact); });
+  scene.contacts.update(scene.bodies, found, [&](const Contact& contact) { return scene.isAsleep(contact); });
   step.report.pairs = static_cast<std::uint32_t>(found.size());
 }
 

@@ -2,7 +2,7 @@
 // Sweep and prune on the axis (1, 1, 1): the candidate pairs of a step.
 #pragma once
 
-#include "context.h"
+#include "state/context.h"
 
 namespace rbs::sweep_and_prune {
 

@@ -8,10 +8,10 @@
 //   | 1 - W/2    h (1 - W/4) |
 //   | -W/h       1 - W/2     |
 // has determinant 1: bobbing neither grows nor decays, up to W = (omega h)² = 4. The same for rocking.
-#include "algebra.h"
+#include "base/algebra.h"
+#include "base/text.h"
 #include "effects/effects.h"
-#include "submerged.h"
-#include "text.h"
+#include "shapes/submerged.h"
 
 #include <limits>
 

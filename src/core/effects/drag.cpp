@@ -21,9 +21,9 @@
 // In between it is of second order: what boxes and bodies in contact get. Bodies in flight that the air does
 // not turn are integrated to rounding, by the method of Dormand and Prince (1980) with its own choice of
 // steps.
-#include "algebra.h"
+#include "base/algebra.h"
+#include "base/text.h"
 #include "effects/effects.h"
-#include "text.h"
 
 #include <Eigen/LU>
 

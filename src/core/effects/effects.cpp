@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "effects/effects.h"
 
+#include "base/text.h"
 #include "effects_built.h"
-#include "text.h"
 
 #include <string>
 

@@ -3,7 +3,7 @@
 // bodies ask for it, and which it turns. CONTRIBUTING.md says how to add one.
 #pragma once
 
-#include "context.h"
+#include "state/context.h"
 
 #include <array>
 #include <optional>

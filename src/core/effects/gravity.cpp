@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "effects/effects.h"
-#include "text.h"
 
 namespace rbs::gravity {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The wind: what drag measures velocities against.
-#include "algebra.h"
+#include "base/algebra.h"
 #include "effects/effects.h"
 
 #include <cmath>

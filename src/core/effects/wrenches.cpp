@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "algebra.h"
+#include "base/algebra.h"
+#include "base/text.h"
 #include "effects/effects.h"
-#include "text.h"
 
 #include <algorithm>
 

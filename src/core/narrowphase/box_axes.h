@@ -2,7 +2,7 @@
 // The separating-axis test of two boxes.
 #pragma once
 
-#include "narrowphase/support.h"
+#include "shapes/support.h"
 
 #include <optional>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Spheres against solids of revolution and capsules against each other: gaps in closed form.
-#include "algebra.h"
+#include "base/algebra.h"
 #include "narrowphase/convex.h"
 #include "narrowphase/tolerances.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "narrowphase/depth_proof.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 
 #include <algorithm>
 #include <cmath>

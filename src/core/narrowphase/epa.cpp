@@ -11,7 +11,7 @@
 // as seen: flat sides of A - B are triangulated afresh rather than covered with slivers.
 #include "narrowphase/epa.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "narrowphase/depth_proof.h"
 #include "narrowphase/tolerances.h"
 

@@ -3,7 +3,7 @@
 // shape.
 #pragma once
 
-#include "narrowphase/support.h"
+#include "shapes/support.h"
 
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "narrowphase/finish.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,9 +5,9 @@
 #include "narrowphase/facet.h"
 #include "narrowphase/gap.h"
 #include "narrowphase/manifold.h"
-#include "narrowphase/support.h"
 #include "narrowphase/tolerances.h"
 #include "rigid_body_sim/shape.h"
+#include "shapes/support.h"
 
 #include <limits>
 

@@ -12,7 +12,7 @@
 // other face takes over.
 #include "narrowphase/patch.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "narrowphase/tolerances.h"
 
 #include <algorithm>

@@ -19,9 +19,9 @@
 // turns the axis, of constant length but turning with w_r itself, so that k = (|w_X| + |w_n|)² + |w_r| |w_X|.
 #include "narrowphase/safe_step.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "narrowphase/parabola.h"
-#include "narrowphase/support.h"
+#include "shapes/support.h"
 
 #include <algorithm>
 #include <cmath>

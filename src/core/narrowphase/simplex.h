@@ -2,7 +2,7 @@
 // Simplices of up to four points of a Minkowski difference, and their point nearest to the origin.
 #pragma once
 
-#include "narrowphase/support.h"
+#include "shapes/support.h"
 
 #include <array>
 

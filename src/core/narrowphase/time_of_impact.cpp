@@ -2,7 +2,7 @@
 // Closed forms where the gap is a root of a polynomial in time; conservative advancement elsewhere.
 #include "narrowphase/time_of_impact.h"
 
-#include "algebra.h"
+#include "base/algebra.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/parabola.h"
 #include "narrowphase/safe_step.h"

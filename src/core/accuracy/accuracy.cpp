@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The schedule of an accuracy study: it has an answer early, and a better one the longer it runs.
+//
+// The first window begins at the present state and grows: 1, 2, 4, ... steps, compared each time. So the
+// first answer takes one step of each choice of settings and of the reference. Growing a window to its full
+// length costs no more than running it at once. In a chaotic scene a difference d grows as d exp(t/T), with T
+// the Lyapunov time. The difference of the reference from its own half step starts at rounding, or at a
+// collision that the two order differently. It outgrows the error of the settings, which starts at the
+// truncation error of a step. So the longest length counts at which the reference still converges
+// (accuracy_window.cpp). Lengths differ by a factor of two, so at most half is lost. A window that would cost
+// more than a fraction of the CPU time ends at the length that it has reached.
+//
+// Then each choice of settings runs alone through all of the physics time, to measure its CPU time: a pile
+// that collapses at `preview` has the cost of the collapse. The other windows come last. Their order is not
+// that of time: the finished windows are spread evenly along the path, whenever the study is ended.
+#include "rigid_body_sim/accuracy.h"
+
+#include "accuracy/accuracy_window.h"
+#include "base/checks.h"
+#include "base/cpu_time.h"
+#include "base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rbs {
+
+namespace {
+
+constexpr std::uint32_t kMostWindowSteps = 1000;
+/// Largest number of initial worlds of windows that are stored at a time.
+constexpr std::uint32_t kKept = 16;
+/// Largest fractions of the CPU time: of all of it for one window and for the timed runs, of the rest for
+/// each part of the path.
+constexpr double kWindowShare = 0.125, kTimingShare = 0.25, kPathShare = 0.25;
+/// Short runs are repeated, and the fastest counts, s.
+constexpr double kShortRun = 5e-3;
+constexpr int kRepetitions = 3;
+
+/// 1 to n - 1, each as far as can be from 0 and from those before it: n/2, then the quarters, and so on.
+std::vector<std::size_t> spread(std::size_t n) {
+  std::vector<std::size_t> order;
+  std::size_t power = 1;
+  while (power < n) power *= 2;
+  for (std::size_t k = 1; k < power; ++k) {
+    std::size_t reversed = 0;
+    for (std::size_t bit = 1; bit < power; bit *= 2) reversed = 2 * reversed + ((k & bit) != 0);
+    if (reversed < n) order.push_back(reversed);
+  }
+  return order;
+}
+
+/// Sums over the windows so far.
+struct Sums {
+  WindowSum converged, dropped;
+  std::uint32_t windows = 0, windows_dropped = 0, shortened = 0, shortest = 0;  // the last in steps
+  std::uint64_t steps = 0;
+  std::vector<double> seconds;  // CPU time of each setting
+
+  // A window that has taken so many steps; of a full one `most`.
+  void add(const AccuracyWindow& window, const WindowReading& reading, std::uint32_t taken, double step,
+           std::uint32_t most) {
+    (reading.converged ? converged : dropped).add(reading, step);
+    ++(reading.converged ? windows : windows_dropped);
+    if (reading.converged && reading.steps < most) ++shortened;
+    shortest = shortest == 0 ? reading.steps : std::min(shortest, reading.steps);
+    steps += taken;
+    for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] += window.secondsOf(k);
+  }
+};
+
+/// CPU time of the runs of one setting alone.
+struct Timing {
+  double seconds = 0.0;
+  std::uint64_t steps = 0;  ///< 0: not timed
+};
+
+/// Thrown inside to end a study.
+struct Stopped {};
+
+class Study {
+ public:
+  Study(const World& world, const AccuracyOptions& options,
+        const std::function<bool(double, const AccuracyStudy&)>& goOn)
+      : options_(options), goOn_(goOn), path_(world), begin_(threadCpuSeconds()) {
+    path_.setGoal(std::nullopt);
+    path_.setFidelity(Fidelity::Reference);
+    step_ = world.scene().step;
+    const double steps = std::round(options.window / step_);
+    window_steps_ = static_cast<std::uint32_t>(std::clamp(steps, 1.0, static_cast<double>(kMostWindowSteps)));
+    result_.scene = world.scene().name;
+    result_.time = world.time();
+    result_.step = step_;
+    result_.window = window_steps_ * step_;
+    result_.seconds = options.seconds;
+    for (const Setting& setting : options.settings.empty() ? usualSettings() : options.settings) {
+      result_.settings.emplace_back();
+      result_.settings.back().setting = setting;
+    }
+    sums_.seconds.resize(result_.settings.size());
+    timings_.resize(result_.settings.size());
+    smallest_ = std::numeric_limits<double>::infinity();
+    for (const BodyDescription& body : *world.snapshot().bodies)
+      if (body.kind == BodyKind::Dynamic) smallest_ = std::min(smallest_, boundingRadius(body.shape));
+  }
+
+  AccuracyStudy run() {
+    if (!std::isfinite(smallest_)) {
+      result_.trouble = "the scene has no dynamic body";
+      return result_;
+    }
+    try {
+      measureWindow(path_);
+      timeRuns();
+      while (done_ < options_.windows) {
+        const std::vector<World> begins = followPath();
+        for (const std::size_t k : spread(begins.size() + 1)) measureWindow(begins[k - 1]);
+      }
+      result_.complete = !cut_;
+    } catch (const Stopped&) {
+    }
+    if (result_.first_answer == 0.0)
+      result_.trouble = "the CPU time of " + text(spent()) +
+                        " s ended before each choice of solver settings had taken one step";
+    return result_;
+  }
+
+ private:
+  double spent() const { return threadCpuSeconds() - begin_; }
+
+  // Steps, and ends the study where its CPU time is over or goOn_ returns false.
+  void advance(World& world) {
+    world.step();
+    const double share =
+        std::max(static_cast<double>(done_) / options_.windows, spent() / options_.max_cpu_seconds);
+    if (!goOn_(std::min(1.0, share), result_) || share > 1.0) throw Stopped{};
+  }
+
+  // The initial worlds of the next windows: at most kKept, fewer where the path is expensive.
+  std::vector<World> followPath() {
+    const double until = spent() + kPathShare * (options_.max_cpu_seconds - spent());
+    std::vector<World> begins;
+    for (std::uint32_t k = done_; k < options_.windows && begins.size() < kKept; ++k) {
+      const auto begin =
+          static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
+      for (; on_path_ < begin; ++on_path_) {
+        if (!begins.empty() && spent() > until) return begins;
+        advance(path_);
+      }
+      begins.push_back(path_);
+    }
+    return begins;
+  }
+
+  void measureWindow(const World& begin) {
+    AccuracyWindow window(begin, result_.settings, smallest_);
+    const auto step = [this](World& world) { advance(world); };
+    WindowReading best;
+    for (std::uint32_t steps = 1;; steps = std::min(2 * steps, window_steps_)) {
+      const WindowReading reading = window.growTo(steps, step);
+      if (steps == 1 || reading.converged) best = reading;
+      const bool last = steps == window_steps_,
+                 expensive = 2.0 * window.seconds() > kWindowShare * options_.max_cpu_seconds;
+      Sums sums = sums_;
+      sums.add(window, best, steps, step_, window_steps_);
+      write(sums);
+      if (!last && !expensive) continue;
+      cut_ = cut_ || !last;
+      sums_ = std::move(sums);
+      ++done_;
+      return;
+    }
+  }
+
+  void write(const Sums& sums) {
+    if (result_.first_answer == 0.0) result_.first_answer = spent();
+    const bool converged = sums.windows > 0;
+    (converged ? sums.converged : sums.dropped).write(result_, converged);
+    result_.windows = sums.windows;
+    result_.dropped = sums.windows_dropped;
+    result_.shortened = sums.shortened;
+    result_.shortest = sums.shortest * step_;
+    for (std::size_t k = 0; k < timings_.size(); ++k) {
+      const Timing timing = timings_[k].steps > 0 ? timings_[k] : Timing{sums.seconds[k], sums.steps};
+      result_.settings[k].steps = timing.steps;
+      result_.settings[k].step_ms = 1e3 * timing.seconds / static_cast<double>(timing.steps);
+    }
+  }
+
+  // Times a run of each choice of settings from the present state through all of `seconds`. Settings that do
+  // not reach the end are timed by the windows.
+  void timeRuns() {
+    const double end = spent() + kTimingShare * options_.max_cpu_seconds;
+    const auto steps = static_cast<std::uint64_t>(std::max(1.0, std::round(options_.seconds / step_)));
+    for (std::size_t k = 0; k < timings_.size(); ++k) {
+      const double until = spent() + (end - spent()) / static_cast<double>(timings_.size() - k);
+      double least = std::numeric_limits<double>::infinity();
+      for (int run = 0; run < kRepetitions && (run == 0 || least < kShortRun); ++run)
+        least = std::min(least, timeRun(result_.settings[k].setting, steps, until));
+      if (std::isfinite(least)) timings_[k] = {least, steps};
+    }
+    write(sums_);
+  }
+
+  // CPU time of a run, s; infinite where it is not through at `until`.
+  double timeRun(const Setting& setting, std::uint64_t steps, double until) {
+    World world(path_);
+    world.setFidelity(setting);
+    const double start = spent();
+    for (std::uint64_t k = 0; k < steps; ++k) {
+      if (spent() > until) return std::numeric_limits<double>::infinity();
+      advance(world);
+    }
+    return spent() - start;
+  }
+
+  const AccuracyOptions& options_;
+  const std::function<bool(double, const AccuracyStudy&)>& goOn_;
+  World path_;
+  const double begin_;
+  double step_ = 0.0, smallest_ = 0.0;
+  std::uint32_t window_steps_ = 1, done_ = 0;  // windows
+  std::uint64_t on_path_ = 0;                  // steps
+  bool cut_ = false;                           // a window was too expensive for its full length
+  Sums sums_;
+  std::vector<Timing> timings_;
+  AccuracyStudy result_;
+};
+
+}  // namespace
+
+std::vector<Setting> usualSettings() {
+  std::vector<Setting> settings;
+  const auto add = [&](Fidelity preset, std::uint32_t divisions) {
+    settings.emplace_back(preset);
+    settings.back().divisions = divisions;
+  };
+  for (const std::uint32_t divisions : {1, 2, 4}) add(Fidelity::Preview, divisions);
+  for (const std::uint32_t divisions : {1, 2, 4}) add(Fidelity::Interactive, divisions);
+  for (const std::uint32_t sub_steps : {16, 32}) {
+    add(Fidelity::Interactive, 1);
+    settings.back().sub_steps = sub_steps;
+  }
+  add(Fidelity::Accurate, 1);
+  settings.back().tolerance = 1e-3;
+  for (const std::uint32_t divisions : {1, 2}) add(Fidelity::Accurate, divisions);
+  for (const std::uint32_t divisions : {1, 2}) add(Fidelity::Reference, divisions);
+  return settings;
+}
+
+std::vector<Problem> validate(const AccuracyOptions& options) {
+  std::vector<Problem> problems;
+  const auto check = [&](const char* name, double value, double low, double high, const char* unit) {
+    if (!(value >= low && value <= high))
+      problems.push_back({name, text(value), text(low) + " to " + text(high) + unit});
+  };
+  check("seconds", options.seconds, 1e-6, 1000.0, " s");
+  check("window", options.window, 1e-6, 1000.0, " s");
+  check("windows", options.windows, 1, 1000, "");
+  check("max_cpu_seconds", options.max_cpu_seconds, 1e-3, 1e6, " s");
+  for (const Setting& setting : options.settings)
+    for (Problem& problem : validate(setting)) problems.push_back(std::move(problem));
+  return problems;
+}
+
+AccuracyStudy measureAccuracy(const World& world, const AccuracyOptions& options,
+                              const std::function<bool(double, const AccuracyStudy&)>& goOn) {
+  throwIfAny(validate(options));
+  return Study(world, options, goOn).run();
+}
+
+const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error) {
+  const SettingCost* best = nullptr;
+  if (!study.trouble.empty()) return best;
+  for (const SettingCost& cost : study.settings)
+    if (cost.error.distance <= max_error && (!best || cost.step_ms < best->step_ms)) best = &cost;
+  return best;
+}
+
+const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms) {
+  // Errors too small to be measured are equally good, and the cheaper the better.
+  const double least = study.uncertainty.distance / kLargestUncertainty;
+  const auto rank = [&](const SettingCost& cost) {
+    return std::pair(std::max(cost.error.distance, least), cost.step_ms);
+  };
+  const SettingCost* best = nullptr;
+  if (!study.trouble.empty()) return best;
+  for (const SettingCost& cost : study.settings)
+    if (cost.step_ms <= max_step_ms && (!best || rank(cost) < rank(*best))) best = &cost;
+  return best;
+}
+
+}  // namespace rbs

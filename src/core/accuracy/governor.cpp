@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ladder of solver settings, and the two goals by which the governor climbs it.
+//
+// max_error: a copy of the world runs alongside with the settings of the next rung up, which are much more
+// accurate. The deviation of the two at the end of a window is the error of the present rung. When it is
+// above the goal, the settings go up a rung. When it is well below, the copy takes the rung below in the next
+// window, and the settings go there if that error is well below the goal, too. A rung that was tried in vain
+// is left alone for twice as long each time. All decisions go by states, so runs repeat.
+//
+// max_step_ms: the measure is the mean wall time of the steps of a window. When it is too long, the settings
+// go down a rung. When it is far below the goal, they go up a rung, and back if that was too much; the next
+// trial then comes after twice as long.
+#include "rigid_body_sim/governor.h"
+
+#include "base/cpu_time.h"
+#include "base/text.h"
+#include "rigid_body_sim/difference.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+constexpr double kWindow = 0.25;  // s
+constexpr double kComfort = 0.5;  // share of the goal below which the rung below may do
+constexpr double kIdle = 0.3;     // share of the time below which the rung above may do
+constexpr std::uint32_t kFirstPatience = 2, kLongestPatience = 64;  // windows
+
+Setting rung(Fidelity preset, std::uint32_t divisions,
+             std::optional<std::uint32_t> sub_steps = std::nullopt) {
+  Setting setting(preset);
+  setting.divisions = divisions;
+  setting.sub_steps = sub_steps;
+  return setting;
+}
+
+const std::array kLadder{rung(Fidelity::Preview, 1),         rung(Fidelity::Interactive, 1),
+                         rung(Fidelity::Interactive, 1, 32), rung(Fidelity::Accurate, 1),
+                         rung(Fidelity::Accurate, 2),        rung(Fidelity::Accurate, 4),
+                         rung(Fidelity::Reference, 4),       rung(Fidelity::Reference, 8)};
+
+Setting halved(Setting setting) {
+  setting.divisions = std::min<std::uint32_t>(2 * setting.divisions, Limits::max_divisions);
+  return setting;
+}
+
+// The rung of a setting; of one that is on none, the last of its name.
+std::size_t rungOf(const Setting& setting) {
+  std::size_t found = 0;
+  for (std::size_t k = 0; k < kLadder.size(); ++k) {
+    if (kLadder[k] == setting) return k;
+    if (kLadder[k].preset == setting.preset) found = k;
+  }
+  return found;
+}
+
+}  // namespace
+
+struct Governor::Impl {
+  bool estimating = false;
+  std::optional<World> beside;
+  std::uint64_t edits = 0;                  // of the world when the window began
+  Setting setting;                          // likewise
+  std::optional<Goal> goal;                 // that patience was learned with
+  std::uint32_t steps = 0;                  // of the window so far
+  double seconds = 0.0;                     // wall time of these, of the world
+  double beside_seconds = 0.0;              // and of the one beside it
+  bool tries_below = false;                 // beside it runs the rung below
+  std::uint32_t calm = 0;                   // windows since the last trial or turn
+  std::uint32_t patience = kFirstPatience;  // windows to be calm before the next trial
+  std::optional<ErrorEstimate> estimate;
+  std::string reason;  // of this goal
+  double step_cpu_seconds = 0.0;
+
+  const StepReport& stepWorld(World& world) {
+    const double start = threadCpuSeconds();
+    const StepReport& report = world.step();
+    step_cpu_seconds = threadCpuSeconds() - start;
+    return report;
+  }
+
+  void begin(const World& world) {
+    edits = world.edits();
+    setting = world.scene().fidelity;
+    steps = 0;
+    seconds = beside_seconds = 0.0;
+    beside.reset();
+    if (!(goal == world.scene().goal))
+      goal = world.scene().goal, patience = kFirstPatience, calm = 0, tries_below = false, reason.clear();
+    const bool wants_error = goal && goal->max_error;
+    if (!wants_error && !estimating) {
+      estimate.reset();
+      return;
+    }
+    Setting other = halved(setting);
+    if (wants_error) {
+      const std::size_t k = rungOf(setting);
+      tries_below = tries_below && k > 0;  // the settings may have been changed from outside
+      if (tries_below)
+        other = kLadder[k - 1];
+      else if (k + 1 < kLadder.size())
+        other = kLadder[k + 1];
+    }
+    beside.emplace(world);
+    beside->setFidelity(other);
+  }
+
+  void change(World& world, std::size_t to, const std::string& why) {
+    world.setFidelity(kLadder[to]);
+    reason = settingName(kLadder[to]) + ": " + why;
+    calm = 0;
+  }
+
+  void compare(const World& world) {
+    const double window = steps * world.scene().step;
+    const Difference difference = differenceOf(world.snapshot(), beside->snapshot());
+    estimate =
+        ErrorEstimate{{difference.distance / window, difference.angle / window, difference.energy / window},
+                      window,
+                      world.scene().fidelity,
+                      beside->scene().fidelity,
+                      1e3 * beside_seconds / steps};
+  }
+
+  void seekError(World& world, double most) {
+    const std::size_t k = rungOf(world.scene().fidelity);
+    const double error = estimate->error.distance;
+    const std::string goal = text(1e3 * most) + " mm/s";
+    if (tries_below) {
+      tries_below = false;
+      calm = 0;
+      if (error <= kComfort * most) {
+        patience = kFirstPatience;
+        return change(world, k - 1, "its error of " + text(1e3 * error) + " mm/s is well below " + goal);
+      }
+      patience = std::min(2 * patience, kLongestPatience);
+    } else if (error > most) {
+      patience = std::min(2 * patience, kLongestPatience);
+      if (k + 1 < kLadder.size())
+        change(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
+      else
+        reason = settingName(world.scene().fidelity) + ": the most accurate settings, with an error of " +
+                 text(1e3 * error) + " mm/s above " + goal;
+    } else if (++calm >= patience && k > 0) {
+      tries_below = true;
+    }
+  }
+
+  void seekTime(World& world, double most) {
+    const std::size_t k = rungOf(world.scene().fidelity);
+    const double ms = 1e3 * seconds / steps;
+    const std::string goal = text(most) + " ms";
+    if (ms > most) {
+      patience = std::min(2 * patience, kLongestPatience);
+      calm = 0;
+      if (k > 0)
+        change(world, k - 1, text(ms) + " ms per step are above " + goal);
+      else
+        reason = settingName(world.scene().fidelity) + ": the fastest settings, although " + text(ms) +
+                 " ms per step are above " + goal;
+    } else if (++calm >= patience && ms < kIdle * most && k + 1 < kLadder.size()) {
+      change(world, k + 1, text(ms) + " ms per step are far below " + goal);
+    }
+  }
+};
+
+Governor::Governor() : impl_(std::make_unique<Impl>()) {}
+Governor::~Governor() = default;
+Governor::Governor(Governor&&) noexcept = default;
+Governor& Governor::operator=(Governor&&) noexcept = default;
+
+const StepReport& Governor::step(World& world) {
+  Impl& g = *impl_;
+  const std::optional<Goal>& goal = world.scene().goal;
+  if (!goal && !g.estimating) {
+    g.beside.reset();
+    g.estimate.reset();
+    g.goal.reset();
+    return g.stepWorld(world);
+  }
+  const bool wants_beside = g.estimating || goal->max_error;
+  const bool changed = world.edits() != g.edits || world.scene().fidelity != g.setting;
+  if (changed || g.steps == 0 || wants_beside != g.beside.has_value() || !(goal == g.goal)) g.begin(world);
+
+  const StepReport& report = g.stepWorld(world);
+  g.seconds += report.seconds;
+  if (g.beside) g.beside_seconds += g.beside->step().seconds;
+  ++g.steps;
+  if (world.edits() != g.edits || g.steps * world.scene().step < kWindow * (1.0 - 1e-9)) return report;
+
+  if (g.beside) g.compare(world);
+  if (goal && goal->max_error) g.seekError(world, *goal->max_error);
+  if (goal && goal->max_step_ms) g.seekTime(world, *goal->max_step_ms);
+  g.steps = 0;
+  return report;
+}
+
+void Governor::setEstimating(bool on) {
+  impl_->estimating = on;
+}
+const std::optional<ErrorEstimate>& Governor::estimate() const {
+  return impl_->estimate;
+}
+std::string Governor::reason(const World& world) const {
+  const std::optional<Goal>& goal = world.scene().goal;
+  return goal && goal == impl_->goal ? impl_->reason : "";
+}
+double Governor::stepCpuSeconds() const {
+  return impl_->step_cpu_seconds;
+}
+
+}  // namespace rbs

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coulomb/central_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace rbs::coulomb {
+
+namespace {
+
+constexpr double kSolved = 1e-3;  // what a solution of the linear equations may leave of their right side
+
+}  // namespace
+
+CentralPath::Place& CentralPath::Place::add(double part, const Place& direction) {
+  y += part * direction.y;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const PointPairs& other = direction.points[k];
+    points[k].r_n += part * other.r_n;
+    points[k].u_n += part * other.u_n;
+    points[k].sliding.add(part, other.sliding);
+  }
+  for (std::size_t k = 0; k < couples.size(); ++k) {
+    couples[k].rolling.add(part, direction.couples[k].rolling);
+    couples[k].spinning.add(part, direction.couples[k].spinning);
+  }
+  return *this;
+}
+
+double CentralPath::Place::normalSum(const Couple& couple) const {
+  double sum = 0.0;
+  for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) sum += points[p].r_n;
+  return sum;
+}
+
+// All products begin at the same t, in units of the whole island: so the lightest bodies' are the last to
+// close, which jams of 1e4 : 1 in masses need. At the same t for their own mass, half of such jams get stuck.
+CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(system), matrix_(matrix) {
+  const std::size_t size = system.points().size();
+  place.y = system.free();
+  // The size of the start is that of the velocities of points that close, and of the unit at least. A point
+  // that opens faster than that does so at the start too.
+  std::vector<Vec3> free;
+  double sum = 0.0;
+  for (const Point& point : system.points()) {
+    free.push_back(system.velocity(point, place.y));
+    if (free.back()[2] < 0.0) sum += free.back().squaredNorm();
+  }
+  const double start = std::max(1.0, std::sqrt(sum / static_cast<double>(size)));
+  for (std::size_t k = 0; k < size; ++k) {
+    const double u_n = std::max(start, free[k][2]), r_n = start * start / u_n;
+    const FrictionBarrier<2>& barrier = sliding_.emplace_back(system.points()[k].sliding);
+    place.points.push_back({r_n, u_n, barrier.start(r_n, u_n)});
+    count_ += barrier.isBall() ? 2 : 1;
+  }
+  for (const Couple& couple : system.couples()) {
+    const double n = place.normalSum(couple), speed = start * start / n;
+    const CoupleBarriers& barriers = couples_.emplace_back(
+        CoupleBarriers{FrictionBarrier<2>(couple.rolling), FrictionBarrier<1>(couple.spinning)});
+    place.couples.push_back({barriers.rolling.start(n, speed), barriers.spinning.start(n, speed)});
+    count_ += barriers.rolling.isBall() + barriers.spinning.isBall();
+  }
+  D_.resize(system.columns());
+  g_.resize(couples_.size());
+  off_.resize(3, system.columns());
+}
+
+Impulses CentralPath::impulses() const {
+  Impulses r(3, system_.columns());
+  const std::size_t points = place.points.size();
+  for (std::size_t k = 0; k < points; ++k) {
+    const PointPairs& pairs = place.points[k];
+    r.col(k) << sliding_[k].impulse(pairs.sliding, pairs.r_n), pairs.r_n;
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const CouplePairs& pairs = place.couples[k];
+    const double n = place.normalSum(system_.couples()[k]);
+    r.col(points + k) << couples_[k].rolling.impulse(pairs.rolling, n),
+        couples_[k].spinning.impulse(pairs.spinning, n);
+  }
+  return r;
+}
+
+double CentralPath::meanProduct() const {
+  double sum = 0.0;
+  for (const PointPairs& pairs : place.points)
+    sum += pairs.r_n * pairs.u_n + pairs.sliding.b.dot(pairs.sliding.h);
+  for (const CouplePairs& pairs : place.couples)
+    sum += pairs.rolling.b.dot(pairs.rolling.h) + pairs.spinning.b.dot(pairs.spinning.h);
+  return sum / count_;
+}
+
+bool CentralPath::linearise() {
+  const std::size_t points = place.points.size();
+  away_ = place.y - system_.free();
+  system_.push(-impulses(), away_);
+  off_.setZero();
+  for (std::size_t k = 0; k < points; ++k) {
+    const PointPairs& pairs = place.points[k];
+    FrictionBarrier<2>& sliding = sliding_[k];
+    const Vec3 u = system_.velocity(system_.points()[k], place.y);
+    off_(2, k) = pairs.u_n - u[2];
+    if (sliding.isBall()) off_.col(k).head<2>() = pairs.sliding.h.head<2>() - u.head<2>();
+    sliding.linearise(pairs.sliding);
+    Mat3& D = D_[k];
+    D.setZero();
+    D(2, 2) = pairs.r_n / pairs.u_n;
+    D.topLeftCorner<2, 2>() = sliding.stiffness();
+    D.topRightCorner<2, 1>() = sliding.byNormal(D(2, 2));
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const CouplePairs& pairs = place.couples[k];
+    auto& [rolling, spinning] = couples_[k];
+    const Vec3 u = system_.velocity(system_.couples()[k], place.y);
+    auto off = off_.col(points + k);
+    if (rolling.isBall()) off.head<2>() = pairs.rolling.h.head<2>() - u.head<2>();
+    if (spinning.isBall()) off[2] = pairs.spinning.h[0] - u[2];
+    rolling.linearise(pairs.rolling);
+    spinning.linearise(pairs.spinning);
+    Mat3& D = D_[points + k];
+    D.setZero();
+    D.topLeftCorner<2, 2>() = rolling.stiffness();
+    D.bottomRightCorner<1, 1>() = spinning.stiffness();
+    g_[k] << rolling.byNormal(1.0), spinning.byNormal(1.0);
+  }
+  if (first_off_.size() == 0) first_off_ = off_, first_away_ = away_;
+  return matrix_.factor(D_, g_);
+}
+
+double CentralPath::distance(double t, double share) const {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < place.points.size(); ++k) {
+    const PointPairs& pairs = place.points[k];
+    worst = std::max(worst, std::abs(pairs.r_n * pairs.u_n / t - 1.0));
+    worst = std::max(worst, sliding_[k].distance(t));
+  }
+  for (const CoupleBarriers& barriers : couples_)
+    worst = std::max({worst, barriers.rolling.distance(t), barriers.spinning.distance(t)});
+  for (Eigen::Index k = 0; k < off_.cols(); ++k)
+    worst = std::max(worst, (off_.col(k) - share * first_off_.col(k)).norm());
+  return worst;
+}
+
+bool CentralPath::step(double t, double share, const Place* earlier, Place& direction) const {
+  Wanted wanted{{}, {}, share * first_off_ - off_, share * first_away_ - away_};
+  wanted.points.reserve(place.points.size());
+  for (std::size_t k = 0; k < place.points.size(); ++k) {
+    const PointPairs& pairs = place.points[k];
+    const PointPairs* before = earlier ? &earlier->points[k] : nullptr;
+    double product = t - pairs.r_n * pairs.u_n;
+    if (before) product -= before->r_n * before->u_n;
+    wanted.points.push_back({product, sliding_[k].towards(t, before ? &before->sliding : nullptr)});
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const CouplePairs* before = earlier ? &earlier->couples[k] : nullptr;
+    wanted.couples.push_back({couples_[k].rolling.towards(t, before ? &before->rolling : nullptr),
+                              couples_[k].spinning.towards(t, before ? &before->spinning : nullptr)});
+  }
+  return solve(wanted, direction);
+}
+
+bool CentralPath::tangent(double t, double share, Place& direction) const {
+  Wanted wanted{{}, {}, share * first_off_, share * first_away_};
+  wanted.points.reserve(place.points.size());
+  for (const FrictionBarrier<2>& sliding : sliding_) wanted.points.push_back({t, sliding.alongPath(t)});
+  for (const CoupleBarriers& barriers : couples_)
+    wanted.couples.push_back({barriers.rolling.alongPath(t), barriers.spinning.alongPath(t)});
+  return solve(wanted, direction);
+}
+
+bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
+  const std::size_t points = place.points.size();
+  Impulses e(3, system_.columns());
+  for (std::size_t k = 0; k < points; ++k) {
+    const double e_n = wanted.points[k].product / place.points[k].u_n;
+    e.col(k) << sliding_[k].constant(wanted.points[k].sliding, e_n), e_n;
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const double e_n = System::normalSum(system_.couples()[k], e);
+    e.col(points + k) << couples_[k].rolling.constant(wanted.couples[k].rolling, e_n),
+        couples_[k].spinning.constant(wanted.couples[k].spinning, e_n);
+  }
+  Velocities right = wanted.away;
+  system_.push(e + respond(wanted.off), right);
+  direction.y = matrix_.solve(right);
+  // One refinement, which also tells what the factors are worth.
+  direction.y += matrix_.solve(residual(right, direction.y));
+  if (!(residual(right, direction.y).norm() <= kSolved * right.norm())) return false;
+
+  direction.points.resize(points);
+  direction.couples.resize(couples_.size());
+  for (std::size_t k = 0; k < points; ++k) {
+    const Vec3 du = System::changed(system_.points()[k], Vec3::Zero(), direction.y) + wanted.off.col(k);
+    PointPairs& d = direction.points[k];
+    d.u_n = du[2];
+    d.r_n = (wanted.points[k].product - place.points[k].r_n * d.u_n) / place.points[k].u_n;
+    d.sliding = sliding_[k].change(wanted.points[k].sliding, du.head<2>(), d.r_n);
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = system_.couples()[k];
+    const Vec3 du = System::changed(couple, Vec3::Zero(), direction.y) + wanted.off.col(points + k);
+    const double dn = direction.normalSum(couple);
+    direction.couples[k] = {couples_[k].rolling.change(wanted.couples[k].rolling, du.head<2>(), dn),
+                            couples_[k].spinning.change(wanted.couples[k].spinning, du.tail<1>(), dn)};
+  }
+  return true;
+}
+
+Impulses CentralPath::respond(Impulses du) const {
+  const std::size_t points = place.points.size();
+  // Couples first: they need the changes of their points' velocities.
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = system_.couples()[k];
+    double dn = 0.0;
+    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) dn -= D_[p](2, 2) * du(2, p);
+    du.col(points + k) = (dn * g_[k] - D_[points + k] * du.col(points + k)).eval();
+  }
+  for (std::size_t k = 0; k < points; ++k) du.col(k) = -(D_[k] * du.col(k)).eval();
+  return du;
+}
+
+/// right - (1 + J^T D J) dy.
+Velocities CentralPath::residual(const Velocities& right, const Velocities& dy) const {
+  Velocities rest = right - dy;
+  Impulses du(3, system_.columns());
+  for (std::size_t k = 0; k < system_.columns(); ++k)
+    du.col(k) = System::changed(system_.rows(k), Vec3::Zero(), dy);
+  system_.push(respond(std::move(du)), rest);
+  return rest;
+}
+
+double CentralPath::room(const Place& direction) const {
+  double t = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < place.points.size(); ++k) {
+    const PointPairs &pairs = place.points[k], &d = direction.points[k];
+    t = std::min(t, std::min(roomWithin(pairs.r_n, d.r_n), roomWithin(pairs.u_n, d.u_n)));
+    if (sliding_[k].isBall()) t = std::min(t, pairs.sliding.room(d.sliding));
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const CouplePairs &pairs = place.couples[k], &d = direction.couples[k];
+    if (couples_[k].rolling.isBall()) t = std::min(t, pairs.rolling.room(d.rolling));
+    if (couples_[k].spinning.isBall()) t = std::min(t, pairs.spinning.room(d.spinning));
+  }
+  return t;
+}
+
+Eigen::VectorXd CentralPath::relative(const Place& direction) const {
+  const Eigen::Index points = static_cast<Eigen::Index>(place.points.size());
+  Eigen::VectorXd fractions =
+      Eigen::VectorXd::Zero(8 * points + 10 * static_cast<Eigen::Index>(couples_.size()));
+  for (Eigen::Index k = 0; k < points; ++k) {
+    const PointPairs &pairs = place.points[k], &d = direction.points[k];
+    fractions.segment<2>(8 * k) << d.r_n / pairs.r_n, d.u_n / pairs.u_n;
+    if (sliding_[k].isBall()) fractions.segment<6>(8 * k + 2) = pairs.sliding.relative(d.sliding);
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const CouplePairs &pairs = place.couples[k], &d = direction.couples[k];
+    auto part = fractions.segment<10>(8 * points + 10 * static_cast<Eigen::Index>(k));
+    if (couples_[k].rolling.isBall()) part.head<6>() = pairs.rolling.relative(d.rolling);
+    if (couples_[k].spinning.isBall()) part.tail<4>() = pairs.spinning.relative(d.spinning);
+  }
+  return fractions;
+}
+
+}  // namespace rbs::coulomb

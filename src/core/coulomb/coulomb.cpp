@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coulomb/coulomb.h"
+
+#include "coulomb/coulomb_solvers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rbs {
+
+using namespace coulomb;
+
+namespace {
+
+// A guess may miss the aim by so much, or rounding would unsettle rest.
+constexpr double kGuess = 10.0;
+// Where less than this is asked, the rounding of double would show in the residuals of a guess.
+constexpr double kEveryDigit = 1e-10;
+
+// How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
+double closingWithoutImpulses(const CoulombProblem& problem) {
+  double fastest = 0.0;
+  for (const CoulombPoint& point : problem.points) {
+    if (!point.impulse.isZero(0.0)) return std::numeric_limits<double>::infinity();
+    Vec3 u_W = Vec3::Zero();
+    if (point.j != kNone) u_W += problem.bodies[point.j].v + problem.bodies[point.j].w.cross(point.r_j);
+    if (point.i != kNone) u_W -= problem.bodies[point.i].v + problem.bodies[point.i].w.cross(point.r_i);
+    const double u_n = point.frame.col(2).dot(u_W) + point.drive[2];
+    if (!std::isfinite(u_n)) return std::numeric_limits<double>::infinity();
+    fastest = std::max(fastest, -u_n);
+  }
+  return fastest;
+}
+
+// A problem, and the best answer to it so far.
+struct Case {
+  const System& system;
+  BodyBlocks& matrix;
+  double tolerance, aim;
+  Answer best;
+  bool is_warm = !best.r.isZero(0.0);  // the guess tells something
+  bool slips = false;                  // somewhere the direction is prescribed
+  std::size_t size = system.points().size();
+  bool is_large = size > 4000;
+  bool wants_every_digit = tolerance < 1e-9;
+  // A little more than asked, so that the same impulses pass as the guess of the next step.
+  double target = 0.1 * aim;
+  double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
+
+  Answer cold() const {
+    const Impulses zero = Impulses::Zero(3, system.columns());
+    return {zero, system.residuals(zero)};
+  }
+};
+
+struct Attempt {
+  CoulombSolver solver;
+  Answer (*solve)(const Case&, double tolerance, int cap);
+  bool (*applies)(const Case&);
+  double Case::*enough;     // the residual from which it is not made
+  double Case::*tolerance;  // of the solver
+  int cap;                  // of its iterations
+  int finish;               // iterations of Newton's method that finish it
+  int rounds = 1;
+};
+
+Answer newtonFromGuess(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.best, 1e5, tolerance, cap, at.tolerance);
+}
+Answer newtonFromRest(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.cold(), 100.0, tolerance, cap, at.tolerance);
+}
+Answer newtonFromBest(const Case& at, double tolerance, int cap) {
+  return newton(at.system, at.matrix, at.best, 10.0, tolerance, cap, at.tolerance);
+}
+Answer sweeps(const Case& at, double tolerance, int cap) {
+  return gaussSeidel(at.system, tolerance, cap);
+}
+Answer interior(const Case& at, double tolerance, int cap) {
+  return interiorPoint(at.system, at.matrix, tolerance, cap);
+}
+Answer path(const Case& at, double tolerance, int cap) {
+  return followPath(at.system, at.matrix, tolerance, cap);
+}
+Answer admmFromRest(const Case& at, double tolerance, int cap) {
+  return admm(at.system, at.matrix, Impulses::Zero(3, at.system.columns()), tolerance, cap);
+}
+Answer admmFromBest(const Case& at, double tolerance, int cap) {
+  return admm(at.system, at.matrix, at.best.r, tolerance, cap);
+}
+
+// Points that slide in a prescribed direction may allow no solution at all (Painleve 1895), and who
+// prescribes one can do without: then the last resorts are left out, and the interior point as well unless
+// every digit is asked.
+constexpr Attempt kAttempts[] = {
+    // Loads that changed in size only.
+    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_warm; }, &Case::aim,
+     &Case::target, 5, 0},
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::aim,
+     &Case::target, 100, 10},
+    {CoulombSolver::Newton, newtonFromRest, [](const Case& at) { return at.system.free().cols() <= 4; },
+     &Case::aim, &Case::target, 20, 0},
+    {CoulombSolver::Admm, admmFromRest, [](const Case& at) { return at.is_large; }, &Case::tolerance,
+     &Case::rough, 100, 10},
+    {CoulombSolver::InteriorPoint, interior, [](const Case& at) { return at.wants_every_digit; },
+     &Case::tolerance, &Case::rough, 80, 40},
+    {CoulombSolver::InteriorPoint, interior,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
+     20},
+    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::tolerance,
+     &Case::target, 30, 0},
+    // The central path may turn back where the interior point gets stuck.
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::tolerance,
+     &Case::rough, 150, 20},
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     &Case::rough, 100, 40},
+    {CoulombSolver::InteriorPoint, path,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     &Case::rough, 600, 40},
+    {CoulombSolver::Admm, admmFromBest,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     &Case::rough, 500, 20},
+    {CoulombSolver::Admm, admmFromBest,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     &Case::rough, 500, 20, 4},
+    // Heaps whose couples neither path nor proximal steps have settled.
+    {CoulombSolver::Newton, newtonFromBest,
+     [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::tolerance,
+     &Case::target, 200, 0},
+    // Bodies are not to fall through, even where time is over.
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isLate(); }, &Case::tolerance,
+     &Case::tolerance, 10, 0},
+};
+
+}  // namespace
+
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
+  const double near = std::min(tolerance, kGuess * aim);
+  const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
+  if (closing <= near) {
+    for (CoulombCouple& couple : problem.couples) couple.impulse.setZero();
+    return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
+  }
+  const System system(problem);
+  const Impulses guess = system.guess(problem);
+  const Residuals of_guess = near < kEveryDigit
+                                 ? system.residuals(guess)
+                                 : system.residuals(guess, system.relativeVelocitiesAbout(guess));
+  CoulombResult result{CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, false};
+  Answer best{guess, of_guess, 0};
+  if (!best.within(near)) {
+    BodyBlocks matrix(system);
+    Case at{system, matrix, tolerance, aim, std::move(best)};
+    at.slips = std::any_of(system.points().begin(), system.points().end(),
+                           [](const Point& point) { return point.sliding.slips; });
+    const auto consider = [&](CoulombSolver solver, const Answer& answer) {
+      result.iterations += answer.iterations;
+      if (answer.residuals.beyond_rounding >= at.best.residuals.beyond_rounding) return;
+      at.best = answer;
+      result.solver = solver;
+    };
+    for (const Attempt& attempt : kAttempts) {
+      for (int round = 0; round < attempt.rounds; ++round) {
+        if (at.best.within(at.*attempt.enough) || !attempt.applies(at)) break;
+        const Answer answer = attempt.solve(at, at.*attempt.tolerance, attempt.cap);
+        consider(attempt.solver, answer);
+        if (attempt.finish > 0 && !at.best.within(aim))
+          consider(attempt.solver, newton(system, matrix, answer, 1e3, at.target, attempt.finish, tolerance));
+      }
+    }
+    best = std::move(at.best);
+  }
+  system.store(best.r, problem);
+  result.signorini = best.residuals.signorini;
+  result.coulomb = best.residuals.coulomb;
+  result.dissipation = best.residuals.dissipation;
+  result.converged = best.within(tolerance);
+  return result;
+}
+
+}  // namespace rbs

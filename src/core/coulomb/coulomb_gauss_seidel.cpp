@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coulomb/cone.h"
+#include "coulomb/coulomb_solvers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace rbs::coulomb {
+
+namespace {
+
+constexpr std::size_t kMostPoints = 4;
+constexpr int kLeastSweeps = 10;  // also where time is over
+
+// The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
+Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
+  const FrictionSet<2>& sliding = point.sliding;
+  if (!sliding.slips) return solveContact(W, q, sliding.factor);
+  // Friction is known but for its size: u_n = W_n (1, -mu slide) r_n + q_n.
+  const Vec3 along(-sliding.factor * sliding.slip[0], -sliding.factor * sliding.slip[1], 1.0);
+  const double response = W.row(2).dot(along);
+  if (q[2] >= 0.0 || response <= 0.0) return Vec3::Zero();
+  return -q[2] / response * along;
+}
+
+// A step towards the law of one couple under the normal impulses of its points: its own block is nearly a
+// multiple of the identity.
+Vec3 improveCouple(const Couple& couple, const Vec3& old, const Vec3& u, const Impulses& r) {
+  const double most = 3.0 * couple.response;  // more than the largest eigenvalue
+  return System::nearest(couple, old - u / most, System::normalSum(couple, r));
+}
+
+}  // namespace
+
+bool separable(const System& system) {
+  if (system.points().size() > kMostPoints || !system.couples().empty()) return false;
+  const Index bodies = static_cast<Index>(system.free().cols());
+  std::vector<Index> group(bodies + 1);  // the last: all that impulses do not move
+  std::iota(group.begin(), group.end(), 0);
+  for (const Point& point : system.points()) {
+    const Index a = group[std::min(point.i, bodies)], b = group[std::min(point.j, bodies)];
+    if (a == b) return false;
+    std::replace(group.begin(), group.end(), a, b);
+  }
+  return true;
+}
+
+Answer gaussSeidel(const System& system, double tolerance, int cap) {
+  const std::vector<Point>& points = system.points();
+  std::vector<Mat3> W;
+  for (const Point& point : points) {
+    W.push_back(point.J_i * point.J_i.transpose() + point.J_j * point.J_j.transpose());
+  }
+  Answer answer;
+  answer.r = Impulses::Zero(3, system.columns());
+  Velocities y = system.free();
+  while (answer.iterations < cap) {
+    ++answer.iterations;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Vec3 old = answer.r.col(k);
+      const Vec3 q = system.velocity(points[k], y) - W[k] * old;
+      answer.r.col(k) = solvePoint(points[k], W[k], q);
+      System::push(points[k], answer.r.col(k) - old, y);
+    }
+    for (std::size_t k = 0; k < system.couples().size(); ++k) {
+      const Couple& couple = system.couples()[k];
+      const Vec3 old = answer.r.col(points.size() + k);
+      answer.r.col(points.size() + k) = improveCouple(couple, old, system.velocity(couple, y), answer.r);
+      System::push(couple, answer.r.col(points.size() + k) - old, y);
+    }
+    answer.residuals = system.residuals(answer.r);
+    if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isLate())) break;
+  }
+  return answer;
+}
+
+}  // namespace rbs::coulomb

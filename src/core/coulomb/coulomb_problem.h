@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The exact velocity-level Coulomb problem of one island of bodies.
+//
+// Impulses r at the contact points change the velocities of the bodies, v = v_free + M^-1 J^T r, so that at
+// each point the relative velocity u = J v + drive and the impulse keep
+//   0 <= r_n,  0 <= u_n,  r_n u_n = 0                              (Signorini)
+//   |r_T| <= mu r_n                                                (Coulomb's cone, circular)
+//   u_T = -a r_T,  a >= 0,  a (mu r_n - |r_T|) = 0                 (friction dissipates all it can).
+// Nothing is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
+//
+// A pair may also resist rolling and spinning. With the sum N of the normal impulses of its points, the
+// couple L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
+//   |L_T| <= c R N,  against w_T;   |L_n| <= s R N,  against w_n
+// in the same sense: each does what ends the turning, or dissipates all it can.
+#pragma once
+
+#include "base/index.h"
+#include "rigid_body_sim/types.h"
+
+#include <chrono>
+#include <optional>
+#include <vector>
+
+namespace rbs {
+
+/// A body that impulses move.
+struct CoulombBody {
+  double mass;     ///< kg, > 0
+  Mat3 inertia_W;  ///< about its centre of mass, written in W, kg m^2, positive definite
+  /// Of the centre, m/s, and angular, rad/s, both in W. In: the velocity it would have without contact
+  /// impulses (after the forces of the step). Out: with them.
+  Vec3 v, w;
+  bool turns = true;  ///< false: no impulse changes w, and the inertia is not read
+};
+
+/// A contact point of two sides. At least one of them is a body.
+struct CoulombPoint {
+  Index i, j;     ///< in CoulombProblem::bodies; kNone: a side that impulses do not move
+  Vec3 r_i, r_j;  ///< from the centres to the point, m, in W; not read for a side that is kNone
+  Mat3 frame;     ///< orthonormal columns t1, t2, n in W; n points from i to j
+  double mu;      ///< >= 0
+  /// In the frame, added to the velocity of j against i, m/s: the velocity of a side that is led, the speed
+  /// at which an open gap may close (+gap/h along n), restitution.
+  Vec3 drive{0.0, 0.0, 0.0};
+  /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
+  /// u_T is. Zero: Coulomb's law decides.
+  Eigen::Vector2d slide{0.0, 0.0};
+  /// In the frame, on j (and the opposite on i), N s. In: a guess, zero for none; one that is not finite
+  /// counts as none. Out: the solution.
+  Vec3 impulse{0.0, 0.0, 0.0};
+};
+
+/// What a pair resists turning with.
+struct CoulombCouple {
+  Index i, j;         ///< as in CoulombPoint
+  Index first, size;  ///< its points, in CoulombProblem::points
+  Mat3 frame;         ///< likewise: n is the axis of spinning, t1 and t2 those of rolling
+  double radius;      ///< R, m, > 0
+  double roll, spin;  ///< c and s, >= 0
+  /// In the frame, R times the angular velocity that sides add which impulses do not move, m/s.
+  Vec3 drive{0.0, 0.0, 0.0};
+  /// The pair is known to roll about this axis in (t1, t2), of length 1, and to spin this way, 1 or -1. Zero:
+  /// the law decides.
+  Eigen::Vector2d rolls{0.0, 0.0};
+  double spins = 0.0;
+  /// In the frame, L/R on j, N s. In: a guess. Out: the solution.
+  Vec3 impulse{0.0, 0.0, 0.0};
+};
+
+struct CoulombProblem {
+  std::vector<CoulombBody> bodies;
+  std::vector<CoulombPoint> points;
+  /// What velocities are measured against, m/s, > 0: g h, or what stands in for it where g = 0. The unit of
+  /// impulse is the mass of all bodies times this.
+  double speed_unit;
+  /// When the solvers are to end with the best they have; empty: when they are done.
+  std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
+  std::vector<CoulombCouple> couples{};
+};
+
+}  // namespace rbs

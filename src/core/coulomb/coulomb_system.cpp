@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "coulomb/coulomb_system.h"
+
+#include "base/algebra.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rbs::coulomb {
+
+namespace {
+
+// L^-1 B. Eigen's own is made for large matrices.
+Mat3 solveLower(const Mat3& L, Mat3 B) {
+  for (int row = 0; row < 3; ++row) {
+    const double inverse = 1.0 / L(row, row);
+    for (int c = 0; c < 3; ++c) {
+      B(row, c) *= inverse;
+      for (int below = row + 1; below < 3; ++below) B(below, c) -= B(row, c) * L(below, row);
+    }
+  }
+  return B;
+}
+
+Mat36 jacobian(double mass, const Mat3& L, const Vec3& arm, const Mat3& frame, double total_mass) {
+  // u = frame^T (v + w x arm), v = y_v/sqrt(m), w = L^-T y_w.
+  Mat36 J;
+  J.leftCols<3>() = frame.transpose() / std::sqrt(mass / total_mass);
+  const Mat3 turn = crossMatrix(arm) * frame;  // (frame^T (-[arm]))^T
+  J.rightCols<3>() = solveLower(L, turn).transpose() * std::sqrt(total_mass);
+  return J;
+}
+
+Mat36 turning(const Mat3& L, const Mat3& frame, double radius, double total_mass) {
+  // u = R frame^T w.
+  Mat36 J = Mat36::Zero();
+  J.rightCols<3>() = radius * solveLower(L, frame).transpose() * std::sqrt(total_mass);
+  return J;
+}
+
+}  // namespace
+
+System::System(const CoulombProblem& problem) {
+  double total_mass = 0.0;
+  for (const CoulombBody& body : problem.bodies) total_mass += body.mass;
+  speed_ = problem.speed_unit;
+  until_ = problem.until;
+  impulse_ = total_mass * speed_;
+
+  free_.resize(6, problem.bodies.size());
+  roots_.reserve(problem.bodies.size());
+  for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
+    const CoulombBody& body = problem.bodies[k];
+    turns_.push_back(body.turns);
+    const Mat3 L = roots_.emplace_back(body.turns ? body.inertia_W : Mat3::Identity()).matrixL();
+    free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
+        L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
+    if (!body.turns) free_.col(k).tail<3>().setZero();
+  }
+  // The spin of a body that does not turn is part of what drives its points.
+  const auto jacobianOf = [&](Index body, const Vec3& arm, const Mat3& frame, double sign, Vec3& drive) {
+    Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), arm, frame, total_mass);
+    if (!turns_[body]) {
+      J.rightCols<3>().setZero();
+      drive += sign * (frame.transpose() * problem.bodies[body].w.cross(arm));
+    }
+    return J;
+  };
+  points_.reserve(problem.points.size());
+  for (const CoulombPoint& given : problem.points) {
+    Point point;
+    point.i = given.i, point.j = given.j;
+    point.J_i.setZero();
+    point.J_j.setZero();
+    point.drive = given.drive;
+    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame, -1.0, point.drive);
+    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame, 1.0, point.drive);
+    point.drive /= speed_;
+    point.sliding = {given.mu, given.slide};
+    point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
+    points_.push_back(point);
+  }
+  for (const CoulombCouple& given : problem.couples) {
+    Couple couple;
+    couple.i = given.i, couple.j = given.j;
+    couple.first = given.first, couple.size = given.size;
+    couple.drive = given.drive;
+    const auto turningOf = [&](Index body, double sign) -> Mat36 {
+      if (body == kNone) return Mat36::Zero();
+      if (turns_[body])
+        return sign * turning(roots_[body].matrixLLT(), given.frame, given.radius, total_mass);
+      couple.drive += sign * given.radius * (given.frame.transpose() * problem.bodies[body].w);
+      return Mat36::Zero();
+    };
+    couple.J_i = turningOf(given.i, -1.0);
+    couple.J_j = turningOf(given.j, 1.0);
+    couple.drive /= speed_;
+    couple.rolling = {given.roll, given.rolls};
+    couple.spinning = {given.spin, FrictionSet<1>::Vec(given.spins)};
+    couple.response = (couple.J_i.squaredNorm() + couple.J_j.squaredNorm()) / 3.0;
+    couples_.push_back(couple);
+  }
+}
+
+template <class Scalar>
+Impulses System::velocitiesSummedIn(const Impulses& r) const {
+  Eigen::Matrix<Scalar, 6, Eigen::Dynamic> y = free_.cast<Scalar>();
+  const auto push = [&](Index body, const Mat36& J, const Vec3& impulse) {
+    if (body != kNone) y.col(body).noalias() += J.transpose().cast<Scalar>() * impulse.cast<Scalar>();
+  };
+  for (std::size_t k = 0; k < columns(); ++k) {
+    push(rows(k).i, rows(k).J_i, r.col(k));
+    push(rows(k).j, rows(k).J_j, r.col(k));
+  }
+  Impulses u(3, columns());
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& point = rows(k);
+    Eigen::Matrix<Scalar, 3, 1> sum = point.drive.cast<Scalar>();
+    if (point.i != kNone) sum.noalias() += point.J_i.cast<Scalar>() * y.col(point.i);
+    if (point.j != kNone) sum.noalias() += point.J_j.cast<Scalar>() * y.col(point.j);
+    u.col(k) = sum.template cast<double>();
+  }
+  return u;
+}
+
+template Impulses System::velocitiesSummedIn<double>(const Impulses&) const;
+template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const;
+
+// The residuals of a point, each a speed, from the natural maps of the three laws at the point's own scale,
+// an impulse x being worth the speed response x:
+//   signorini    |min(u_n, response r_n)|
+//   coulomb      response (|r_T| - mu r_n)_+
+//   dissipation  |response r_T - P(response r_T - u_T)|, P onto the disc of radius response mu r_n.
+// Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
+// the same in speed, and both are within what is returned. The third is zero where and only where friction
+// lies on the cone against sliding, or sliding is zero, given the second. A couple has the last two, of its
+// rolling and of its spinning, whichever is worse.
+//
+// A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
+// between heavy ones feels the last digit of their impulses.
+Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  Eigen::VectorXd rounding = free_.colwise().norm().transpose();
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& point = rows(k);
+    if (point.i != kNone) rounding[point.i] += (point.J_i.transpose() * r.col(k)).norm();
+    if (point.j != kNone) rounding[point.j] += (point.J_j.transpose() * r.col(k)).norm();
+  }
+  Residuals worst;
+  if (!velocity.allFinite()) {
+    worst.signorini = worst.coulomb = worst.dissipation = worst.beyond_rounding =
+        std::numeric_limits<double>::infinity();
+    return worst;
+  }
+  const auto count = [&](const Rows& of, const Vec3& push, double signorini, double coulomb,
+                         double dissipation) {
+    worst.signorini = std::max(worst.signorini, signorini);
+    worst.coulomb = std::max(worst.coulomb, coulomb);
+    worst.dissipation = std::max(worst.dissipation, dissipation);
+    double floor = push.norm() + of.drive.norm();
+    if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
+    if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
+    worst.beyond_rounding = std::max(worst.beyond_rounding,
+                                     std::max(signorini, std::max(coulomb, dissipation)) - kEpsilon * floor);
+  };
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    const Vec3 u = velocity.col(k);
+    const Vec3 push = point.response * r.col(k);
+    const double limit = point.sliding.factor * std::max(push[2], 0.0);
+    const double signorini = std::abs(std::min(u[2], push[2]));
+    double coulomb, dissipation = 0.0;
+    if (point.sliding.slips) {
+      coulomb = (push.head<2>() + limit * point.sliding.slip).norm();
+    } else {
+      coulomb = std::max(0.0, push.head<2>().norm() - limit);
+      Vec2 target = push.head<2>() - u.head<2>();
+      const double length = target.norm();
+      if (length > limit) target *= limit / length;
+      dissipation = (push.head<2>() - target).norm();
+    }
+    count(point, push, signorini, coulomb, dissipation);
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = couples_[k];
+    double n = 0.0;
+    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += std::max(r(2, p), 0.0);
+    n *= couple.response;
+    const Vec3 push = couple.response * r.col(points_.size() + k);
+    const double coulomb = std::max({0.0, push.head<2>().norm() - couple.rolling.factor * n,
+                                     std::abs(push[2]) - couple.spinning.factor * n});
+    const Vec3 target = nearest(couple, push - velocity.col(points_.size() + k), n);
+    count(couple, push, 0.0, coulomb, (push - target).norm());
+  }
+  return worst;
+}
+
+Impulses System::guess(const CoulombProblem& problem) const {
+  Impulses r(3, columns());
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Vec3 given = problem.points[k].impulse / impulse_;
+    r.col(k) = given.allFinite() ? nearestOnCone(points_[k].sliding, given) : Vec3::Zero();
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    const Couple& couple = couples_[k];
+    const Vec3 given = problem.couples[k].impulse / impulse_;
+    r.col(points_.size() + k) =
+        given.allFinite() ? nearest(couple, given, normalSum(couple, r)) : Vec3::Zero();
+  }
+  return r;
+}
+
+void System::store(const Impulses& r, CoulombProblem& problem) const {
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    CoulombPoint& point = problem.points[k];
+    point.impulse = impulse_ * r.col(k);
+    const Vec3 impulse_W = point.frame * point.impulse;
+    const auto apply = [&](Index body, const Vec3& arm, const Vec3& push) {
+      problem.bodies[body].v += push / problem.bodies[body].mass;
+      if (turns_[body]) problem.bodies[body].w += roots_[body].solve(arm.cross(push));
+    };
+    if (point.i != kNone) apply(point.i, point.r_i, -impulse_W);
+    if (point.j != kNone) apply(point.j, point.r_j, impulse_W);
+  }
+  for (std::size_t k = 0; k < couples_.size(); ++k) {
+    CoulombCouple& couple = problem.couples[k];
+    couple.impulse = impulse_ * r.col(points_.size() + k);
+    const Vec3 turn_W = couple.radius * (couple.frame * couple.impulse);
+    if (couple.i != kNone && turns_[couple.i]) problem.bodies[couple.i].w -= roots_[couple.i].solve(turn_W);
+    if (couple.j != kNone && turns_[couple.j]) problem.bodies[couple.j].w += roots_[couple.j].solve(turn_W);
+  }
+}
+
+}  // namespace rbs::coulomb

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Coulomb problem of an island without units, as its solvers see it.
+//
+// Mass is measured in the mass of all bodies, speed in CoulombProblem::speed_unit. A body moves by
+// y = (sqrt(m) v, L^T w), where m is its mass and L L^T its inertia, so that the mass matrix is the identity,
+// the norm of y is that of kinetic energy, and no length is needed as a unit:
+//   y = y_free + J^T r,   u = J y + drive.
+#pragma once
+
+#include "coulomb/coulomb_problem.h"
+#include "coulomb/friction_set.h"
+
+#include <Eigen/Cholesky>
+
+#include <vector>
+
+namespace rbs::coulomb {
+
+using Vec2 = Eigen::Vector2d;
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+using Mat36 = Eigen::Matrix<double, 3, 6>;
+using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point, then one a couple: two
+                                                              ///< tangents and the normal
+using Velocities = Eigen::Matrix<double, 6, Eigen::Dynamic>;  ///< y, a column a body
+
+/// The rows of J of a point or a couple.
+struct Rows {
+  Index i, j;      ///< bodies; kNone: a side that impulses do not move
+  Mat36 J_i, J_j;  ///< u changes by J_i y_i + J_j y_j; zero where there is no body
+  Vec3 drive;
+  double response;  ///< mean eigenvalue of their own block of J J^T: speed for an impulse
+};
+
+struct Point : Rows {
+  FrictionSet<2> sliding;  ///< under its own normal impulse
+};
+
+/// Its velocity is that of turning times its length, so that it has the units of a point.
+struct Couple : Rows {
+  std::size_t first, size;  ///< its points
+  FrictionSet<2> rolling;   ///< under the sum of their normal impulses
+  FrictionSet<1> spinning;  ///< likewise
+};
+
+/// How far impulses are from the law; the greatest over the points. See CoulombResult.
+struct Residuals {
+  double signorini = 0.0, coulomb = 0.0, dissipation = 0.0;
+  /// The largest of the three, where each point is forgiven what the rounding of its own velocity amounts to.
+  double beyond_rounding = 0.0;
+  double worst() const { return std::max(signorini, std::max(coulomb, dissipation)); }
+};
+
+class System {
+ public:
+  explicit System(const CoulombProblem& problem);
+
+  const std::vector<Point>& points() const { return points_; }
+  const std::vector<Couple>& couples() const { return couples_; }
+  const Velocities& free() const { return free_; }                          ///< y_free
+  std::size_t columns() const { return points_.size() + couples_.size(); }  ///< of impulses
+  const Rows& rows(std::size_t k) const {                                   ///< of a column of impulses
+    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
+  }
+
+  /// u + J dy.
+  static Vec3 changed(const Rows& rows, Vec3 u, const Velocities& dy) {
+    if (rows.i != kNone) u.noalias() += rows.J_i * dy.col(rows.i);
+    if (rows.j != kNone) u.noalias() += rows.J_j * dy.col(rows.j);
+    return u;
+  }
+  Vec3 velocity(const Rows& rows, const Velocities& y) const { return changed(rows, rows.drive, y); }
+  /// Adds J^T r of one point or couple.
+  static void push(const Rows& rows, const Vec3& r, Velocities& y) {
+    if (rows.i != kNone) y.col(rows.i).noalias() += rows.J_i.transpose() * r;
+    if (rows.j != kNone) y.col(rows.j).noalias() += rows.J_j.transpose() * r;
+  }
+  /// Adds J^T r.
+  void push(const Impulses& r, Velocities& y) const {
+    for (std::size_t k = 0; k < columns(); ++k) push(rows(k), r.col(k), y);
+  }
+  /// u of impulses r, with the rounding of r only: summed in long double.
+  Impulses relativeVelocities(const Impulses& r) const { return velocitiesSummedIn<long double>(r); }
+  /// The same with the rounding of double, in a fraction of the time.
+  Impulses relativeVelocitiesAbout(const Impulses& r) const { return velocitiesSummedIn<double>(r); }
+  /// Of impulses r, with their relative velocities where those are known.
+  Residuals residuals(const Impulses& r, const Impulses& velocity) const;
+  Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
+
+  /// The sum of the normal impulses of a couple's points.
+  static double normalSum(const Couple& couple, const Impulses& r) {
+    return r.row(2).segment(couple.first, couple.size).sum();
+  }
+  /// The impulse of a couple that is nearest to x under the sum n of normal impulses.
+  static Vec3 nearest(const Couple& couple, const Vec3& x, double n) {
+    Vec3 nearest;
+    nearest << couple.rolling.nearest(x.head<2>(), n), couple.spinning.nearest(x.tail<1>(), n);
+    return nearest;
+  }
+
+  /// Whether the solvers are to end.
+  bool isLate() const { return until_ && std::chrono::steady_clock::now() >= *until_; }
+
+  Impulses guess(const CoulombProblem& problem) const;
+  /// Writes impulses, and the velocities they make, with units.
+  void store(const Impulses& r, CoulombProblem& problem) const;
+
+ private:
+  template <class Scalar>
+  Impulses velocitiesSummedIn(const Impulses& r) const;
+
+  double speed_, impulse_;               // the units, m/s and N s
+  std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
+  std::vector<bool> turns_;              // by body
+  std::vector<Point> points_;
+  std::vector<Couple> couples_;
+  Velocities free_;
+  std::optional<std::chrono::steady_clock::time_point> until_;
+};
+
+}  // namespace rbs::coulomb

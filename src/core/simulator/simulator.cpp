@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rigid_body_sim/simulator.h"
+
+#include "base/text.h"
+#include "rigid_body_sim/governor.h"
+#include "simulator/pacer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <condition_variable>
+#include <exception>
+#include <future>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace rbs {
+
+namespace {
+
+using Clock = Pacer::Clock;
+
+// The scene and state that a world is made of, and made of again on a reset.
+struct Origin {
+  SceneDef scene;
+  std::optional<SavedState> saved;
+};
+
+struct Command {
+  std::function<void()> run;
+  std::shared_ptr<std::promise<void>> done;  // null: nobody waits
+};
+
+// A request for steps that is under way.
+struct StepRequest {
+  std::uint64_t left, taken = 0;
+  std::function<bool()> go_on;
+  std::promise<StepsTaken> done;
+
+  void end(const std::string& by) { done.set_value({taken, by}); }
+};
+
+}  // namespace
+
+struct Simulator::Impl {
+  // Used by the thread alone.
+  World world;
+  Governor governor;
+  std::uint64_t edits_before = 0, versions_before = 0;  // of earlier worlds, so that the sums only grow
+  double elapsed_before = 0.0, began_at = 0.0;  // of earlier worlds; time at which this world began, s
+  std::uint64_t worlds = 0;                     // number of earlier worlds
+  std::optional<StepRequest> request;
+  bool stale = false;  // the world has changed since the last snapshot
+
+  // Shared with other threads, under the mutex.
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  std::vector<Command> commands;
+  bool stop = false;
+  Pace pace;  // without the numbers of the pacer
+  Pacer pacer;
+
+  std::mutex replacing;  // one caller at a time makes another world
+  std::shared_ptr<const Origin> origin;
+  std::atomic<bool> estimating{false};
+  std::shared_ptr<const Snapshot> published;  // read and written by atomic_load and atomic_store
+
+  std::thread thread;
+
+  Impl(SceneDef scene, const Options& options)
+      : world(scene), origin(std::make_shared<Origin>(Origin{std::move(scene), std::nullopt})) {
+    pace.paused = options.paused;
+    pace.requested_speed = options.speed;
+    restartClock();
+    publish();
+  }
+
+  void publish() {
+    const Clock::time_point start = Clock::now();
+    Snapshot snapshot = world.snapshot();
+    snapshot.edits += edits_before;
+    snapshot.description_version += versions_before;
+    snapshot.world = worlds;
+    snapshot.elapsed = elapsed_before + (world.time() - began_at);
+    snapshot.paused = pace.paused;
+    snapshot.estimate = governor.estimate();
+    snapshot.dial_reason = governor.reason(world);
+    snapshot.step_cpu_seconds = governor.stepCpuSeconds();
+    std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
+    stale = false;
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.pictured(start, Clock::now());
+  }
+
+  void restartClock() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.restart(Clock::now(), pace.requested_speed, world.scene().step);
+  }
+
+  void setPace(bool paused, double speed) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      pace.paused = paused;
+      pace.requested_speed = speed;
+    }
+    restartClock();
+  }
+
+  void endRequest(const char* by) {
+    if (!request) return;
+    publish();
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      pace.steps_left = 0;
+    }
+    std::exchange(request, std::nullopt)->end(by);
+  }
+
+  // The caller gets the old world, so that its destruction takes no time of this thread.
+  void replaceWorld(World& fresh, const char* by) {
+    endRequest(by);
+    publish();
+    edits_before = published->edits + 1;
+    versions_before = published->description_version + 1;
+    elapsed_before = published->elapsed;
+    began_at = fresh.time();
+    ++worlds;
+    std::swap(world, fresh);
+    governor = Governor();
+    governor.setEstimating(estimating);
+    restartClock();
+  }
+
+  void beginWith(std::shared_ptr<const Origin> from, const char* by) {
+    World fresh(from->scene, from->saved);
+    post([&] { replaceWorld(fresh, by); });
+    origin = std::move(from);
+  }
+
+  void push(Command command) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      commands.push_back(std::move(command));
+    }
+    wake.notify_one();
+  }
+
+  // Runs `command` on the thread, between two steps, and waits for it and a snapshot.
+  void post(std::function<void()> command) {
+    auto promise = std::make_shared<std::promise<void>>();
+    std::future<void> done = promise->get_future();
+    push({std::move(command), std::move(promise)});
+    done.get();
+  }
+
+  // One snapshot shows the results of all commands, before any caller continues.
+  void runCommands(std::vector<Command>& todo) {
+    std::vector<std::exception_ptr> thrown(todo.size());
+    bool awaited = false;
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      stale = true;
+      awaited = awaited || todo[k].done;
+      try {
+        todo[k].run();
+      } catch (...) {
+        thrown[k] = std::current_exception();
+      }
+    }
+    if (awaited) publish();
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      if (!todo[k].done) continue;
+      thrown[k] ? todo[k].done->set_exception(thrown[k]) : todo[k].done->set_value();
+    }
+  }
+
+  void takeStep() {
+    const Clock::time_point start = Clock::now();
+    governor.step(world);
+    stale = true;
+    const std::lock_guard<std::mutex> lock(mutex);
+    pacer.stepped(start, Clock::now(), world.scene().step);
+    if (!request) return;
+    ++request->taken;
+    pace.steps_left = --request->left;
+  }
+
+  void advance() {
+    if (request && request->go_on && !request->go_on()) endRequest("shutdown");
+    if (request || (!pace.paused && Clock::now() >= pacer.nextStep())) takeStep();
+    if (request && request->left == 0) endRequest("");
+    if (stale && Clock::now() >= pacer.nextPicture()) publish();
+  }
+
+  Clock::time_point nextWork() const {
+    if (request) return Clock::now();
+    Clock::time_point next = pace.paused ? Clock::time_point::max() : pacer.nextStep();
+    if (stale) next = std::min(next, pacer.nextPicture());
+    return next;
+  }
+
+  // Waits until there is something to do. Returns the commands that came, or nothing when it is over.
+  std::optional<std::vector<Command>> await() {
+    std::unique_lock<std::mutex> lock(mutex);
+    const auto called = [this] { return stop || !commands.empty(); };
+    const Clock::time_point next = nextWork();
+    if (next == Clock::time_point::max()) {
+      wake.wait(lock, called);
+    } else if (Clock::now() < next) {
+      wake.wait_until(lock, next, called);
+    }
+    if (stop && commands.empty()) return std::nullopt;
+    return std::exchange(commands, {});
+  }
+
+  void loop() {
+    while (std::optional<std::vector<Command>> todo = await()) {
+      runCommands(*todo);
+      advance();
+    }
+    endRequest("shutdown");
+  }
+};
+
+namespace {
+
+void checkSpeed(double speed) {
+  if (!(std::isfinite(speed) && speed >= 0.0 && speed <= 1e6))
+    throw InvalidInput({{"speed", text(speed), "0 (as fast as possible) to 1e6 times real time"}});
+}
+
+}  // namespace
+
+Simulator::Simulator(SceneDef scene, const Options& options) {
+  checkSpeed(options.speed);
+  impl_ = std::make_unique<Impl>(std::move(scene), options);
+  impl_->thread = std::thread([this] { impl_->loop(); });
+}
+
+Simulator::~Simulator() {
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->stop = true;
+  }
+  impl_->wake.notify_one();
+  impl_->thread.join();
+}
+
+void Simulator::edit(const std::function<void(World&)>& command) {
+  impl_->post([&] { command(impl_->world); });
+}
+
+void Simulator::send(std::function<void(World&)> command) {
+  impl_->push({[this, command = std::move(command)] { command(impl_->world); }, nullptr});
+}
+
+void Simulator::load(SceneDef scene, const std::optional<SavedState>& saved) {
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  impl_->beginWith(std::make_shared<Origin>(Origin{std::move(scene), saved}), "load");
+}
+
+void Simulator::reset() {
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  impl_->beginWith(impl_->origin, "reset");
+}
+
+void Simulator::pause() {
+  impl_->post([&] {
+    impl_->endRequest("pause");
+    impl_->setPace(true, impl_->pace.requested_speed);
+  });
+}
+
+void Simulator::resume() {
+  impl_->post([&] {
+    impl_->endRequest("resume");
+    impl_->setPace(false, impl_->pace.requested_speed);
+  });
+}
+
+bool Simulator::togglePause() {
+  bool paused = false;
+  impl_->post([&] {
+    paused = impl_->request || !impl_->pace.paused;
+    impl_->endRequest("pause");
+    impl_->setPace(paused, impl_->pace.requested_speed);
+  });
+  return paused;
+}
+
+StepsTaken Simulator::step(std::uint64_t n, const std::function<bool()>& go_on) {
+  if (n < 1 || n > 1000000) throw InvalidInput({{"n", std::to_string(n), "1 to 1,000,000 steps"}});
+  std::future<StepsTaken> done;
+  impl_->post([&] {
+    if (!impl_->pace.paused) throw InvalidInput({{"step", "running", "a paused simulation: pause it first"}});
+    if (impl_->request)
+      throw InvalidInput({{"step", std::to_string(impl_->request->left) + " steps of another request to go",
+                           "one request at a time: wait, or end it by pause"}});
+    impl_->request = StepRequest{n, 0, go_on, {}};
+    done = impl_->request->done.get_future();
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    impl_->pace.steps_left = n;
+  });
+  return done.get();
+}
+
+void Simulator::setSpeed(double speed) {
+  checkSpeed(speed);
+  impl_->post([&] { impl_->setPace(impl_->pace.paused, speed); });
+}
+
+void Simulator::estimateErrors(bool on) {
+  impl_->post([&] { impl_->governor.setEstimating(on), impl_->estimating = on; });
+}
+
+bool Simulator::estimatesErrors() const {
+  return impl_->estimating;
+}
+
+std::pair<World, std::shared_ptr<const Snapshot>> Simulator::copy() {
+  std::optional<World> world;
+  std::shared_ptr<const Snapshot> then;
+  impl_->post([&] {
+    impl_->publish();
+    world.emplace(impl_->world), then = impl_->published;
+  });
+  return {std::move(*world), then};
+}
+
+std::shared_ptr<const Snapshot> Simulator::snapshot() const {
+  return std::atomic_load(&impl_->published);
+}
+
+Pace Simulator::pace() const {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  Pace pace = impl_->pace;
+  if (pace.paused) return pace;
+  pace.achieved_speed = impl_->pacer.achievedSpeed(Clock::now());
+  pace.lost_time = impl_->pacer.lostTime();
+  return pace;
+}
+
+}  // namespace rbs

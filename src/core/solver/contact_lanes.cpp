@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the points of the pairs stand in the lanes, and how they get there and back.
+#include "solver/contact_lanes.h"
+
+#include "solver/lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+
+using namespace lanes;
+
+// Orders the pairs by level, within a level by friction and number of points, and cuts levels into bundles.
+void ContactLanes::schedule() {
+  constexpr int kSizes = 8;  // pairs with more points than that stand with those that have as many
+  const std::vector<SolverBlock>& blocks = contacts_.blocks;
+  std::vector<Index> level_of_body(contacts_.bodies.size(), 0), key(blocks.size(), kNone);
+  Index levels = 0;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const SolverBlock& block = blocks[k];
+    if (block.size == 0) continue;
+    const Index level = std::max(level_of_body[block.i], level_of_body[block.j]);
+    for (const Index body : {block.i, block.j})
+      if (contacts_.bodies[body].inv_mass > 0.0) level_of_body[body] = level + 1;
+    levels = std::max(levels, level + 1);
+    key[k] = (2 * level + (block.rough ? 0 : 1)) * kSizes +
+             static_cast<Index>(kSizes - std::min(block.size, kSizes));
+  }
+  std::vector<Index> first(2 * kSizes * levels + 1, 0), ordered;
+  for (const Index one : key)
+    if (one != kNone) ++first[one + 1];
+  for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
+  ordered.resize(first.back());
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    if (key[k] != kNone) ordered[first[key[k]]++] = static_cast<Index>(k);
+
+  bundles_.clear();
+  normal_.clear();
+  friction_.clear();
+  places_.assign(blocks.size(), {});
+  for (std::size_t k = 0; k < ordered.size();) {
+    const Index group = key[ordered[k]] / kSizes;
+    const std::size_t bundle = bundles_.size();
+    for (int lane = 0; lane < kLanes && k < ordered.size() && key[ordered[k]] / kSizes == group; ++lane, ++k)
+      append(bundle, ordered[k]);
+  }
+}
+
+// Puts a block into the last bundle, or opens it.
+void ContactLanes::append(std::size_t bundle, Index which) {
+  const SolverBlock& block = contacts_.blocks[which];
+  if (bundle == bundles_.size()) {
+    Bundle fresh{};
+    fresh.block.fill(kNone);
+    fresh.i.fill(&nobody_);
+    fresh.j.fill(&nobody_);
+    fresh.rough = block.rough;
+    fresh.normal = normal_.size();
+    fresh.friction = friction_.size();
+    bundles_.push_back(fresh);
+  }
+  Bundle& last = bundles_.back();
+  const auto lane = std::find(last.block.begin(), last.block.end(), kNone);
+  *lane = which;
+  places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin())};
+  last.size = std::max(last.size, block.size);
+  normal_.resize(last.normal + static_cast<std::size_t>(last.size));
+  if (last.rough) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
+}
+
+// Whether a block may go beside those of a bundle: there is a lane, and no body that both would move.
+bool ContactLanes::accepts(const Bundle& bundle, const SolverBlock& block) const {
+  if (bundle.block.back() != kNone || bundle.rough != block.rough) return false;
+  for (const Index body : {block.i, block.j}) {
+    const SolverBody* s = &contacts_.bodies[body];
+    if (s->inv_mass == 0.0) continue;
+    for (const Index other : bundle.block)
+      if (other != kNone && (contacts_.blocks[other].i == body || contacts_.blocks[other].j == body))
+        return false;
+  }
+  return true;
+}
+
+void ContactLanes::take() {
+  schedule();
+  for (std::size_t b = 0; b < bundles_.size(); ++b) takeBundle(b);
+}
+
+void ContactLanes::takeBundle(std::size_t bundle) {
+  for (int lane = 0; lane < kLanes; ++lane) takeBlock({static_cast<Index>(bundle), lane});
+  findRows(bundles_[bundle], {true, true, true, true});
+}
+
+// Where a lane has fewer points than its bundle has rows, the others are all zero.
+void ContactLanes::takeBlock(Place place) {
+  Bundle& bundle = bundles_[place.bundle];
+  const int lane = place.lane;
+  int size = 0;
+  bundle.i[lane] = bundle.j[lane] = &nobody_;
+  if (bundle.block[lane] != kNone) {
+    const SolverBlock& block = contacts_.blocks[bundle.block[lane]];
+    SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
+    size = block.size;
+    bundle.i[lane] = &i;
+    bundle.j[lane] = &j;
+    set(bundle.n, lane, block.n);
+    set(bundle.t1, lane, block.t1);
+    set(bundle.t2, lane, block.t2);
+    set(bundle.turned_i, lane, block.turned_i);
+    set(bundle.turned_j, lane, block.turned_j);
+    bundle.turns_i[lane] = i.round ? 0.0 : 1.0;
+    bundle.turns_j[lane] = j.round ? 0.0 : 1.0;
+    bundle.shift[lane] = block.n.dot(block.moved_j - block.moved_i);
+    bundle.mu[lane] = block.mu;
+    bundle.push[lane] = block.push;
+    bundle.inv_mass_i[lane] = i.inv_mass;
+    bundle.inv_mass_j[lane] = j.inv_mass;
+    for (int k = 0; k < size; ++k) {
+      const SolverPoint& point = contacts_.points[block.first + k];
+      NormalRow& row = normal_[bundle.normal + k];
+      set(row.arm_i, lane, point.r_i);
+      set(row.arm_j, lane, point.r_j);
+      row.gap[lane] = point.gap;
+      row.open[lane] = point.open;
+      row.impulse[lane] = point.l_n;
+      row.sum[lane] = point.sum_n;
+      if (!bundle.rough) continue;
+      FrictionRow& friction = friction_[bundle.friction + k];
+      friction.impulse1[lane] = point.l_t[0], friction.impulse2[lane] = point.l_t[1];
+      friction.sum1[lane] = point.sum_t[0], friction.sum2[lane] = point.sum_t[1];
+    }
+  }
+  for (int k = size; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    set(row.arm_i, lane, Vec3::Zero());
+    set(row.arm_j, lane, Vec3::Zero());
+    row.gap[lane] = row.open[lane] = row.impulse[lane] = row.sum[lane] = 0.0;
+    if (!bundle.rough) continue;
+    FrictionRow& friction = friction_[bundle.friction + k];
+    friction.impulse1[lane] = friction.impulse2[lane] = friction.sum1[lane] = friction.sum2[lane] = 0.0;
+  }
+}
+
+void ContactLanes::refresh(double now, double left) {
+  const std::size_t known = bundles_.size();
+  for (const Index k : contacts_.drifted()) {
+    giveBackBlock(k);
+    contacts_.refresh(k, now, left);
+    const SolverBlock& block = contacts_.blocks[k];
+    if (const Place place = places_[k]; place.bundle != kNone) {
+      Bundle& bundle = bundles_[place.bundle];
+      const bool room = block.size <= bundle.size;
+      if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
+      takeBlock(place);
+      std::array<bool, kLanes> drifted{};
+      drifted[place.lane] = true;
+      findRows(bundle, drifted);
+      if (room) continue;
+    }
+    if (block.size == 0) continue;
+    const bool beside = bundles_.size() > known && accepts(bundles_.back(), block);
+    append(beside ? bundles_.size() - 1 : bundles_.size(), k);
+  }
+  for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
+}
+
+// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay
+// what they were when their points were found, whoever stands beside them.
+RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
+  const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
+    cross(d, row.arm_i, turning.lever);
+    cross(row.arm_j, d, turning.lever + 3);
+  };
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    setLever(row.turning, bundle.n, row);
+    if (!bundle.rough) continue;
+    setLever(friction_[bundle.friction + k].turning1, bundle.t1, row);
+    setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
+  }
+  findTurns(bundle);
+  findMasses(bundle, found);
+}
+
+RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
+  Lanes inv_i[9], inv_j[9];
+  for (int c = 0; c < 9; ++c) {
+    const auto of = [c](const SolverBody* body) { return body->inv_inertia_W.data()[c]; };
+    inv_i[c] = Lanes{of(bundle.i[0]), of(bundle.i[1]), of(bundle.i[2]), of(bundle.i[3])};
+    inv_j[c] = Lanes{of(bundle.j[0]), of(bundle.j[1]), of(bundle.j[2]), of(bundle.j[3])};
+  }
+  const auto setTurn = [&](Turning& turning) {  // the matrices are symmetric
+    for (int c = 0; c < 3; ++c) {
+      dot(inv_i + 3 * c, turning.lever, turning.turn[c]);
+      dot(inv_j + 3 * c, turning.lever + 3, turning.turn[3 + c]);
+    }
+  };
+  for (int k = 0; k < bundle.size; ++k) {
+    setTurn(normal_[bundle.normal + k].turning);
+    if (!bundle.rough) continue;
+    setTurn(friction_[bundle.friction + k].turning1);
+    setTurn(friction_[bundle.friction + k].turning2);
+  }
+}
+
+// The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix
+// S, and rho the inverse of its largest eigenvalue.
+RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found) {
+  const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
+  const Lanes fresh = {found[0] ? 1.0 : 0.0, found[1] ? 1.0 : 0.0, found[2] ? 1.0 : 0.0,
+                       found[3] ? 1.0 : 0.0};
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    Lanes response;
+    add6(inv_mass, row.turning.lever, row.turning.turn, response);
+    Lanes present;
+    for (int lane = 0; lane < kLanes; ++lane)
+      present[lane] =
+          bundle.block[lane] != kNone && k < contacts_.blocks[bundle.block[lane]].size ? 1.0 : 0.0;
+    const auto set = [&](Lanes& to, const Lanes& mass) {
+      to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to;
+    };
+    set(row.mass, 1.0 / response);
+    if (!bundle.rough) continue;
+    FrictionRow& friction = friction_[bundle.friction + k];
+    Lanes s11, s12, s22;
+    add6(inv_mass, friction.turning1.lever, friction.turning1.turn, s11);
+    add6(Lanes{}, friction.turning1.lever, friction.turning2.turn, s12);
+    add6(inv_mass, friction.turning2.lever, friction.turning2.turn, s22);
+    const Lanes determinant = s11 * s22 - s12 * s12, half_trace = 0.5 * (s11 + s22);
+    Lanes root = half_trace * half_trace - determinant;
+    for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(std::max(root[lane], 0.0));
+    set(friction.mass11, s22 / determinant);
+    set(friction.mass12, -s12 / determinant);
+    set(friction.mass22, s11 / determinant);
+    set(friction.rho, 1.0 / (half_trace + root));
+  }
+}
+
+void ContactLanes::giveBack() {
+  for (std::size_t k = 0; k < places_.size(); ++k) giveBackBlock(static_cast<Index>(k));
+}
+
+void ContactLanes::giveBackBlock(Index which) {
+  const auto [place, lane] = places_[which];
+  if (place == kNone) return;
+  const Bundle& bundle = bundles_[place];
+  const SolverBlock& block = contacts_.blocks[which];
+  for (int k = 0; k < block.size; ++k) {
+    SolverPoint& point = contacts_.points[block.first + k];
+    const NormalRow& row = normal_[bundle.normal + k];
+    point.mass_n = row.mass[lane];
+    point.open = row.open[lane];
+    point.l_n = row.impulse[lane];
+    point.sum_n = row.sum[lane];
+    if (!bundle.rough) continue;
+    const FrictionRow& friction = friction_[bundle.friction + k];
+    point.mass_t << friction.mass11[lane], friction.mass12[lane], friction.mass12[lane],
+        friction.mass22[lane];
+    point.l_t << friction.impulse1[lane], friction.impulse2[lane];
+    point.sum_t << friction.sum1[lane], friction.sum2[lane];
+  }
+}
+
+}  // namespace rbs

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The contact points of the soft step, four pairs at a time.
+//
+// Gauss-Seidel is sequential: each pair reads the velocities that the pair before it wrote. Two pairs that
+// share no dynamic body are independent, so they can be solved at the same time. Each pair gets a level, one
+// more than the highest level of any earlier pair that shares a dynamic body with it. A pass takes the levels
+// in order, and the pairs of a level four at a time. Every pair then reads exactly the velocities that it
+// would read in the original order. This is level scheduling, known from triangular systems (Y. Saad,
+// "Iterative Methods for Sparse Linear Systems", 2nd ed. 2003, 11.6).
+#pragma once
+
+#include "solver/lanes.h"
+#include "solver/solver_contacts.h"
+
+#include <array>
+#include <vector>
+
+namespace rbs {
+
+/// A soft constraint as an impulse solver writes it (soft_step.cpp).
+struct Softness {
+  double bias, mass, impulse;  // b, a, c
+};
+
+class ContactLanes {
+ public:
+  explicit ContactLanes(SolverContacts& contacts) : contacts_(contacts) {
+    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned}) zero->setZero();
+    nobody_.inv_inertia_W.setZero();
+  }
+  ContactLanes(const ContactLanes&) = delete;
+  ContactLanes& operator=(const ContactLanes&) = delete;
+
+  /// Takes over the points of the contacts, when they have been found.
+  void take();
+  /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
+  /// of them than its lane has room for goes behind all others.
+  void refresh(double now, double left);
+  /// Gives the points their impulses, their gaps and what resists there.
+  void giveBack();
+
+  /// Gives the bodies the impulses of the last sub-step again.
+  void warmStart();
+  /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
+  /// then.
+  enum class Pass {
+    Soft,   ///< contacts are soft and close their gaps
+    Relax,  ///< points that push are to be at rest
+  };
+  void solve(Pass pass, const Softness& soft, double h);
+  /// Adds the impulses of this sub-step to the sums.
+  void addUp();
+  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned.
+  ///
+  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
+  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  void follow();
+
+ private:
+  /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others.
+  struct Turning {
+    Lanes lever[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
+    Lanes turn[6];   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
+  };
+  /// Along the normal. Mass, arms and impulse are zero in lanes without such a point: nothing happens there.
+  struct NormalRow {
+    NormalRow() {}  // not "= default": a vector would clear what is about to be filled in
+    Turning turning;
+    Lanes mass, open, impulse;
+    Lanes sum, gap, arm_i[3], arm_j[3];  // as in SolverPoint: sum_n, gap, r_i, r_j
+  };
+  struct FrictionRow {
+    FrictionRow() {}
+    Turning turning1, turning2;
+    Lanes mass11, mass12, mass22, rho;
+    Lanes impulse1, impulse2, sum1, sum2;
+  };
+  /// Four pairs of a level. The k-th points of them make a row.
+  struct Bundle {
+    std::array<SolverBody*, kLanes> i, j;
+    std::array<Index, kLanes> block;  // in the contacts; kNone: this lane is empty
+    Lanes n[3], t1[3], t2[3];
+    Lanes turned_i[3], turned_j[3];  // of the bodies when the points were found
+    Lanes turns_i, turns_j;          // 1 where their surface turns with them, 0 for spheres
+    Lanes shift;                     // along n, of j against i then, m
+    Lanes mu, push, inv_mass_i, inv_mass_j;
+    int size;
+    std::size_t normal, friction;  // its first rows
+    bool rough;
+  };
+
+  /// Where the points of a block are.
+  struct Place {
+    Index bundle = kNone;  // kNone: it has none
+    int lane = 0;
+  };
+
+  void schedule();
+  void append(std::size_t bundle, Index block);
+  bool accepts(const Bundle& bundle, const SolverBlock& block) const;
+  void takeBundle(std::size_t bundle);
+  void takeBlock(Place place);
+  void giveBackBlock(Index block);
+  void findRows(const Bundle& bundle, const std::array<bool, kLanes>& found);
+  void findTurns(const Bundle& bundle);
+  void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
+  template <Pass kPass, bool kRough>
+  void solveBundles(const Softness& soft, double h);
+
+  SolverContacts& contacts_;
+  SolverBody nobody_{};        // in empty lanes
+  std::vector<Place> places_;  // by block
+  std::vector<Bundle> bundles_;
+  std::vector<NormalRow> normal_;
+  std::vector<FrictionRow> friction_;
+};
+
+}  // namespace rbs

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The impulses of a segment: what its two kicks solve, how far their answers are from the law, and what one
+// kick expects of the next.
+#include "solver/exact_stepper.h"
+
+#include "solver/residuals.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::exact_step {
+
+namespace {
+
+// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushedGap, which is more
+// than the curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what
+// kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
+constexpr double kPushedGap = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
+// Forces that change by less than this many times what solves aim at are nearly as expected.
+constexpr double kNoChange = 1e3;
+// A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
+// tells nothing: its normal jumps from face to face, and the speed that would undo the jump is no speed of a
+// body.
+constexpr double kEditOverlap = 1e-2;
+
+const char* nameOf(CoulombSolver solver) {
+  switch (solver) {
+    case CoulombSolver::Guess:
+      return "guess";
+    case CoulombSolver::GaussSeidel:
+      return "gauss_seidel";
+    case CoulombSolver::Newton:
+      return "newton";
+    case CoulombSolver::InteriorPoint:
+      return "interior_point";
+    case CoulombSolver::Admm:
+      break;
+  }
+  return "admm";
+}
+
+// Adds an impulse on the second side of a point, and its opposite on the first.
+void push(Movers& movers, const CoulombPoint& law, const Vec3& impulse_W) {
+  const auto give = [&](Index body, const Vec3& arm, const Vec3& impulse) {
+    if (body == kNone) return;
+    CoulombBody& b = movers[body];
+    b.v += impulse / b.mass;
+    if (b.turns) b.w += b.inertia_W.llt().solve(arm.cross(impulse));
+  };
+  give(law.i, law.r_i, -impulse_W);
+  give(law.j, law.r_j, impulse_W);
+}
+
+}  // namespace
+
+// Residuals are measured against what the load does in a step, or the fastest closing where that is more.
+CoulombResult Stepper::solve(CoulombProblem& problem) const {
+  problem.speed_unit = island_.loadSpeed();
+  for (const CoulombPoint& law : problem.points)
+    problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
+  if (!(problem.speed_unit > 0.0)) {
+    for (CoulombPoint& law : problem.points) law.impulse.setZero();
+    for (CoulombCouple& law : problem.couples) law.impulse.setZero();
+    return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
+  }
+  problem.until = step_.solve_until;
+  const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
+  islandResiduals().iterations += static_cast<std::uint32_t>(result.iterations);
+  return result;
+}
+
+IslandResiduals& Stepper::islandResiduals() const {
+  return step_.islands[step_.island[island_.indices().front()]].residuals;
+}
+
+// Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
+void Stepper::addResiduals(const CoulombResult& result) const {
+  IslandResiduals solved;
+  solved.method = nameOf(result.solver);
+  solved.signorini = result.signorini;
+  solved.coulomb = result.coulomb;
+  solved.dissipation = result.dissipation;
+  solved.converged = result.converged;
+  residuals::add(islandResiduals(), solved);
+}
+
+// By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
+// friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
+// the two bodies, l n x (v_j - v_i), they give back in halves, by their spin.
+bool Stepper::takeOverlapsAway() {
+  const double left_by_kicks = 10.0 * aim_ * island_.loadSpeed() * step_.h();
+  CoulombProblem problem{island_.movers(), touching_.law, 0.0};
+  for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
+  for (std::size_t k = 0; k < touching_.points.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    CoulombPoint& law = problem.points[k];
+    law.mu = 0.0;
+    law.drive = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
+    if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
+      problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
+  }
+  if (problem.speed_unit == 0.0) return false;
+  problem.until = step_.solve_until;
+  solveCoulomb(problem, 1e-6);
+  island_.displace(problem.bodies);
+  Movers bodies = island_.movers();
+  const Movers before = bodies;
+  for (std::size_t k = 0; k < problem.points.size(); ++k) {
+    const CoulombPoint& law = problem.points[k];
+    // What nothing but friction could turn is not turned for the sake of rounding.
+    if (law.i == kNone || law.j == kNone || touching_.law[k].mu == 0.0) continue;
+    const Vec3 shift_W = law.impulse[2] * law.frame.col(2);
+    const Vec3 half_W = 0.5 * shift_W.cross(before[law.j].v - before[law.i].v);
+    for (const Index body : {law.i, law.j}) bodies[body].w -= bodies[body].inertia_W.llt().solve(half_W);
+  }
+  island_.setTwists(bodies);
+  return true;
+}
+
+// Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an
+// impact without restitution.
+CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds,
+                                     Friction friction) const {
+  CoulombProblem problem{movers, {}, 0.0};
+  problem.points.reserve(touching.points.size());
+  std::vector<std::size_t> closed;
+  closed.reserve(touching.points.size());
+  for (std::size_t k = 0; k < touching.points.size(); ++k) {
+    const TouchingPoint& point = touching.points[k];
+    const bool pushed = seconds > 0.0 && !point.force_W.isZero(0.0);
+    if (point.gap > (pushed ? kPushedGap : kTouch) * point.length) continue;
+    closed.push_back(k);
+    problem.points.push_back(touching.law[k]);
+    problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);
+  }
+  std::vector<std::size_t> borne;
+  for (std::size_t k = 0; k < touching.couples.size(); ++k) {
+    const TouchingCouple& couple = touching.couples[k];
+    const auto place = [&](Index point) {
+      return static_cast<Index>(std::lower_bound(closed.begin(), closed.end(), point) - closed.begin());
+    };
+    CoulombCouple law = couple.law;
+    law.first = place(couple.law.first);
+    law.size = place(couple.law.first + couple.law.size) - law.first;
+    if (law.size == 0) continue;
+    law.impulse = seconds * (law.frame.transpose() * couple.force_W);
+    borne.push_back(k);
+    problem.couples.push_back(law);
+  }
+  CoulombResult result = solve(problem);
+  if (friction == Friction::Free) {
+    // A point that would be driven back by its friction has stopped: there the law decides.
+    for (bool fixed = true; fixed;) {
+      fixed = false;
+      for (CoulombPoint& law : problem.points) {
+        if (law.slide.isZero(0.0)) continue;
+        if (result.converged && law.slide.dot(velocityAt(problem.bodies, law).head<2>()) >= 0.0) continue;
+        law.slide.setZero();
+        fixed = true;
+      }
+      for (CoulombCouple& law : problem.couples) {
+        const Vec3 u = turningAt(problem.bodies, law);
+        if (!law.rolls.isZero(0.0) && !(result.converged && law.rolls.dot(u.head<2>()) >= 0.0))
+          law.rolls.setZero(), fixed = true;
+        if (law.spins != 0.0 && !(result.converged && law.spins * u[2] >= 0.0)) law.spins = 0.0, fixed = true;
+      }
+      if (!fixed) break;
+      problem.bodies = movers;
+      result = solve(problem);
+    }
+  }
+  movers = problem.bodies;
+  for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
+  for (std::size_t k = 0; k < borne.size(); ++k)
+    touching.couples[borne[k]].law.impulse = problem.couples[k].impulse;
+  return result;
+}
+
+void Stepper::settle() {
+  Movers after = island_.movers();
+  Touching touching = touching_;
+  addResiduals(kickAtInstant(touching, after, 0.0, Friction::Free));
+  island_.setTwists(after);
+  for (std::size_t k = 0; k < touching_.points.size(); ++k)
+    touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
+}
+
+// What the drift has added to the gaps beyond tau u_n, and whether that is more than the kick allowed for.
+bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+                               std::vector<double>& curvature) const {
+  bool matters = false;
+  for (std::size_t k = 0; k < curvature.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    const Index m = later.matching(point);
+    if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
+    const double allowed = kick.points[k].drive[2] - touching_.law[k].drive[2];
+    const double u_n = velocityAt(kick.bodies, kick.points[k])[2] - allowed;
+    const double c = later.points[m].gap - point.gap - tau * u_n;
+    if (kick.points[k].impulse[2] > 0.0 || later.points[m].gap < 0.0)
+      matters = matters || std::abs(c - curvature[k]) > kCurved * point.length;
+    curvature[k] = c;
+  }
+  return matters;
+}
+
+// Whether impulses are nearly those of the forces expected.
+bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
+                         double seconds) const {
+  double change = 0.0;
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    change =
+        std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
+  return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
+}
+
+// How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near
+// rest a solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of
+// speed or of a gap, because their guesses were right enough to pass. Were all of it expected again, the next
+// kick would overdo it, and the one after that undo it, for ever; were none, forces that are a little wrong
+// would have to be mended for ever. With u the velocities of the points that push, along their normals and,
+// where they stick, across, at the start of the kick, as guessed, and as solved, the forces are wrong by what
+// the guess did to them, and all is mended that the solve does to the guess:
+//   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
+// which is exact where the two are in proportion, as after any number of equal kicks.
+double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
+                             const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
+                             const Movers& solved) const {
+  if (!asExpected(touching, laws, seconds)) return 1.0;
+  if (result.solver == CoulombSolver::Guess) return 0.0;
+  Movers guessed = solved;
+  for (std::size_t k = 0; k < laws.size(); ++k)
+    push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
+  double wrong = 0.0, mended = 0.0;
+  for (const CoulombPoint& law : laws) {
+    if (!(law.impulse[2] > 0.0)) continue;
+    const bool sticks = law.impulse.head<2>().norm() < law.mu * law.impulse[2] * (1.0 - 1e-6);
+    const Vec3 seen(sticks ? 1.0 : 0.0, sticks ? 1.0 : 0.0, 1.0);
+    const Vec3 u_guess = velocityAt(guessed, law).cwiseProduct(seen);
+    const Vec3 mend = u_guess - velocityAt(solved, law).cwiseProduct(seen);
+    wrong += mend.dot(u_guess - velocityAt(start, law).cwiseProduct(seen));
+    mended += mend.squaredNorm();
+  }
+  return mended > 0.0 ? std::clamp(wrong / mended, 0.0, 1.0) : 0.0;
+}
+
+// Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
+void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
+                            Segment& segment) const {
+  Touching& later = segment.touching;
+  const Movers drifted = island_.movers();
+  for (std::size_t k = 0; k < kick.points.size(); ++k) {
+    const CoulombPoint& law = kick.points[k];
+    const Index m = later.matching(touching_.points[k]);
+    const Vec3 impulse_W = law.frame * law.impulse;
+    TouchingPoint point = touching_.points[k];
+    point.impulse_W += impulse_W;
+    if (m == kNone) {
+      if (!point.impulse_W.isZero(0.0))
+        segment.opened.emplace_back(point.contact, solvedPoint(point, law.frame.col(2)));
+      continue;
+    }
+    later.points[m].force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);
+    later.points[m].impulse_W = point.impulse_W;
+    const Vec2 u_T = velocityAt(kick.bodies, law).head<2>();
+    const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;
+    if (law.mu == 0.0 || !(law.impulse[2] > 0.0) || !slides) continue;
+    const Vec2 ahead = velocityAt(drifted, later.law[m]).head<2>();
+    if (ahead.isZero(0.0)) continue;
+    later.law[m].slide = ahead.normalized();
+    if (friction == Friction::KeepsDirection && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
+  }
+  aimCouples(kick, drifted, tau, friction, later);
+}
+
+void Stepper::aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+                         Touching& later) const {
+  for (std::size_t k = 0; k < kick.couples.size(); ++k) {
+    const CoulombCouple& law = kick.couples[k];
+    const Index m = later.matching(touching_.couples[k]);
+    if (m == kNone) continue;
+    later.couples[m].force_W = 2.0 / tau * (law.frame * law.impulse);
+    double n = 0.0;
+    for (Index p = law.first; p < law.first + law.size; ++p) n += kick.points[p].impulse[2];
+    if (!(n > 0.0)) continue;
+    CoulombCouple& aimed = later.couples[m].law;
+    const Vec3 u = turningOf(kick.bodies, law), ahead = turningAt(drifted, aimed);
+    const bool keeps = friction == Friction::KeepsDirection;
+    if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) aimed.rolls = ahead.head<2>().normalized();
+    if (keeps && u.head<2>().dot(law.rolls) < 0.0) aimed.rolls *= -1.0;
+    if (keeps ? law.spins != 0.0 : u[2] != 0.0) aimed.spins = std::copysign(1.0, ahead[2]);
+    if (keeps && u[2] * law.spins < 0.0) aimed.spins *= -1.0;
+  }
+}
+
+}  // namespace rbs::exact_step

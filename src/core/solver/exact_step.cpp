@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exact step: the Coulomb problem without softness, second order in time between located events.
+//
+// A segment of length tau goes from positions x0 and velocities v0 that obey the contact law to x1 and v1
+// that do again. It is the RATTLE scheme (Andersen, J. Comput. Phys. 52, 1983) with unilateral contacts and
+// friction: a kick of half the load, a drift, a kick of the other half, and impulses in both kicks,
+//   v_half = v0 + M0^-1 (tau/2 f + J0^T r)   with r such that the gaps obey the law at the END of the drift,
+//   x1     = x0 moved by v_half for tau      (rotation: the free top, which keeps L),
+//   v1     = v_half + M1^-1 (tau/2 f + J1^T s)   with s such that the velocities obey the law at x1.
+// Under constant forces and a fixed direction of sliding both are exact: a parabola, a braking box.
+//
+// Kick 1. At a point with gap d the normal law is on the gap that the drift will leave: d+ + tau u_n + c >=
+// 0, with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
+// prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
+// closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
+// Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
+//
+// Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the
+// middle of the segment, where the point goes on sliding; so the scheme stays of second order where sliding
+// turns.
+//
+// What resists turning (CoulombCouple) is friction with torques for forces: all that is said of sliding holds
+// for rolling and spinning.
+//
+// Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
+// segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still
+// against the old direction, passes zero. The onset of sliding and lift-off are continuous in the force, so a
+// step that oversees them is wrong by the third power of its length. Impacts cut the segment from outside
+// (impact_loop.h).
+#include "solver/exact_stepper.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::exact_step {
+
+namespace {
+
+// A slip below this share of the speed unit is none. It must be more than the residual of a solve.
+constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
+// What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
+// rest to rounding needs no solve in the next step.
+constexpr double kLoneAim = 1e-12;
+// |w| tau of a body that is not a ball, and the most segments that it may ask for.
+constexpr double kTurn = 0.2;
+constexpr int kMostSegments = 64;
+// Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
+// setting.
+constexpr double kLeftOverlap = 1e-6;
+constexpr int kMostCorrections = 4;
+// Of the margin at which pairs are looked at: where to stop widening it.
+constexpr double kFarthest = 256.0;
+
+std::vector<Index> contactsOf(const std::vector<Edge>& edges) {
+  std::vector<Index> contacts;
+  for (const Edge& edge : edges)
+    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
+  std::sort(contacts.begin(), contacts.end());
+  return contacts;
+}
+
+std::vector<Index> sorted(std::vector<Index> list) {
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
+bool overlaps(const Touching& touching) {
+  return std::any_of(touching.points.begin(), touching.points.end(),
+                     [](const TouchingPoint& point) { return point.gap < -kLeftOverlap * point.length; });
+}
+
+}  // namespace
+
+Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock)
+    : context_(context),
+      step_(context.step),
+      active_(contactsOf(batch.edges)),
+      island_(context, sorted(batch.bodies)),
+      slots_(context.step.slot),
+      clock_(clock),
+      now_(t0),
+      end_(t1),
+      span_(t1 - t0) {
+  for (std::size_t k = 0; k < island_.indices().size(); ++k)
+    slots_.set(island_.indices()[k], static_cast<Index>(k));
+  const SolverSettings& settings = context.step.solver;
+  tolerance_ = settings.tolerance;
+  aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
+  corrections_ = settings.corrections;
+  cuts_ = settings.cuts;
+  promoted_ = settings.promotes;
+  slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
+}
+
+Touching Stepper::find(double time) {
+  clock_.charge(kSolve);
+  Touching found = findTouching(context_, active_, slots_, time, span_, reach_);
+  clock_.charge(kCollide);
+  return found;
+}
+
+// Whether a pair overlaps after a drift that was too far apart before it to be looked at: others have pushed
+// it together.
+bool Stepper::overlooked(const Touching& later) const {
+  return std::any_of(later.points.begin(), later.points.end(), [&](const TouchingPoint& point) {
+    return point.gap < -kTouch * point.length && !touching_.has(point.contact);
+  });
+}
+
+void Stepper::lookFarther() {
+  reach_ *= 4.0;
+  const Touching before = std::move(touching_);
+  touching_ = find(now_);
+  touching_.inherit(before, opened_);
+}
+
+// Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
+Stepper::Segment Stepper::attempt(double tau, Friction friction) {
+  const std::vector<BodyMotion> start = island_.save();
+  const Slip slip = slipNow();
+  CoulombProblem kick{island_.movers(), touching_.law, 0.0};
+  Movers start_movers = kick.bodies;
+  island_.addLoad(kick.bodies, 0.5 * tau);
+  const Movers loaded = kick.bodies;
+  const bool keeps = friction == Friction::KeepsDirection;
+  for (std::size_t k = 0; k < slip.points.size(); ++k) {
+    CoulombPoint& law = kick.points[k];
+    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.points[k].force_W);
+    if (keeps && !slip.points[k].isZero(0.0)) law.slide = slip.points[k].normalized();
+  }
+  for (std::size_t k = 0; k < slip.couples.size(); ++k) {
+    CoulombCouple& law = kick.couples.emplace_back(touching_.couples[k].law);
+    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.couples[k].force_W);
+    const Vec3& u = slip.couples[k];
+    if (keeps && !u.head<2>().isZero(0.0)) law.rolls = u.head<2>().normalized();
+    if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
+  }
+
+  Segment segment;
+  std::vector<double> curvature(slip.points.size(), 0.0);
+  for (int corrections = 0;; ++corrections) {
+    for (std::size_t k = 0; k < slip.points.size(); ++k)
+      kick.points[k].drive[2] =
+          touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
+    kick.bodies = loaded;
+    segment.first = solve(kick);
+    island_.drift(kick.bodies, tau);
+    segment.touching = find(now_ + tau);
+    const bool matters = curvatureMatters(kick, segment.touching, tau, curvature);
+    const bool deep = segment.first.converged && overlaps(segment.touching);
+    if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;
+    island_.restore(start);
+  }
+
+  Touching& later = segment.touching;
+  aimSecondKick(kick,
+                lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies),
+                tau, friction, segment);
+  start_movers = island_.movers();
+  Movers after = start_movers;
+  island_.addLoad(after, 0.5 * tau);
+  Touching aimed = later;
+  segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
+  island_.setTwists(after);
+  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, start_movers, after);
+  for (std::size_t k = 0; k < later.points.size(); ++k) {
+    TouchingPoint& point = later.points[k];
+    const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;
+    point.force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);
+    point.impulse_W += impulse_W;
+    later.law[k].slide.setZero();
+  }
+  for (std::size_t k = 0; k < later.couples.size(); ++k) {
+    CoulombCouple& law = later.couples[k].law;
+    later.couples[k].force_W = 2.0 / tau * (law.frame * aimed.couples[k].law.impulse);
+    law.rolls.setZero(), law.spins = 0.0;
+  }
+  if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
+    segment.slip_left = slipLeft(slip, later, after, friction);
+  segment.end = island_.save();
+  island_.restore(start);
+  return segment;
+}
+
+void Stepper::collide() {
+  touching_ = find(now_);
+}
+
+void Stepper::prepare() {
+  start_ = island_.save();
+  before_solves_ = islandResiduals();
+  expectLastForces(context_.scene.contacts, touching_);
+  double turn = 0.0;
+  const Bodies& bodies = context_.scene.bodies;
+  for (const Index i : island_.indices())
+    if (!bodies.traits[i].round) turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
+  longest_ =
+      (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
+}
+
+// A sub-step is a segment.
+bool Stepper::beginSubStep() {
+  return !has_failed_ && end_ - now_ > 1e-12 * step_.h();
+}
+
+void Stepper::solve() {
+  if (takeOverlapsAway()) {
+    const Touching before = std::move(touching_);
+    touching_ = find(now_);
+    touching_.inherit(before, opened_);
+  }
+  settle();
+  const double left = end_ - now_;
+  tau_ = left > 1.5 * longest_ ? longest_ : left;
+  segment_ = attempt(tau_, Friction::Free);
+  while (reach_ < kFarthest && segment_.first.converged && overlooked(segment_.touching)) {
+    lookFarther();
+    segment_ = attempt(tau_, Friction::Free);
+  }
+  const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
+  if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
+    cuts_ -= points;
+    stops_.push_back(segment_.slip_left.of);
+    cutAtStop(tau_, segment_);
+  }
+  addResiduals(segment_.first);
+  addResiduals(segment_.second);
+  has_failed_ = promoted_ && !islandResiduals().converged;
+}
+
+// Goes to where the segment ends; back to the start, where another method is to begin.
+void Stepper::integrate() {
+  if (has_failed_) {
+    island_.restore(start_);
+    islandResiduals() = before_solves_;
+    return;
+  }
+  island_.restore(segment_.end);
+  touching_ = std::move(segment_.touching);
+  opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
+  now_ += tau_;
+  reach_ = 1.0;
+}
+
+void Stepper::store() {
+  if (!has_failed_) storeTouching(touching_, opened_, active_, context_.scene.contacts);
+}
+
+bool advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return true;
+  InnerClock clock(context.step);
+  Stepper method(context, batch, t0, t1, clock);
+  runInnerStep(method, clock);
+  return !method.hasFailed();
+}
+
+}  // namespace rbs::exact_step

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make
+// up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
+#pragma once
+
+#include "coulomb/coulomb.h"
+#include "solver/inner_step.h"
+#include "solver/island_motion.h"
+#include "solver/methods.h"
+#include "solver/touching.h"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace rbs::exact_step {
+
+using Vec2 = Eigen::Vector2d;
+
+/// A gap below this share of the smaller length of its pair is closed.
+inline constexpr double kTouch = 1e-7;
+
+/// The force to expect of a point when `share` of what was found beyond the one expected lasts; the one
+/// expected to the last bit for none.
+inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double share) {
+  if (share == 0.0) return expected_W;
+  return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
+}
+
+class Stepper : public InnerRows {
+ public:
+  Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock);
+
+  void collide();
+  void prepare();
+  bool beginSubStep();
+  void solve();
+  void integrate();
+  void store();
+  /// Its solvers did not converge, at a setting that has another method: the island is as it was.
+  bool hasFailed() const { return has_failed_; }
+
+ private:
+  // How fast closed points slide, and couples turn, in their frames; zero where they do not.
+  struct Slip {
+    std::vector<Vec2> points;
+    std::vector<Vec3> couples;
+  };
+  // What may stop: the sliding of a point, or the turning of a pair.
+  using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // contact; feature of the point
+  // What a segment has left of the sliding, or turning, that has lost the most of its speed.
+  struct Left {
+    double share = 1.0;  // <= 0: it has stopped
+    double speed = 0.0;  // before the segment, m/s
+    Stop of{};
+  };
+  // How a segment ends.
+  struct Segment {
+    std::vector<BodyMotion> end;
+    Touching touching;
+    PointsOfContacts opened;      // in its course
+    CoulombResult first, second;  // of its kicks
+    Left slip_left;
+  };
+  enum class Friction { Free, KeepsDirection };
+
+  Touching find(double time);
+  bool overlooked(const Touching& later) const;
+  void lookFarther();
+  bool takeOverlapsAway();
+  void settle();
+  Segment attempt(double tau, Friction friction);
+  Slip slipNow() const;
+  Vec3 turningOf(const Movers& movers, const CoulombCouple& couple) const;
+  bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
+  bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+                        std::vector<double>& curvature) const;
+  double lastingShare(const CoulombResult& result, const Touching& touching,
+                      const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
+                      const Movers& solved) const;
+  void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
+                     Segment& segment) const;
+  void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+                  Touching& later) const;
+  CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
+  Left slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
+  void cutAtStop(double& tau, Segment& segment);
+
+  CoulombResult solve(CoulombProblem& problem) const;
+  IslandResiduals& islandResiduals() const;
+  void addResiduals(const CoulombResult& result) const;
+
+  Context& context_;
+  StepStore& step_;
+  std::vector<Index> active_;  // contacts
+  IslandMotion island_;
+  Slots slots_;  // in the problem
+  InnerClock& clock_;
+  double now_, end_, span_;
+  double reach_ = 1.0;  // of the margin within which pairs are looked at
+  double tolerance_, aim_;
+  int corrections_, cuts_;
+  bool promoted_;            // by a setting that has another method for it
+  double slow_;              // a slip below is none
+  Touching touching_;        // now
+  PointsOfContacts opened_;  // so far
+  std::vector<Stop> stops_;  // at which segments have been cut
+  std::vector<BodyMotion> start_;
+  IslandResiduals before_solves_;
+  double longest_ = 0.0, tau_ = 0.0;  // a segment: at most, and this one, s
+  Segment segment_;                   // this one
+  bool has_failed_ = false;
+};
+
+}  // namespace rbs::exact_step

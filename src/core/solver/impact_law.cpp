@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/impact_law.h"
+
+#include "base/algebra.h"
+#include "coulomb/cone.h"
+#include "coulomb/coulomb.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+struct ImpactPoint {
+  Vec3 r_a, r_b;                // from the centres
+  Mat3 W;                       // response in the contact frame, 1/kg
+  double closing_in;            // normal velocity before the impact, m/s; negative when closing
+  Vec3 velocity_in;             // in the contact frame
+  Vec3 impulse = Vec3::Zero();  // in the contact frame
+};
+
+Vec3 velocityAt(const ImpactSide& side, const Vec3& r) {
+  return side.twist.v_WB + side.twist.w_WB.cross(r);
+}
+
+void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
+  side.twist.v_WB += side.inv_mass * impulse_W;
+  side.twist.w_WB += side.inv_inertia_W * r.cross(impulse_W);
+}
+
+Mat3 response(const ImpactSide& side, const Vec3& r) {
+  const Mat3 lever = crossMatrix(r);
+  return side.inv_mass * Mat3::Identity() - lever * side.inv_inertia_W * lever;
+}
+
+// The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
+// point needs one pass; the many points of a face converge linearly, and where that takes too long the
+// solvers of whole islands take over. Convergence is asked of the velocities: the impulses of more than three
+// points are not unique, and where the points do not quite lie in a plane they drift on without an effect.
+class Impact {
+ public:
+  Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
+      : a_(a), b_(b), mu_(friction), size_(manifold.size) {
+    const auto [t1, t2] = tangents(manifold.n_W);
+    frame_ << t1, t2, manifold.n_W;
+    for (int k = 0; k < size_; ++k) {
+      ImpactPoint& c = points_[k];
+      c.r_a = manifold.points[k].p_W - a.p_WB;
+      c.r_b = manifold.points[k].p_W - b.p_WB;
+      c.W = frame_.transpose() * (response(a, c.r_a) + response(b, c.r_b)) * frame_;
+      c.velocity_in = relative(a, b, c);
+      c.closing_in = c.velocity_in[2];
+    }
+  }
+
+  // Returns the energy gained, as seen from either body: sum of r.(u_before + u_after)/2, J.
+  double solve(double e, ImpactSide& a, ImpactSide& b) {
+    a = a_, b = b_;
+    for (int k = 0; k < size_; ++k) points_[k].impulse.setZero();
+    constexpr int kMaxPasses = 30;
+    constexpr double kConverged = 1e-14;  // share of the speeds
+    bool still = false;
+    for (int pass = 0; pass < kMaxPasses && !still; ++pass) {
+      const Twist a_before = a.twist, b_before = b.twist;
+      for (int k = 0; k < size_; ++k) {
+        ImpactPoint& c = points_[k];
+        Vec3 q = relative(a, b, c) - c.W * c.impulse;
+        q[2] += e * std::min(c.closing_in, 0.0);
+        const Vec3 impulse = solveContact(c.W, q, mu_);
+        const Vec3 difference_W = frame_ * (impulse - c.impulse);
+        push(a, c.r_a, -difference_W);
+        push(b, c.r_b, difference_W);
+        c.impulse = impulse;
+      }
+      still = size_ == 1 || isStill(a_before, a, b_before, b, kConverged);
+    }
+    if (!still) solveTogether(e, a, b);
+    double gain = 0.0;
+    for (int k = 0; k < size_; ++k)
+      gain += 0.5 * points_[k].impulse.dot(points_[k].velocity_in + relative(a, b, points_[k]));
+    return gain;
+  }
+
+  // On b, of the last solve.
+  std::array<Vec3, Manifold::kPoints> impulses_W() const {
+    std::array<Vec3, Manifold::kPoints> impulses;
+    for (int k = 0; k < size_; ++k) impulses[k] = frame_ * points_[k].impulse;
+    return impulses;
+  }
+
+ private:
+  // As one Coulomb problem of two bodies.
+  void solveTogether(double e, ImpactSide& a, ImpactSide& b) {
+    CoulombProblem problem{{}, {}, closingSpeedIn()};
+    const auto add = [&](const ImpactSide& side) {
+      if (side.inv_mass == 0.0) return kNone;
+      const bool turns = !side.inv_inertia_W.isZero(0.0);
+      problem.bodies.push_back({1.0 / side.inv_mass,
+                                turns ? side.inv_inertia_W.inverse().eval() : Mat3::Identity().eval(),
+                                side.twist.v_WB, side.twist.w_WB, turns});
+      return static_cast<Index>(problem.bodies.size() - 1);
+    };
+    const Index i = add(a_), j = add(b_);
+    for (int k = 0; k < size_; ++k) {
+      const ImpactPoint& c = points_[k];
+      CoulombPoint point;
+      point.i = i, point.j = j;
+      point.r_i = c.r_a, point.r_j = c.r_b;
+      point.frame = frame_;
+      point.mu = mu_;
+      Vec3 led_W = Vec3::Zero();
+      if (j == kNone) led_W += velocityAt(b_, c.r_b);
+      if (i == kNone) led_W -= velocityAt(a_, c.r_a);
+      point.drive = frame_.transpose() * led_W;
+      point.drive[2] += e * std::min(c.closing_in, 0.0);
+      problem.points.push_back(point);
+    }
+    solveCoulomb(problem, 1e-12);
+    a = a_, b = b_;
+    if (i != kNone) a.twist = {problem.bodies[i].v, problem.bodies[i].w};
+    if (j != kNone) b.twist = {problem.bodies[j].v, problem.bodies[j].w};
+    for (int k = 0; k < size_; ++k) points_[k].impulse = problem.points[k].impulse;
+  }
+
+  double closingSpeedIn() const {
+    double fastest = 0.0;
+    for (int k = 0; k < size_; ++k) fastest = std::max(fastest, -points_[k].closing_in);
+    return fastest;
+  }
+
+  Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
+    return frame_.transpose() * (velocityAt(b, c.r_b) - velocityAt(a, c.r_a));
+  }
+
+  // Whether no point has changed its velocity by more than this share of those it is the difference of.
+  bool isStill(const Twist& a_before, const ImpactSide& a, const Twist& b_before, const ImpactSide& b,
+               double share) const {
+    const Twist da{a.twist.v_WB - a_before.v_WB, a.twist.w_WB - a_before.w_WB};
+    const Twist db{b.twist.v_WB - b_before.v_WB, b.twist.w_WB - b_before.w_WB};
+    for (int k = 0; k < size_; ++k) {
+      const ImpactPoint& c = points_[k];
+      const Vec3 change = db.v_WB + db.w_WB.cross(c.r_b) - da.v_WB - da.w_WB.cross(c.r_a);
+      if (change.norm() > share * (velocityAt(a_, c.r_a).norm() + velocityAt(b_, c.r_b).norm())) return false;
+    }
+    return true;
+  }
+
+  const ImpactSide a_, b_;
+  double mu_;
+  int size_;
+  Mat3 frame_;
+  std::array<ImpactPoint, Manifold::kPoints> points_;
+};
+
+}  // namespace
+
+double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold) {
+  double fastest = 0.0;
+  for (int k = 0; k < manifold.size; ++k) {
+    const Vec3& p = manifold.points[k].p_W;
+    const double u_n = manifold.n_W.dot(velocityAt(b, p - b.p_WB) - velocityAt(a, p - a.p_WB));
+    fastest = std::max(fastest, -u_n);
+  }
+  return fastest;
+}
+
+std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
+                                                  double friction, double restitution) {
+  Impact impact(a, b, manifold, friction);
+  const double speed = closingSpeed(a, b, manifold);
+  const double mass = 1.0 / (a.inv_mass + b.inv_mass);
+  const double rounding = 1e-13 * mass * speed * speed;
+  if (impact.solve(restitution, a, b) <= rounding) return impact.impulses_W();
+  double low = 0.0, high = restitution;
+  for (int k = 0; k < 50; ++k) {
+    const double e = 0.5 * (low + high);
+    (impact.solve(e, a, b) <= rounding ? low : high) = e;
+  }
+  impact.solve(low, a, b);
+  return impact.impulses_W();
+}
+
+}  // namespace rbs

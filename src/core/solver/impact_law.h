@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The impact of two bodies: what an instant of contact does to their velocities.
+#pragma once
+
+#include "narrowphase/manifold.h"
+#include "state/bodies.h"
+
+#include <array>
+
+namespace rbs {
+
+/// One side of an impact: where the body is, how it moves, and what resists.
+struct ImpactSide {
+  Vec3 p_WB;
+  Twist twist;  ///< changed by collideBodies()
+  double inv_mass = 0.0;
+  Mat3 inv_inertia_W = Mat3::Zero();
+};
+
+/// Largest speed at which a point of the manifold closes, m/s; <= 0 when none does.
+double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold);
+
+/// Changes both twists by the impulses of the impact.
+///
+/// Law: Newton's restitution (each closing point leaves at e times the speed at which it came) with Coulomb
+/// friction, on the exact circular cone, acting against the sliding that is left at the end of the impact.
+/// Where that would create energy, which Newton's law can do in eccentric impacts with friction, e is
+/// lowered to the largest value that does not (e = 0 never does).
+///
+/// Returns the impulses on b, in W, N s, by point of the manifold.
+std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
+                                                  double friction, double restitution);
+
+}  // namespace rbs

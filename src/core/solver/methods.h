@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ways to advance islands, siblings with one signature.
+#pragma once
+
+#include "state/context.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// Islands that are advanced together: all their bodies and all their edges.
+struct IslandBatch {
+  std::vector<Index> bodies;
+  std::vector<Edge> edges;
+};
+
+namespace flight {
+/// Bodies without contacts, in closed form.
+void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+}  // namespace flight
+
+namespace soft_step {
+/// The length of a sub-step that these edges ask for, s; at most the setting's.
+double subStep(const Context& context, const std::vector<Edge>& edges);
+/// Bodies in contact, by sub-steps of soft sequential impulses.
+void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+}  // namespace soft_step
+
+namespace exact_step {
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. At a setting that only
+/// promotes islands to it, an island for which its solvers do not converge is left as it was, and the answer
+/// is false.
+bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
+}  // namespace exact_step
+
+}  // namespace rbs

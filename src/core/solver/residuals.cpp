@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/residuals.h"
+
+#include "state/out_of_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace rbs {
+
+namespace residuals {
+
+namespace {
+
+// Kinetic and potential energy of a body.
+double energyOf(const Context& context, Index i, const Pose& pose, const Twist& twist) {
+  const Bodies& bodies = context.scene.bodies;
+  const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
+  return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() +
+                w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
+         bodies.traits[i].mass * context.scene.gravity_W.dot(pose.p_WB);
+}
+
+// From the most expensive to the cheapest.
+int rank(std::string_view method) {
+  constexpr std::array<std::string_view, 7> methods{"admm",      "interior_point", "newton", "gauss_seidel",
+                                                    "soft_step", "guess",          ""};
+  return static_cast<int>(std::find(methods.begin(), methods.end(), method) - methods.begin());
+}
+
+void checkIslands(Context& context) {
+  const Bodies& bodies = context.scene.bodies;
+  StepStore& step = context.step;
+  for (Island& island : step.islands) {
+    IslandResiduals& residuals = island.residuals;
+    if (*residuals.method == 0) continue;
+    for (const Edge& edge : island.edges) {
+      if (edge.kind != ConstraintKind::Contact) continue;
+      const Contact& contact = context.scene.contacts.active[edge.of];
+      if (!contact.solved) continue;
+      residuals.contacts += static_cast<std::uint32_t>(contact.points.size());
+      for (const SolvedPoint& point : contact.points)
+        residuals.deepest_penetration = std::max(residuals.deepest_penetration, -point.separation);
+    }
+    if (residuals.contacts == 0) continue;
+    residuals.bodies = static_cast<std::uint32_t>(island.bodies.size());
+    for (const Index i : island.bodies) {
+      residuals.energy_change += energyOf(context, i, bodies.pose[i], bodies.twist[i]) -
+                                 energyOf(context, i, step.before[i], step.twist_before[i]);
+      residuals.turn = std::max(residuals.turn, step.h() * bodies.twist[i].w_WB.norm());
+    }
+    step.report.residuals.push_back(std::move(residuals));
+  }
+}
+
+}  // namespace
+
+void add(IslandResiduals& residuals, const IslandResiduals& solve) {
+  if (rank(solve.method) < rank(residuals.method)) residuals.method = solve.method;
+  residuals.iterations += solve.iterations;
+  residuals.signorini = std::max(residuals.signorini, solve.signorini);
+  residuals.coulomb = std::max(residuals.coulomb, solve.coulomb);
+  residuals.dissipation = std::max(residuals.dissipation, solve.dissipation);
+  residuals.converged = residuals.converged && solve.converged;
+}
+
+Need need(const Census& c) {
+  if (c.moved_by_forces == c.ballistic && c.led == 0) return {false, "no body can leave its parabola"};
+  return {true, "the solver residuals of every island are checked in every step"};
+}
+
+void run(Context& context) {
+  const Bodies& bodies = context.scene.bodies;
+  StepStore& step = context.step;
+  for (const std::vector<Index>* roster : {&context.scene.rosters.movers, &context.scene.rosters.led})
+    for (const Index i : *roster)
+      if (!withinLimits(bodies.pose[i], bodies.twist[i]))
+        freeze(context, i, step.before[i], step.twist_before[i]);
+
+  for (const Contact& contact : context.scene.contacts.active) {
+    if (!contact.solved) continue;
+    step.report.contacts += static_cast<std::uint32_t>(contact.points.size());
+    for (const SolvedPoint& point : contact.points)
+      step.report.deepest_penetration = std::max(step.report.deepest_penetration, -point.separation);
+  }
+  checkIslands(context);
+}
+
+}  // namespace residuals
+}  // namespace rbs

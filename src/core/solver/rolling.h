@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rolling and torsional resistance: the torques of a contact that is a small patch, not a point.
+#pragma once
+
+#include "solver/solver_contacts.h"
+
+#include <vector>
+
+namespace rbs::rolling {
+
+/// Whether a pair resists rolling or spinning: one of the two has a resistance, and one is round.
+inline bool resists(const SceneStore& scene, Index i, Index j) {
+  if (!scene.effects[Effect::Rolling]) return false;
+  bool some = false, round = false;
+  for (const Index one : {i, j}) {
+    const Traits& t = scene.bodies.traits[one];
+    some |= t.material.rolling_resistance > 0.0 || t.material.torsional_resistance > 0.0;
+    round |= t.side_radius > 0.0;
+  }
+  return some && round;
+}
+
+/// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; 0 where it is flat.
+double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
+
+/// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.
+class Resistance {
+ public:
+  void prepare(const Context& context, const IslandBatch& batch, const SolverContacts& contacts);
+  bool empty() const { return rows_.empty(); }
+  void warmStart(SolverContacts& contacts) const;
+  void solve(SolverContacts& contacts);
+
+ private:
+  struct Row {
+    std::size_t block;        // in SolverContacts::blocks
+    double roll, spin;        // lever arms, m: torque over normal force
+    Vec3 l_W = Vec3::Zero();  // impulse of its torque in this sub-step, on j, N m s
+  };
+  static void solveRow(SolverContacts& contacts, Row& row);
+
+  std::vector<Row> rows_;
+};
+
+}  // namespace rbs::rolling

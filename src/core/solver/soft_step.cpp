@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/soft_step.h"
+
+#include "effects_built.h"
+#include "solver/rolling.h"
+
+namespace rbs::soft_step {
+
+namespace {
+
+// w h of a contact. Stiffer sags less, but a stack of ten then never comes to rest (from 0.45 pi) or gains
+// energy as it lands (from 0.35 pi).
+constexpr double kStiffness = 0.3 * kPi;
+constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
+// The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
+// against each other, share of their smaller length: farther, and a body is past a wall, or its far end on
+// the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one. No
+// step is cut into more than so many sub-steps.
+constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
+constexpr double kMostSubSteps = 256.0;
+
+template <class Method>
+void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
+  InnerClock clock(context.step);
+  Method method(context, batch, t0, t1);
+  runInnerStep(method, clock);
+}
+
+}  // namespace
+
+Softness softness(double h, double h_full) {
+  const double omega = kStiffness / h_full;
+  const double x = h * omega * (2.0 * kDamping + h * omega);
+  return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
+}
+
+double subStep(const Context& context, const std::vector<Edge>& edges) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  double h = step.h() / step.solver.sub_steps;
+  for (const Edge& edge : edges) {
+    if (edge.kind != ConstraintKind::Contact) continue;
+    const Contact& contact = context.scene.contacts.active[edge.of];
+    const Index i = contact.i, j = contact.j;
+    const double length = std::min(bodies.traits[i].length, bodies.traits[j].length);
+    const double load = (step.load[j].a_W - step.load[i].a_W).norm();
+    const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + step.h() * load;
+    h = std::min(h, kMostTravel * length / speed);
+    h = std::min(h, std::sqrt(kMostFall * length / load));
+    for (const Index one : {i, j})
+      if (!bodies.traits[one].round) h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
+  }
+  return std::max(h, step.h() / kMostSubSteps);
+}
+
+void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return;
+  if constexpr (built::rolling)
+    if (context.scene.effects[Effect::Rolling])
+      return advanceBy<SoftStep<rolling::Resistance>>(context, batch, t0, t1);
+  advanceBy<SoftStep<>>(context, batch, t0, t1);
+}
+
+}  // namespace rbs::soft_step

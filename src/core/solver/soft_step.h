@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
+//
+// The interval [t0, t1] is cut into n sub-steps of length h, which the setting says; into more of them where
+// bodies turn or travel further in one than contact points found at its start can follow.
+// The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
+// its size; in between the gap s of a contact point follows the motion of its bodies. A sub-step
+//   1. adds the loads to the velocities, and last sub-step's impulses (warm start);
+//   2. solves each contact once with a soft constraint that also closes the position error;
+//   3. moves the bodies;
+//   4. solves each contact once more without the position error (relax), which takes away the speed that
+//      only served to separate the bodies, so that pushing bodies apart adds no kinetic energy.
+//
+// Soft contact. A contact of effective mass m that is open by s with speed u gets a spring and damper of
+// frequency w and damping ratio z, integrated implicitly, which an impulse solver writes as
+//   dl = -a m (u + b s) - c l,   b = w/(2z + h w),   x = h w (2z + h w),   a = x/(1 + x),   c = 1/(1 + x),
+// with l the accumulated impulse (Catto, "Soft constraints", GDC 2011; "Solver2D", 2024). w is a fixed
+// fraction of the sub-step rate, so that it has no unit of its own (and that of a whole sub-step also in one
+// that an impact cuts short, or a sliver of time would push as fast as it can); the steady error under a
+// force F is F/(m w²). b s is capped at sqrt(g L): an overlap is pushed out no faster than a body falls its
+// own length, g being what presses the pair together where that is more than gravity.
+//
+// A point that is still open (s > 0) asks only that it does not close faster than it can: u >= -s/h. The
+// relaxing pass leaves out the points without an impulse: by then they have moved, and what they ask for is
+// the next sub-step's matter, or that of an impact there.
+//
+// Friction is a vector in the contact plane, |l_T| <= mu l_n, on the circular cone. A sticking point is
+// solved as a 2 x 2 block. A sliding one steps by rho = 1/(largest eigenvalue of its 2 x 2 response) and is
+// projected back: l_T <- P(l_T - rho u_T). The fixed point of that is u_T against l_T, the direction of
+// maximum dissipation, which the block step alone would miss when the response is not isotropic.
+//
+// Restitution. Impacts that were not resolved at their time (impacts.h) rebound at the end: a point that came
+// at a speed u0 worth a rebound and was pushed leaves at e u0 (Newton's law, a pass over the points).
+//
+// A body that no impulse pushed in a sub-step has moved under its load alone and takes the exact parabola. A
+// push takes that away by degrees, so that none, however small, makes a jump; one of a hundredth of the load
+// does so in full.
+#pragma once
+
+#include "base/algebra.h"
+#include "dynamics/integrate.h"
+#include "effects_built.h"
+#include "solver/contact_lanes.h"
+#include "solver/energy_limit.h"
+#include "solver/inner_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace rbs::soft_step {
+
+/// Share of its load that a body must be pushed with to take the straight path of a contact.
+inline constexpr double kPushedShare = 0.01;
+/// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
+inline constexpr double kSteadyTurn = 1e-6;
+
+/// The softness of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
+Softness softness(double h, double h_full);
+
+/// The method, with the kinds of constraints that it solves beside contacts. What a kind has to have:
+///   void prepare(const Context&, const IslandBatch&, SolverContacts&);  ///< its rows
+///   bool empty() const;                                                 ///< it has none in this batch
+///   void warmStart(SolverContacts&);                                    ///< the impulses of the last
+///   sub-step again void solve(SolverContacts&);                                        ///< one pass over
+///   its rows
+/// A scene without a kind runs as if there were no such kind: not a test of it is left in the loops.
+template <class... Kinds>
+class SoftStep : public InnerRows {
+ public:
+  SoftStep(Context& context, const IslandBatch& batch, double t0, double t1)
+      : context_(context),
+        batch_(batch),
+        contacts_(context, batch),
+        lanes_(contacts_),
+        t0_(t0),
+        dt_(t1 - t0) {
+    h_full_ = subStep(context, batch.edges);
+    sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
+    h_ = dt_ / sub_steps_;
+    soft_ = softness(h_, h_full_);
+  }
+
+  void collide() { contacts_.find(t0_, dt_, h_); }
+  void prepare() {
+    lanes_.take();
+    forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
+    energy_.find(context_, contacts_);
+  }
+  bool beginSubStep() {
+    if (done_ == sub_steps_) return false;
+    if (done_++ > 0) lanes_.refresh(t0_ + (done_ - 1) * h_, dt_ - (done_ - 1) * h_);
+    return true;
+  }
+  // Inlined whatever their size, which depends on the effects that this build has: what it lacks is to save
+  // no more than its own instructions.
+  [[gnu::always_inline]] void addLoads();
+  [[gnu::always_inline]] void integrate();
+  void warmStart() {
+    lanes_.warmStart();
+    forKinds([&](auto& kind) { kind.warmStart(contacts_); });
+  }
+  void solve() {
+    solveKinds();
+    lanes_.solve(ContactLanes::Pass::Soft, soft_, h_);
+  }
+  // Twice with other kinds, whose bounds are the normal forces as they are then.
+  void relax() {
+    if (hasKinds()) {
+      lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
+      solveKinds();
+    }
+    lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
+    lanes_.addUp();
+  }
+  void rebound() {
+    lanes_.giveBack();
+    if (built::restitution && context_.scene.effects[Effect::Restitution]) reboundPoints();
+    energy_.apply(context_, contacts_);
+  }
+  void store() { contacts_.store(h_, h_full_); }
+
+ private:
+  template <class Do>
+  void forKinds(const Do& what) {
+    std::apply([&](auto&... kind) { (what(kind), ...); }, kinds_);
+  }
+  bool hasKinds() const {
+    return std::apply([](const auto&... kind) { return (!kind.empty() || ...); }, kinds_);
+  }
+  void solveKinds() {
+    if (!hasKinds()) return;
+    lanes_.giveBack();
+    forKinds([&](auto& kind) { kind.solve(contacts_); });
+  }
+  void reboundPoints();
+
+  Context& context_;
+  const IslandBatch& batch_;
+  SolverContacts contacts_;
+  ContactLanes lanes_;
+  std::tuple<Kinds...> kinds_;
+  EnergyLimit energy_;
+  double t0_, dt_;
+  double h_full_, h_;  // a sub-step when no impact cuts the step, and now
+  int sub_steps_, done_ = 0;
+  Softness soft_;
+};
+
+template <class... Kinds>
+inline void SoftStep<Kinds...>::addLoads() {
+  for (SolverBody& s : contacts_.bodies) {
+    if (s.inv_mass == 0.0) continue;
+    const Load& load = context_.step.load[s.body];
+    s.v += h_ * load.a_W;
+    s.v_free = s.v;
+    s.w += h_ * (s.inv_inertia_W * load.torque_W);
+  }
+}
+
+template <class... Kinds>
+inline void SoftStep<Kinds...>::integrate() {
+  Bodies& bodies = context_.scene.bodies;
+  for (SolverBody& s : contacts_.bodies) {
+    if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
+      s.moved += h_ * s.v;  // led bodies move on their own clock; here only the gaps follow them
+      s.turned += h_ * s.w;
+      continue;
+    }
+    const Inertia& inertia = bodies.inertia[s.body];
+    Vec3 step = h_ * s.v;
+    const Vec3 fall = h_ * context_.step.load[s.body].a_W;
+    const double push = (s.v - s.v_free).norm(), enough = kPushedShare * fall.norm();
+    if (push < enough) step -= 0.5 * h_ * (1.0 - push / enough) * fall;
+    s.moved += step;
+    s.turned += h_ * s.w;
+    bodies.pose[s.body].p_WB += step;
+    Quat& q_WB = bodies.pose[s.body].q_WB;
+    if (inertia.unturned) continue;
+    if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
+      q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
+    } else {
+      rotateFreely(q_WB, s.w, inertia, h_);
+      s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
+      s.turned_axes = true;
+    }
+  }
+  lanes_.follow();
+}
+
+// Slower than half of what gravity adds in a step, a rebound would be over within it.
+template <class... Kinds>
+void SoftStep<Kinds...>::reboundPoints() {
+  const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
+  for (const SolverBlock& block : contacts_.blocks) {
+    SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      SolverPoint& point = contacts_.points[k];
+      if (-block.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
+      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
+      const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
+      if (impulse <= 0.0) continue;
+      point.sum_n += impulse;
+      const Vec3 impulse_W = impulse * block.n;
+      i.v -= i.inv_mass * impulse_W;
+      i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
+      j.v += j.inv_mass * impulse_W;
+      j.w += j.inv_inertia_W * point.r_j.cross(impulse_W);
+    }
+  }
+}
+
+}  // namespace rbs::soft_step

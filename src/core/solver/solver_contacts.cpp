@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/solver_contacts.h"
+
+#include "base/algebra.h"
+#include "base/tolerances.h"
+#include "narrowphase/collide.h"
+#include "solver/residuals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace rbs {
+
+namespace {
+
+// A pair that has moved by this share of the smaller length since its points were found looks for them anew.
+constexpr double kStray = 0.05;
+
+// Keeps the points open by no more than `margin`; the deepest in any case.
+void keepWithin(double margin, Manifold& manifold) {
+  const auto begin = manifold.points.begin(), end = begin + manifold.size;
+  const auto deeper = [](const ManifoldPoint& a, const ManifoldPoint& b) {
+    return a.separation < b.separation;
+  };
+  if (manifold.size > 0) margin = std::max(margin, std::min_element(begin, end, deeper)->separation);
+  const auto open = [&](const ManifoldPoint& point) { return point.separation > margin; };
+  manifold.size = static_cast<int>(std::remove_if(begin, end, open) - begin);
+}
+
+}  // namespace
+
+SolverContacts::SolverContacts(Context& context, const IslandBatch& batch)
+    : context_(context), batch_(batch), slots_(context.step.slot) {
+  bodies.reserve(batch.bodies.size() + 8);
+  for (const Index i : batch.bodies) slotOf(i);
+}
+
+SolverBody SolverContacts::makeBody(Index i) const {
+  const Bodies& store = context_.scene.bodies;
+  SolverBody s;
+  s.v = store.twist[i].v_WB;
+  s.w = store.twist[i].w_WB;
+  s.v_free = s.v;
+  s.moved.setZero();
+  s.turned.setZero();
+  s.inv_mass = store.inertia[i].inv_mass;
+  s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
+                                               : store.inertia[i].inverseW(store.R_WB(i));
+  s.turned_axes = false;
+  s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
+  s.round = store.traits[i].round;
+  s.reach = s.round || store.traits[i].unbounded ? 0.0 : store.traits[i].bounding_radius;
+  s.body = i;
+  return s;
+}
+
+Index SolverContacts::slotOf(Index i) {
+  if (slots_[i] == kNone) {
+    slots_.set(i, static_cast<Index>(bodies.size()));
+    bodies.push_back(makeBody(i));
+  }
+  return slots_[i];
+}
+
+// Points that can touch in what is left of the interval, with room to spare.
+double SolverContacts::marginOf(const SolverBlock& block, double left) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const std::vector<Traits>& traits = context_.scene.bodies.traits;
+  const double speed = (j.v - i.v).norm() + i.reach * i.w.norm() + j.reach * j.w.norm();
+  const Vec3 a = context_.step.load[j.body].a_W - context_.step.load[i.body].a_W;
+  const double length = std::min(traits[i.body].length, traits[j.body].length);
+  return left * (speed + 0.5 * left * a.norm()) + kMargin * length;
+}
+
+void SolverContacts::find(double now, double left, double h) {
+  h_ = h;
+  const Bodies& store = context_.scene.bodies;
+  const double gravity = context_.scene.gravity_W.norm();
+  const EffectOverrides& overrides = context_.scene.settings.effects;
+  const auto forced = overrides.find(Effect::Friction);
+  const bool friction_forced = forced != overrides.end() && forced->second;
+  blocks.reserve(batch_.edges.size());
+  points.reserve(4 * batch_.edges.size());
+  for (const Edge& edge : batch_.edges) {
+    if (edge.kind != ConstraintKind::Contact) continue;
+    const Contact& contact = context_.scene.contacts.active[edge.of];
+    if (!contact.state.isSolved()) continue;
+    const Traits& a = store.traits[contact.i];
+    const Traits& b = store.traits[contact.j];
+    SolverBlock block;
+    block.i = slotOf(contact.i);
+    block.j = slotOf(contact.j);
+    block.mu = context_.scene.frictionOf(contact.i, contact.j);
+    block.rough = block.mu > 0.0 || friction_forced;
+    block.e = context_.scene.restitutionOf(contact.i, contact.j);
+    const double load = (context_.step.load[contact.j].a_W - context_.step.load[contact.i].a_W).norm();
+    block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
+    block.contact = edge.of;
+    findPoints(block, now, left);
+    for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
+    blocks.push_back(block);
+  }
+}
+
+// Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
+// moved that far.
+void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
+  const Bodies& store = context_.scene.bodies;
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
+  const double margin = marginOf(block, left);
+  Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
+  const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
+  if (!context_.step.solver.all_points) {
+    keepWithin(marginOf(block, h_) + kStray * length, manifold);
+    reduceToFour(manifold);
+  }
+  block.n = manifold.n_W;
+  std::tie(block.t1, block.t2) = tangents(block.n);
+  block.stray = manifold.size > 0 ? kStray * length : margin;
+  block.moved_i = i.moved, block.turned_i = i.turned;
+  block.moved_j = j.moved, block.turned_j = j.turned;
+  block.first = static_cast<int>(points.size());
+  block.size = manifold.size;
+  points.resize(points.size() + block.size);
+  for (int k = 0; k < block.size; ++k)
+    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, points[block.first + k]);
+}
+
+void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
+                                  const Vec3& centre_j, SolverPoint& point) const {
+  point.p_W = found.p_W;
+  point.r_i = found.p_W - centre_i;
+  point.r_j = found.p_W - centre_j;
+  point.gap = point.open = found.separation;
+  point.feature = found.feature;
+  point.u_0 = block.n.dot(velocityAt(block, point));
+}
+
+void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
+  for (const SolvedPoint& last : context_.scene.contacts.active[block.contact].points) {
+    if (last.feature != point.feature) continue;
+    point.guess_n = last.normal;
+    point.guess_t_W = last.friction_W;
+    point.l_n = last.normal * h;
+    if (block.mu > 0.0)
+      point.l_t = h * Eigen::Vector2d(block.t1.dot(last.friction_W), block.t2.dot(last.friction_W));
+    break;
+  }
+}
+
+void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_block,
+                              SolverPoint& point) const {
+  for (int k = old_block.first; k < old_block.first + old_block.size; ++k) {
+    const SolverPoint& old = points[k];
+    if (old.feature != point.feature) continue;
+    const auto turned = [&](const Eigen::Vector2d& t) -> Eigen::Vector2d {
+      const Vec3 t_W = inPlane(old_block, t);
+      return {block.t1.dot(t_W), block.t2.dot(t_W)};
+    };
+    point.u_0 = old.u_0;
+    point.guess_n = old.guess_n, point.guess_t_W = old.guess_t_W;
+    point.l_n = old.l_n, point.l_t = turned(old.l_t);
+    point.earlier_n = old.earlier_n + old.sum_n;
+    point.earlier_W = old.earlier_W + old.sum_n * old_block.n + inPlane(old_block, old.sum_t);
+    break;
+  }
+}
+
+Vec3 SolverContacts::inPlane(const SolverBlock& block, const Eigen::Vector2d& t) {
+  return t.x() * block.t1 + t.y() * block.t2;
+}
+
+bool SolverContacts::hasDrifted(const SolverBlock& block) const {
+  const SolverBody& i = bodies[block.i];
+  const SolverBody& j = bodies[block.j];
+  const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
+  const double turn_i = i.reach * i.reach * (i.turned - block.turned_i).squaredNorm();
+  const double turn_j = j.reach * j.reach * (j.turned - block.turned_j).squaredNorm();
+  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are told without a root.
+  if (3.0 * (travel + turn_i + turn_j) <= block.stray * block.stray) return false;
+  return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.stray;
+}
+
+std::vector<Index> SolverContacts::drifted() const {
+  std::vector<Index> found;
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    if (hasDrifted(blocks[k])) found.push_back(static_cast<Index>(k));
+  return found;
+}
+
+void SolverContacts::refresh(Index which, double now, double left) {
+  SolverBlock& block = blocks[which];
+  const SolverBlock old = block;
+  findPoints(block, now, left);
+  for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
+  for (int k = old.first; k < old.first + old.size; ++k) {
+    const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };
+    const auto first = points.begin() + block.first, last = first + block.size;
+    if (std::none_of(first, last, again)) opened_.emplace_back(old.contact, solvedPoint(old, points[k]));
+  }
+}
+
+// The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
+// off, the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
+void SolverContacts::store(double h, double h_full) {
+  const double rest = std::max(h_full - h, 0.0);
+  for (const SolverBody& s : bodies) {
+    if (context_.step.island[s.body] == kNone) continue;
+    context_.scene.bodies.twist[s.body] = {s.v, s.w};
+  }
+  std::vector<Contact>& active = context_.scene.contacts.active;
+  for (const Edge& edge : batch_.edges)
+    if (edge.kind == ConstraintKind::Contact) active[edge.of].beginSolve();
+  for (const auto& [k, point] : opened_) active[k].addEarlier(point);
+  for (const SolverBlock& block : blocks) {
+    Contact& contact = active[block.contact];
+    contact.exact = false;
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      const SolverPoint& point = points[k];
+      SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
+      solved.normal = (point.l_n + rest * point.guess_n) / (h + rest);
+      solved.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
+    }
+    addResiduals(block);
+  }
+}
+
+// A point with its impulses, and without its forces.
+SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPoint& point) const {
+  SolvedPoint solved;
+  solved.feature = point.feature;
+  solved.p_W =
+      point.p_W + 0.5 * (bodies[block.i].moved - block.moved_i + bodies[block.j].moved - block.moved_j);
+  solved.n_W = block.n;
+  solved.separation = point.open;
+  solved.normal_impulse = point.earlier_n + point.sum_n;
+  solved.friction_impulse_W = point.earlier_W - point.earlier_n * block.n + inPlane(block, point.sum_t);
+  return solved;
+}
+
+// How far the points of a block are from the law of contact after the last sub-step.
+void SolverContacts::addResiduals(const SolverBlock& block) const {
+  const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+  const double gravity = context_.scene.gravity_W.norm();
+  const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
+  IslandResiduals solved;
+  solved.method = "soft_step";
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    const SolverPoint& point = points[k];
+    const Vec3 u = velocityAt(block, point);
+    const double u_n = block.n.dot(u);
+    if (point.l_n == 0.0) {
+      if (point.open <= 0.0) solved.signorini = std::max(solved.signorini, -u_n / unit);
+      continue;
+    }
+    solved.signorini = std::max(solved.signorini, std::abs(u_n) / unit);
+    if (block.mu == 0.0) continue;
+    const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
+    const double limit = block.mu * point.l_n, friction = point.l_t.norm();
+    const bool sticks = friction < limit * (1.0 - 1e-9);
+    const Eigen::Vector2d unopposed = sticks ? u_t : Eigen::Vector2d(u_t + u_t.norm() / friction * point.l_t);
+    solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
+    solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
+  }
+  const Index mover = context_.step.island[i.body] == kNone ? j.body : i.body;
+  residuals::add(context_.step.islands[context_.step.island[mover]].residuals, solved);
+}
+
+}  // namespace rbs

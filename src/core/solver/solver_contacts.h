@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The contact points of a batch of islands: where its bodies touch, what resists there, and what the last
+// step and the next one know of it. Shared by the methods that solve contacts by impulses.
+#pragma once
+
+#include "narrowphase/manifold.h"
+#include "solver/methods.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// A body as the solver moves it.
+struct SolverBody {
+  Vec3 v, w;           // m/s, rad/s
+  Vec3 v_free;         // after this sub-step's load, before its impulses
+  Vec3 moved, turned;  // since the start, m, rad
+  Mat3 inv_inertia_W;
+  double inv_mass;
+  bool turned_axes;  // inv_inertia_W has changed in this sub-step
+  bool still;        // nothing moves it: neither impulses nor a motion of its own
+  bool round;        // its surface does not turn with it: a sphere
+  double reach;      // of the points that turning moves, m: 0 for a sphere and a plane
+  Index body;
+};
+
+/// A point where two bodies touch or may touch, with its impulses.
+struct SolverPoint {
+  SolverPoint() {}         // not "= default": a vector would clear what is about to be filled in
+  Vec3 r_i, r_j;           // from the centres, m
+  double gap;              // when it was found, m
+  double u_0;              // normal velocity of j against i when it was found, m/s
+  double mass_n;           // effective, along the normal, kg
+  Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
+  double l_n = 0.0;        // impulses of this sub-step, N s
+  Eigen::Vector2d l_t{0.0, 0.0};
+  double guess_n = 0.0;  // the forces it began with, N
+  Vec3 guess_t_W{0.0, 0.0, 0.0};
+  double earlier_n = 0.0;         // normal impulses until the points of the contact were found anew
+  Vec3 earlier_W{0.0, 0.0, 0.0};  // all of its impulse until then, on j
+  double sum_n = 0.0;             // over the sub-steps since
+  Eigen::Vector2d sum_t{0.0, 0.0};
+  double open;  // gap after the last sub-step, m
+  std::uint32_t feature;
+  Vec3 p_W;
+};
+
+/// The points of a contact.
+struct SolverBlock {
+  Index i, j;  // in SolverContacts::bodies
+  Vec3 n, t1, t2;
+  double mu, e;
+  bool rough;                                 // its friction is solved for
+  double push;                                // largest speed of separation, m/s
+  Index contact;                              // in scene.contacts.active
+  int first, size;                            // in SolverContacts::points
+  double stray;                               // how far the pair may move until its points are found anew, m
+  Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies when they were found
+};
+
+class SolverContacts {
+ public:
+  SolverContacts(Context& context, const IslandBatch& batch);
+
+  /// Finds the points of all contacts at time `now`, with `left` s to go, and the impulses that the forces of
+  /// the last step make of a sub-step of length h.
+  void find(double now, double left, double h);
+  /// The blocks that have drifted from where their points were found.
+  std::vector<Index> drifted() const;
+  /// Finds the points of a block anew.
+  void refresh(Index block, double now, double left);
+  /// Velocity of j against i at a point, m/s.
+  Vec3 velocityAt(const SolverBlock& block, const SolverPoint& point) const {
+    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+    Vec3 u = Vec3::Zero();
+    if (!j.still) u = j.v + j.w.cross(point.r_j);
+    if (!i.still) {
+      u -= i.v;
+      u -= i.w.cross(point.r_i);
+    }
+    return u;
+  }
+  /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
+  /// `h_full` that of one that nothing cuts short.
+  void store(double h, double h_full);
+
+  std::vector<SolverBody> bodies;
+  std::vector<SolverBlock> blocks;
+  std::vector<SolverPoint> points;  ///< also some that no block has any more
+
+ private:
+  SolverBody makeBody(Index i) const;
+  Index slotOf(Index i);
+  double marginOf(const SolverBlock& block, double left) const;
+  void findPoints(SolverBlock& block, double now, double left);
+  void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
+                    const Vec3& centre_j, SolverPoint& point) const;
+  void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
+  void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
+  bool hasDrifted(const SolverBlock& block) const;
+  static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
+  SolvedPoint solvedPoint(const SolverBlock& block, const SolverPoint& point) const;
+  void addResiduals(const SolverBlock& block) const;
+
+  Context& context_;
+  const IslandBatch& batch_;
+  double h_ = 0.0;           ///< of a sub-step, s
+  Slots slots_;              ///< in `bodies`
+  PointsOfContacts opened_;  ///< points that are gone, with what they have given
+};
+
+}  // namespace rbs

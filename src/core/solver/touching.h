@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where an island touches at one instant: its contact points as the exact step sees them.
+#pragma once
+
+#include "coulomb/coulomb_problem.h"
+#include "solver/methods.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// A point where a pair touches or may touch within a step.
+struct TouchingPoint {
+  Index contact;          ///< in scene.contacts.active
+  std::uint32_t feature;  ///< the same for the same corners and edges of the pair
+  double gap;             ///< m; negative is overlap
+  double length;          ///< the smaller one of the pair, m
+  double push;            ///< speed at which overlap may be taken away, m/s
+  Vec3 p_W;
+  Vec3 led;                     ///< velocity of j against i that led sides add, in the frame of its law, m/s
+  Vec3 force_W{0.0, 0.0, 0.0};  ///< on j, N: what is expected of it next
+  Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far
+};
+
+/// What a pair that touches resists turning with.
+struct TouchingCouple {
+  Index contact;                ///< in scene.contacts.active
+  CoulombCouple law;            ///< without impulse, and driven by led sides alone
+  Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
+};
+
+/// A point with its normal and its impulse, and without its force.
+SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W);
+
+struct Touching {
+  std::vector<TouchingPoint> points;  ///< by contact
+  std::vector<CoulombPoint> law;      ///< of the same points, without impulse, and driven by led sides alone
+  std::vector<TouchingCouple> couples;  ///< by contact
+
+  /// The point of the same contact and feature as this one of another instant; kNone when there is none.
+  Index matching(const TouchingPoint& other) const;
+  bool has(Index contact) const;  ///< a point of it
+  /// The couple of the same contact; kNone when there is none.
+  Index matching(const TouchingCouple& other) const;
+  /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
+  /// opened ones.
+  void inherit(const Touching& other, PointsOfContacts& opened);
+};
+
+/// Finds the points of an island's contacts at a time to which its bodies have been advanced. Points are kept
+/// when they can close within a span, s, at `reach` times the speeds that they have now. `slots` are
+/// the places of bodies in the Coulomb problem; those that forces do not move have none.
+Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
+                      double time, double span, double reach);
+
+/// Takes the forces of the last step for what is expected.
+void expectLastForces(const Contacts& contacts, Touching& touching);
+
+/// Leaves the points and their forces in these contacts, and the impulses of points that have opened.
+void storeTouching(const Touching& touching, const PointsOfContacts& opened, const std::vector<Index>& active,
+                   Contacts& contacts);
+
+}  // namespace rbs

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bodies of a scene, as parallel arrays in canonical order: the order of creation.
+//
+// Hot arrays (pose, twist, mass) are separate from cold ones (names, definitions). The position of a body in
+// the arrays is its dense index. It changes when an older body is removed, so everything that outlives a step
+// refers to bodies by BodyId.
+#pragma once
+
+#include "base/index.h"
+#include "rigid_body_sim/scene.h"
+#include "rigid_body_sim/snapshot.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rbs {
+
+/// Mass and moments of inertia. The inverses are zero for a body that forces do not move.
+struct Inertia {
+  double inv_mass = 0.0;            ///< 1/kg
+  Vec3 inv_moments = Vec3::Zero();  ///< about the axes of B, 1/(kg m²)
+  Vec3 moments = Vec3::Zero();      ///< about the axes of B, kg m²; also for bodies that do not move
+  bool isotropic = true;            ///< all moments equal
+  bool gyroscopic = false;          ///< its angular velocity changes without torque
+  /// Nothing changes its rotation: inv_moments are zero, its angular velocity is constant.
+  bool steady = false;
+  /// Steady, and no stage of a step uses its orientation, which is not integrated but computed when it is
+  /// read.
+  bool unturned = false;
+
+  /// I_W^-1 for a body with the orientation R_WB.
+  Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
+};
+
+/// Properties of a body that the broad and narrow phase and the effects use, the traits of its shape among
+/// them.
+struct Traits : ShapeTraits {
+  Shape shape;
+  BodyKind kind = BodyKind::Dynamic;
+  bool held = false;     ///< has a kinematic target (World::hold()) until it is released
+  bool frozen = false;   ///< quarantined: static until an edit
+  bool asleep = false;   ///< at rest and left out of the step (sleep.h)
+  double mass = 0.0;     ///< kg, whatever the kind
+  double density = 0.0;  ///< kg/m³
+  Material material;
+  double bounding_radius = 0.0, length = 0.0;  ///< m, of the shape
+  std::uint32_t group = 1, mask = 0xffffffffu;
+
+  /// Moved by forces, now or once it wakes.
+  bool movable() const { return kind == BodyKind::Dynamic && !held && !frozen; }
+  bool moved_by_forces() const { return movable() && !asleep; }
+  bool led() const { return !frozen && (held || kind == BodyKind::Kinematic); }
+  double dragCoefficient() const;
+};
+
+struct Bodies {
+  std::vector<BodyId> id;
+  std::vector<Pose> pose;     ///< q_WB of a body that is `unturned`: its orientation at `since`
+  std::vector<double> since;  ///< s
+  std::vector<Twist> twist;
+  std::vector<Inertia> inertia;
+  std::vector<Traits> traits;
+  std::vector<std::string> name;
+  std::vector<Color> color;
+
+  Index size() const { return static_cast<Index>(id.size()); }
+  Index indexOf(BodyId body) const;              ///< kNone when it is not here
+  Index indexOf(const std::string& body) const;  ///< kNone when it is not here
+
+  void append(BodyId new_id, const BodyDef& def);  ///< `def` is sound and has its name
+  void erase(Index i);                             ///< keeps the order
+  void clear() { *this = Bodies{}; }
+
+  /// Call it after a change of shape, mass, kind, hold or quarantine of body i, and takeCensus() afterwards.
+  void refresh(Index i);
+
+  /// The pose of body i at `time`.
+  Pose poseNow(Index i, double time) const;
+  /// Computes the orientation of an unturned body at `time`, and makes `time` its new reference time.
+  void bringAttitude(Index i, double time);
+
+  BodyDescription describe(Index i) const;
+  BodyDef define(Index i, double time) const;
+  Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+};
+
+/// The colour of a body that is given none.
+Color defaultColor(BodyId id, BodyKind kind);
+
+}  // namespace rbs

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contacts: what is known of two bodies while their bounds overlap.
+//
+// The broad phase makes a contact when the bounds of two bodies begin to overlap, and drops it when they no
+// longer do. Between the two it persists. A solver starts from the points that the last solve left, and
+// leaves its own: their forces warm-start the next step, their impulses are reported.
+#pragma once
+
+#include "state/bodies.h"
+#include "state/pair_state.h"
+
+#include <cstdint>
+#include <functional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace rbs {
+
+/// One point of a contact at the end of its last solve.
+struct SolvedPoint {
+  std::uint32_t feature = 0;               ///< finds the same point again in the next step
+  double normal = 0.0;                     ///< force along n_W, N, >= 0: the guess for the next solve
+  Vec3 friction_W = Vec3::Zero();          ///< force across n_W on body j, N: a guess as well
+  Vec3 p_W = Vec3::Zero();                 ///< m
+  Vec3 n_W = Vec3::UnitZ();                ///< unit, from i to j
+  double separation = 0.0;                 ///< along n_W, m; negative is penetration
+  double normal_impulse = 0.0;             ///< over the part of the step that was solved last, N s
+  Vec3 friction_impulse_W = Vec3::Zero();  ///< on body j, over the same part, N s
+
+  /// Takes an impulse on body j, N s, for its parts along n_W and across it.
+  void setImpulse(const Vec3& impulse_W) {
+    normal_impulse = impulse_W.dot(n_W);
+    friction_impulse_W = impulse_W - normal_impulse * n_W;
+  }
+  /// Adds the impulse that the same point gave earlier in the step, when its normal may have been another:
+  /// the sum of the whole impulses stays normal_impulse n_W + friction_impulse_W.
+  void addImpulseOf(const SolvedPoint& earlier) {
+    normal_impulse += earlier.normal_impulse;
+    friction_impulse_W += earlier.friction_impulse_W + earlier.normal_impulse * (earlier.n_W - n_W);
+  }
+};
+
+/// Two bodies, and the part of each that touches: i was created before j. Keys sort in canonical order.
+struct ContactKey {
+  BodyId i, j;
+  std::uint32_t child_i = 0, child_j = 0;  ///< parts of a compound body; 0: its only shape
+
+  friend bool operator==(const ContactKey& a, const ContactKey& b) { return a.tied() == b.tied(); }
+  friend bool operator<(const ContactKey& a, const ContactKey& b) { return a.tied() < b.tied(); }
+  std::tuple<BodyId, BodyId, std::uint32_t, std::uint32_t> tied() const { return {i, j, child_i, child_j}; }
+};
+
+struct Contact {
+  ContactKey key;
+  Index i = kNone, j = kNone;  ///< dense indices of the bodies, valid for the step
+  PairState state;
+  bool exact = false;               ///< the exact step solved its points
+  bool solved = false;              ///< its points are of this step; false: of the last one
+  std::vector<SolvedPoint> points;  ///< as the last solve left them
+  /// The impulses of this step of the World that `points` do not have: of located impacts, of parts of the
+  /// step before the last, and of points that have opened. One for each point, as it was last; by feature.
+  std::vector<SolvedPoint> earlier;
+
+  bool isOf(BodyId body) const { return key.i == body || key.j == body; }
+  /// Adds to `earlier` the impulse of one point.
+  void addEarlier(const SolvedPoint& point);
+  /// Adds to `earlier` the impulses of all points.
+  void addEarlier();
+  /// Makes room for the points of another solve. Impulses given in this step are kept.
+  void beginSolve();
+  /// Drops all that is known: a body has been moved or reshaped.
+  void forget() { points.clear(), earlier.clear(), exact = false; }
+};
+
+/// The contacts of a scene.
+struct Contacts {
+  /// Pairs whose bounds overlap in this step, by key; those that impacts have added in the step stand behind
+  /// the others until its end.
+  std::vector<Contact> active;
+  /// Pairs that no stage looks at, by key: those that are asleep, and those whose bounds overlap no more but
+  /// which have given impulses in this step of the World.
+  std::vector<Contact> dormant;
+
+  /// Takes over the pairs of the broad phase, i before j and sorted. A pair that is known keeps its points.
+  /// Of those not found the ones that `rests` stay, and those with impulses of this step.
+  void update(const Bodies& bodies, const std::vector<std::pair<Index, Index>>& found,
+              const std::function<bool(const Contact&)>& rests);
+  /// The contact of a pair that is not among the active ones: the dormant one, made where there is none.
+  Contact& dormantOf(const Bodies& bodies, Index i, Index j);
+  /// Adds a pair to the active contacts, with what is known of it, and gives its place.
+  Index add(const Bodies& bodies, Index i, Index j);
+  /// Leaves a pair to the contact solver from the start of a step, when the contacts are sorted.
+  void open(const Bodies& bodies, Index i, Index j);
+  /// At the end of a step: sorts the contacts, and drops points that were not solved in it.
+  void endStep();
+  /// The place of a pair among the active contacts, the first `sorted` of which are sorted; kNone when it is
+  /// not there.
+  Index find(Index i, Index j, std::size_t sorted) const;
+  /// All that have points or impulses, by key.
+  std::vector<const Contact*> withPoints() const;
+  void forget(BodyId body);
+  void remove(BodyId body);
+  void clearEarlier();
+
+ private:
+  std::vector<Contact> last_active_, last_dormant_;  // while they are updated
+};
+
+/// A contact of two bodies, i before j, of which nothing is known.
+Contact newContact(const Bodies& bodies, Index i, Index j);
+
+/// Points, each with the place of its contact.
+using PointsOfContacts = std::vector<std::pair<Index, SolvedPoint>>;
+
+}  // namespace rbs

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/impact_loop.h"
+
+#include "broadphase/bounds.h"
+#include "broadphase/neighbourhood.h"
+#include "broadphase/sweep_and_prune.h"
+#include "step/impacts.h"
+#include "step/island_step.h"
+#include "step/islands.h"
+#include "step/overlaps.h"
+
+#include <algorithm>
+#include <map>
+#include <queue>
+#include <tuple>
+
+namespace rbs {
+
+namespace {
+
+// Goes through the impacts of a step in the order of their times.
+class ImpactLoop {
+ public:
+  explicit ImpactLoop(Context& context)
+      : context_(context),
+        step_(context.step),
+        contacts_(context.scene.contacts),
+        found_(contacts_.active.size()),
+        neighbourhood_(context.scene.sweep.order, step_.bounds) {
+    const std::uint64_t pairs = found_;
+    // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
+    // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
+    // is the contact solver's, which stops it and lets it rebound at the end of the step.
+    cut_budget_ = 4 * pairs + 256;
+    // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
+    // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times); this many take
+    // seconds.
+    lossy_budget_ = 20000 + 200ull * context.scene.bodies.size();
+    elastic_budget_ = 2'000'000;
+    for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
+  }
+
+  void run() {
+    while (!queue_.empty()) {
+      const PendingImpact impact = queue_.top();
+      queue_.pop();
+      if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
+      const bool lossy = context_.scene.restitutionOf(impact.i, impact.j) < 1.0;
+      std::uint64_t& budget = lossy ? lossy_budget_ : elastic_budget_;
+      if (budget == 0) {
+        overBudget(impact);
+      } else {
+        --budget;
+        take(impact);
+      }
+    }
+    // What other impacts have sent off its course is not awaited any more.
+    for (Index k = 0; k < contacts_.active.size(); ++k)
+      if (contacts_.active[k].state.awaitsImpact())
+        dismiss(contacts_.active[k].i, contacts_.active[k].j, false);
+  }
+
+ private:
+  struct Later {
+    bool operator()(const PendingImpact& a, const PendingImpact& b) const {
+      return std::tie(a.time, a.i, a.j) > std::tie(b.time, b.i, b.j);
+    }
+  };
+
+  // The last impacts of a pair, and how many came in quick succession.
+  struct Meetings {
+    double last = 0.0;
+    int count = 0;
+  };
+
+  Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
+
+  // Brings both islands to the impact if the budget allows it.
+  bool bringBoth(const PendingImpact& impact) {
+    constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
+    std::uint64_t cost = 0;
+    for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
+    if (cost > cut_budget_) return false;
+    cut_budget_ -= cost;
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island) advanceTo(context_, *island, impact.time);
+    return true;
+  }
+
+  void take(const PendingImpact& impact) {
+    if (!bringBoth(impact) || isCollapsing(impact)) {
+      ++step_.report.deferred_impacts;
+      connect(impact.i, impact.j);
+      return;
+    }
+    const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
+    if (outcome == impacts::Outcome::Miss) {
+      const auto later = impacts::predict(context_, impact.i, impact.j, impact.time).impact;
+      if (later && later->time > impact.time) {
+        queue_.push(*later);
+      } else {
+        connect(impact.i, impact.j);
+      }
+      return;
+    }
+    ++step_.report.impacts;
+    if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
+    for (const Index i : {impact.i, impact.j}) {
+      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
+      ++step_.stamp[i];
+      lookAround(i);
+    }
+  }
+
+  // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any
+  // time in between, as happens between bodies that touch others, would go on forever. An elastic pair never
+  // collapses, however often it meets (the billiard that counts the digits of pi meets 314159 times).
+  bool isCollapsing(const PendingImpact& impact) {
+    constexpr int kMeetings = 6;
+    if (context_.scene.restitutionOf(impact.i, impact.j) >= 1.0) return false;
+    Meetings& met = meetings_[{impact.i, impact.j}];
+    if (impact.time - met.last > step_.solver.no_time * step_.h()) met.count = 0;
+    met.last = impact.time;
+    return ++met.count > kMeetings;
+  }
+
+  // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
+  // island of the two.
+  void connect(Index i, Index j, bool touches = true) {
+    const Index contact = placeOf(i, j);
+    PairState& state = contacts_.active[contact].state;
+    touches ? state.touch() : state.open();
+    Index a = step_.island[i], b = step_.island[j];
+    if (a == kNone) std::swap(a, b);
+    if (b != kNone && a != b) {
+      const double time = std::max(step_.islands[a].time, step_.islands[b].time);
+      for (const Index k : {std::min(a, b), std::max(a, b)}) advanceTo(context_, step_.islands[k], time);
+      a = islands::merge(context_, a, b);
+    }
+    Island& island = step_.islands[a];
+    island.touching = island.touching || touches;
+    const Edge edge = islands::edgeOf(contacts_, contact);
+    if (std::find(island.edges.begin(), island.edges.end(), edge) == island.edges.end())
+      island.edges.push_back(edge);
+  }
+
+  // A pair without a pending impact: the contact solver's business if they touch or their courses are not
+  // known.
+  void dismiss(Index i, Index j, bool touches) {
+    if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
+      contacts_.active[placeOf(i, j)].state.separate();
+    } else {
+      connect(i, j, false);
+    }
+  }
+
+  // The place of a contact; it is added where it is not there.
+  Index placeOf(Index i, Index j) {
+    const Index known = contacts_.find(i, j, found_);
+    return known != kNone ? known : contacts_.add(context_.scene.bodies, i, j);
+  }
+
+  // Where the impulses of an impact are kept. It may be one of a pair that was too far apart for a contact
+  // when the step began.
+  Contact& contactOf(const PendingImpact& impact) {
+    const Index known = contacts_.find(impact.i, impact.j, found_);
+    return known != kNone ? contacts_.active[known]
+                          : contacts_.dormantOf(context_.scene.bodies, impact.i, impact.j);
+  }
+
+  // Finds what body i will meet on its new course.
+  void lookAround(Index i) {
+    const Bodies& bodies = context_.scene.bodies;
+    const double from = step_.timeOf(i);
+    neighbourhood_.move(i, sweptBounds(bodies, step_.load[i], i, step_.t1 - from));
+    for (const Index j : neighbourhood_.of(i)) consider(i, j, from);
+    for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
+  }
+
+  void consider(Index i, Index j, double from) {
+    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
+      return;
+    if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::find()
+    const Index place = contacts_.find(std::min(i, j), std::max(i, j), found_);
+    PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
+    if (state && state->isDepenetrating()) return;
+    if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
+    const impacts::Outlook outlook = impacts::predict(context_, i, j, std::max(from, step_.timeOf(j)));
+    if (outlook.impact) {
+      queue_.push(*outlook.impact);
+      if (state) state->awaitImpact();
+    } else if (state && (state->awaitsImpact() || (state->isSeparated() && outlook.touches))) {
+      dismiss(std::min(i, j), std::max(i, j), outlook.touches);  // what it waited for will not come
+    }
+  }
+
+  // Past the budget of impacts the contact solver stops what would pass through.
+  void overBudget(const PendingImpact& impact) {
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island) advanceTo(context_, *island, impact.time);
+    connect(impact.i, impact.j);
+    if (!warned_) {
+      step_.report.warnings.push_back(
+          {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
+                                context_.scene.bodies.name[impact.i] + "' and '" +
+                                context_.scene.bodies.name[impact.j] +
+                                "'; the rest lose their rebound. Use a shorter step"});
+      warned_ = true;
+    }
+  }
+
+  Context& context_;
+  StepStore& step_;
+  Contacts& contacts_;
+  std::size_t found_;  // pairs of the broad phase; later ones are not sorted
+  Neighbourhood neighbourhood_;
+  std::uint64_t cut_budget_, lossy_budget_, elastic_budget_;
+  std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
+  std::map<std::pair<Index, Index>, Meetings> meetings_;
+  bool warned_ = false;
+};
+
+}  // namespace
+
+void takeImpacts(Context& context) {
+  if (!context.step.impacts.empty()) ImpactLoop(context).run();
+}
+
+}  // namespace rbs

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/impacts.h"
+
+#include "base/text.h"
+#include "narrowphase/collide.h"
+#include "narrowphase/time_of_impact.h"
+#include "solver/impact_law.h"
+#include "step/overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::impacts {
+
+namespace {
+
+// Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
+// wide margin is for bodies in contact, whose course was predicted without the forces of that contact.
+constexpr double kTight = 1e-9, kWide = 1e-3;
+// An overlap deeper than this share of the smaller length is more than rounding leaves of an impact.
+constexpr double kSunk = 1e-6;
+
+// A body's course from where it has been advanced to. A supported body is predicted to keep its velocity:
+// what carries it cancels its load.
+Motion courseOf(const Context& context, Index i) {
+  const Bodies& bodies = context.scene.bodies;
+  Motion course;
+  course.t0 = context.step.timeOf(i);
+  course.pose = bodies.pose[i];
+  course.twist = bodies.twist[i];
+  if (bodies.traits[i].moved_by_forces() && !context.step.supported[i]) course.a_W = context.step.load[i].a_W;
+  return course;
+}
+
+double lengthOf(const Bodies& bodies, Index i, Index j) {
+  return std::min(bodies.traits[i].length, bodies.traits[j].length);
+}
+
+double marginOf(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  const auto in_contact = [&](Index k) {
+    return step.island[k] != kNone && step.islands[step.island[k]].touching;
+  };
+  const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
+  const bool exact = free || step.solver.exact;
+  return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
+}
+
+ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double time) {
+  ImpactSide side;
+  const Pose pose = course.at(time);
+  side.p_WB = pose.p_WB;
+  side.twist = {course.velocityAt(time), course.twist.w_WB};
+  side.inv_mass = bodies.inertia[i].inv_mass;
+  side.inv_inertia_W = bodies.inertia[i].inverseW(pose.q_WB.toRotationMatrix());
+  return side;
+}
+
+// The two bodies at a time, with their manifold.
+struct Meeting {
+  Meeting(const Context& context, Index i, Index j, double time) {
+    const Bodies& bodies = context.scene.bodies;
+    const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
+    a = sideOf(bodies, i, course_i, time);
+    b = sideOf(bodies, j, course_j, time);
+    manifold = collide(bodies.traits[i].shape, course_i.at(time), bodies.traits[j].shape, course_j.at(time),
+                       marginOf(context, i, j));
+  }
+  ImpactSide a, b;
+  Manifold manifold;
+};
+
+// The speed below which a rebound is not worth an impact of its own: it would be over within the step,
+// because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share
+// of it at the exact settings); or it would open a gap too small to matter. The second bound makes an end of
+// sequences between three bodies that shrink forever, which only pairs that lose energy have.
+double slowest(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
+  if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
+  const double unseen = context.scene.restitutionOf(i, j) < 1.0
+                            ? step.solver.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
+                            : 0.0;
+  return std::max(step.solver.slowest_impact * step.h() * a, unseen);
+}
+
+// What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the
+// difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes
+// that turn.
+double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
+                  double from) {
+  const double left = context.step.t1 - from;
+  double speed = (course_i.velocityAt(from) - course_j.velocityAt(from)).norm();
+  for (const auto& [body, course] : {std::pair(i, &course_i), std::pair(j, &course_j)}) {
+    const Traits& traits = context.scene.bodies.traits[body];
+    const double rate = course->twist.w_WB.norm();
+    if (rate > 0.0 && !traits.round) speed += rate * traits.bounding_radius;
+  }
+  return left * (speed + 0.5 * left * (course_i.a_W - course_j.a_W).norm());
+}
+
+}  // namespace
+
+// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is
+// left to the contact solver: predicting how a face rocks on another, to find when it comes back, would cost
+// more than it is worth within a step. Of spheres and planes it is known in closed form.
+Outlook predict(const Context& context, Index i, Index j, double from) {
+  const Bodies& bodies = context.scene.bodies;
+  const StepStore& step = context.step;
+  const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
+  const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
+  const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
+  if (std::isfinite(near) && !areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
+  const auto touchAt = [&](const Meeting& meeting, double time) {
+    Outlook outlook;
+    outlook.touches = true;
+    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return outlook;
+    const auto [first, second] = std::minmax(i, j);
+    outlook.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+    return outlook;
+  };
+  const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
+  if (!isSimple(i) || !isSimple(j)) {
+    const Meeting now(context, i, j, from);
+    if (now.manifold.size > 0) return touchAt(now, from);
+  }
+  const std::optional<double> time = timeOfImpact(a, course_i, b, course_j, from, step.t1);
+  if (time) return touchAt(Meeting(context, i, j, *time), *time);
+  // What overlaps touches, though nothing closes: contacts are to part it.
+  Outlook outlook;
+  outlook.touches =
+      gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
+  return outlook;
+}
+
+// Courses are predicted with a constant angular velocity; what torque and gyroscopic torque do to it must not
+// matter.
+bool isFree(const Context& context, Index i) {
+  constexpr double kSlowTurn = 0.02;  // rad in a step
+  const Bodies& bodies = context.scene.bodies;
+  const StepStore& step = context.step;
+  if (!bodies.traits[i].moved_by_forces()) return true;
+  if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
+  if (step.island[i] != kNone && step.islands[step.island[i]].touching) return false;
+  return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic ||
+         bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
+}
+
+void find(Context& context) {
+  StepStore& step = context.step;
+  std::vector<Contact>& contacts = context.scene.contacts.active;
+  for (Contact& contact : contacts) {
+    const auto pushed = [](const SolvedPoint& point) { return point.normal != 0.0; };
+    if (contact.state.isDepenetrating() || std::none_of(contact.points.begin(), contact.points.end(), pushed))
+      continue;
+    contact.state.touch();
+    for (const Index i : {contact.i, contact.j})
+      step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
+  }
+  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
+  // number.
+  for (Contact& contact : contacts) {
+    const auto [i, j] = std::pair(contact.i, contact.j);
+    if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) continue;
+    if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) continue;
+    const Outlook outlook = predict(context, i, j, step.t0);
+    if (outlook.impact) {
+      step.impacts.push_back(*outlook.impact);
+      contact.state.awaitImpact();
+    } else if (!outlook.touches && isFree(context, i) && isFree(context, j)) {
+      contact.state.separate();
+    }
+  }
+}
+
+Outcome resolve(Context& context, Contact& contact, double time) {
+  Bodies& bodies = context.scene.bodies;
+  const Index i = contact.i, j = contact.j;
+  Meeting meeting(context, i, j, time);
+  const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
+  const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
+  if (speed <= 0.0) return Outcome::Miss;
+  const double e = context.scene.restitutionOf(i, j);
+  const auto impulses_W =
+      collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
+  for (int k = 0; k < meeting.manifold.size; ++k) {
+    const ManifoldPoint& point = meeting.manifold.points[k];
+    SolvedPoint solved;
+    solved.feature = point.feature;
+    solved.p_W = point.p_W, solved.n_W = meeting.manifold.n_W;
+    solved.separation = point.separation;
+    solved.setImpulse(impulses_W[k]);
+    contact.addEarlier(solved);
+  }
+  bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
+  bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
+  bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;
+  bodies.twist[j].w_WB += meeting.b.twist.w_WB - before_b.w_WB;
+  return e * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
+}
+
+}  // namespace rbs::impacts

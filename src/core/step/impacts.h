@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Impacts: closing pairs whose contact is located in time and resolved at that time, in order.
+//
+// A pair in contact that has no restitution is the contact solver's, and so is one that closes too slowly for
+// a rebound to be seen. All others are looked at.
+#pragma once
+
+#include "state/context.h"
+
+namespace rbs::impacts {
+
+/// Finds the pairs that will impact during the step, and takes them out of the contact solve with those that
+/// will not even touch.
+void find(Context& context);
+
+/// What is predicted of a pair from some time to the end of the step.
+struct Outlook {
+  std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
+  bool touches = false;                 ///< they touch, impact or not
+};
+Outlook predict(const Context& context, Index i, Index j, double from);
+
+/// Whether a body's course is known: nothing carries it now, and its attitude does not change by more than a
+/// turn at constant velocity.
+bool isFree(const Context& context, Index i);
+
+enum class Outcome {
+  Rebound,  ///< the bodies part
+  Stay,     ///< they stay together: from here on a contact
+  Miss,     ///< they are not where they were expected
+};
+/// Resolves the impact of the two bodies of a contact at `time`. Its impulses are those of earlier in the
+/// step.
+Outcome resolve(Context& context, Contact& contact, double time);
+
+}  // namespace rbs::impacts

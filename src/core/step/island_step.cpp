@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/island_step.h"
+
+#include "base/algebra.h"
+#include "solver/methods.h"
+
+#include <algorithm>
+
+namespace rbs {
+
+namespace {
+
+void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
+  if (!(t1 > t0) || batch.bodies.empty()) return;
+  if (batch.edges.empty()) {
+    flight::advance(context, batch, t0, t1);
+  } else if (!exact || !exact_step::advance(context, batch, t0, t1)) {
+    soft_step::advance(context, batch, t0, t1);
+  }
+}
+
+// Whether an island is advanced by sub-steps of its own.
+bool isHasty(const Context& context, const Island& island) {
+  return soft_step::subStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
+}
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+Pose StepStore::poseAt(const Bodies& bodies, Index i, double t) const {
+  Pose pose = bodies.pose[i];
+  if (island[i] != kNone || !bodies.traits[i].led() || t == t0) return pose;
+  pose.p_WB += (t - t0) * bodies.twist[i].v_WB;
+  pose.q_WB = (rotationBy((t - t0) * bodies.twist[i].w_WB) * pose.q_WB).normalized();
+  return pose;
+}
+
+void advanceTo(Context& context, Island& island, double time) {
+  advanceBatch(context, {island.bodies, island.edges}, island.exact, island.time, time);
+  island.time = std::max(island.time, time);
+}
+
+void advanceToEnd(Context& context) {
+  StepStore& step = context.step;
+  IslandBatch flying, connected;
+  for (Island& island : step.islands) {
+    const bool alone = !island.flies() && (island.exact || isHasty(context, island));
+    if (island.time > step.t0 || alone) {
+      advanceTo(context, island, step.t1);
+    } else {
+      IslandBatch& batch = island.flies() ? flying : connected;
+      append(batch.bodies, island.bodies);
+      append(batch.edges, island.edges);
+      island.time = step.t1;
+    }
+    step.report.flying += island.flies() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
+    step.report.islands += island.flies() ? 0 : 1;
+  }
+  std::sort(connected.edges.begin(), connected.edges.end());
+  advanceBatch(context, flying, false, step.t0, step.t1);
+  advanceBatch(context, connected, false, step.t0, step.t1);
+}
+
+}  // namespace rbs

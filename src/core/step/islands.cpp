@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/islands.h"
+
+#include "base/text.h"
+#include "solver/residuals.h"
+#include "step/solver_choice.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace rbs::islands {
+
+namespace {
+
+// Union-find over bodies; the root of a set is its smallest member, so that islands come in canonical order.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  Index root(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(Index a, Index b) {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<Index> parent_;
+};
+
+void contactEdges(const Context& context, std::vector<Edge>& edges) {
+  const Contacts& contacts = context.scene.contacts;
+  for (Index k = 0; k < contacts.active.size(); ++k)
+    if (contacts.active[k].state.isSolved()) edges.push_back(edgeOf(contacts, k));
+}
+
+// A row for each kind of constraint: it adds the edges that the kind has in this step, in canonical order.
+constexpr std::array kEdgeSources{contactEdges};
+
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+Need need(const Census& c) {
+  const Index movers = c.moved_by_forces - c.ballistic;
+  if (movers == 0 && c.led == 0)
+    return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
+  return {true, count(movers, "body", "bodies") + " that may meet others or feel more than gravity" +
+                    (c.led > 0 ? ", " + count(c.led, "body is", "bodies are") + " led" : "")};
+}
+
+Edge edgeOf(const Contacts& contacts, Index k) {
+  return {ConstraintKind::Contact, k, {contacts.active[k].i, contacts.active[k].j, kNone, kNone}};
+}
+
+void build(Context& context) {
+  std::vector<Edge> edges;
+  for (const auto& addEdges : kEdgeSources) addEdges(context, edges);
+  connect(context, edges);
+  for (Island& island : context.step.islands) {
+    for (const Edge& edge : island.edges)
+      if (edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching())
+        island.touching = true;
+    island.exact = isExact(context, island);
+  }
+}
+
+void connect(Context& context, const std::vector<Edge>& edges) {
+  StepStore& step = context.step;
+  const Index n = context.scene.bodies.size();
+  DisjointSets sets(n);
+  std::vector<char> mover(n, 0);
+  for (const Index i : context.scene.rosters.movers) mover[i] = 1;
+  // The first body of an edge that forces move; kNone where there is none.
+  const auto firstMover = [&](const Edge& edge) {
+    for (const Index i : edge.bodies)
+      if (i != kNone && mover[i]) return i;
+    return kNone;
+  };
+  for (const Edge& edge : edges) {
+    const Index first = firstMover(edge);
+    for (const Index i : edge.bodies)
+      if (i != kNone && i != first && mover[i]) sets.unite(first, i);
+  }
+  for (const Index i : context.scene.rosters.movers) {
+    const Index root = sets.root(i);
+    if (root == i) {
+      step.island[i] = static_cast<Index>(step.islands.size());
+      step.islands.emplace_back().time = step.t0;
+    }
+    step.island[i] = step.island[root];
+    step.islands[step.island[i]].bodies.push_back(i);
+  }
+  for (const Edge& edge : edges)
+    if (const Index first = firstMover(edge); first != kNone)
+      step.islands[step.island[first]].edges.push_back(edge);
+}
+
+Index merge(Context& context, Index a, Index b) {
+  StepStore& step = context.step;
+  if (a > b) std::swap(a, b);
+  Island &kept = step.islands[a], &gone = step.islands[b];
+  for (const Index body : gone.bodies) step.island[body] = a;
+  kept.exact = isExactTogether(context, kept, gone);
+  residuals::add(kept.residuals, gone.residuals);
+  append(kept.bodies, gone.bodies);
+  append(kept.edges, gone.edges);
+  kept.touching = kept.touching || gone.touching;
+  gone.bodies.clear();
+  gone.edges.clear();
+  return a;
+}
+
+}  // namespace rbs::islands

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// THE table of stages: a step of the world is these rows, in this order. A newcomer starts reading here.
+//
+// Each row says when the scene needs it; a row that is not needed is not called. islands.advance hands
+// islands to the methods: flight for bodies that nothing touches, the soft step or the exact step for bodies
+// in contact. What a method does is the second table, methods/inner_step.h; its rows stand below
+// islands.advance.
+#include "step/pipeline.h"
+
+#include "base/text.h"
+#include "broadphase/sweep_and_prune.h"
+#include "effects/effects.h"
+#include "solver/inner_step.h"
+#include "solver/residuals.h"
+#include "solver/rolling.h"
+#include "step/ballistic.h"
+#include "step/impacts.h"
+#include "step/islands.h"
+#include "step/overlaps.h"
+#include "step/sleep.h"
+#include "step/step_controller.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+namespace rbs {
+
+namespace {
+
+/// What a stage worked on in the last step.
+struct Items {
+  std::uint64_t count;
+  const char* unit;
+};
+
+template <Effect kEffect>
+Need needOf(const Census& census) {
+  return effects::need(kEffect, census);
+}
+
+template <auto kRoster>
+Items bodiesOn(const SceneStore& scene, const StepStore&) {
+  return {(scene.rosters.*kRoster).size(), "bodies"};
+}
+template <Effect kEffect>
+Items feeling(const SceneStore& scene, const StepStore&) {
+  return {scene.rosters.feelingOf(kEffect).size(), "bodies"};
+}
+Items candidates(const SceneStore& scene, const StepStore&) {
+  return {scene.contacts.active.size(), "pairs"};
+}
+Items points(const SceneStore&, const StepStore& step) {
+  return {step.report.contacts, "points"};
+}
+
+std::uint64_t asleep(const SceneStore& scene) {
+  std::uint64_t n = 0;
+  for (const Traits& t : scene.bodies.traits) n += t.asleep;
+  return n;
+}
+
+struct Stage {
+  const char* name;
+  Need (*need)(const Census&);
+  void (*run)(Context&);
+  Items (*items)(const SceneStore&, const StepStore&);
+};
+
+constexpr std::array kStages{
+    Stage{"user_force.drag", holds::need, holds::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.holds.size(), "bodies"};
+          }},
+    Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
+          }},
+    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
+    Stage{"forces.wrench", wrenches::need, wrenches::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.wrenches.size(), "wrenches"};
+          }},
+    Stage{"user_force.spring", grabs::need, grabs::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.grabs.size(), "bodies"};
+          }},
+    Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
+    Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
+          bodiesOn<&Rosters::collidable>},
+    Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{asleep(scene), "asleep"};
+          }},
+    Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
+    Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
+    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
+    Stage{"islands.build", islands::need, islands::build,
+          [](const SceneStore&, const StepStore& step) {
+            return Items{step.islands.size(), "islands"};
+          }},
+    Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&Rosters::movers>},
+    Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
+    Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&Rosters::movers>},
+    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&Rosters::movers>},
+};
+
+// Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed, and
+// effects within them.
+std::string contactLaw(const Setting& setting) {
+  const SolverSettings settings = resolved(setting);
+  const std::string name = std::string(fidelityName(setting.preset)) +
+                           (setting.divisions > 1 ? " in " + count(setting.divisions, "part", "parts") : "") +
+                           ": ";
+  if (settings.exact) return name + "Coulomb's law to " + text(settings.tolerance);
+  return name + "soft contacts, " + count(settings.sub_steps, "sub-step", "sub-steps") +
+         (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
+}
+
+Need needSolver(const Census& census) {
+  const Need contacts = needOf<Effect::Collision>(census);
+  return {contacts.active, contacts.active ? contactLaw(census.scene.fidelity) : contacts.reason};
+}
+
+struct Part {
+  const char* name;
+  Need (*need)(const Census&);
+  Items (*items)(const SceneStore&, const StepStore&);
+};
+
+Items frictionPairs(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const Contact* contact : scene.contacts.withPoints())
+    n += scene.frictionOf(scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j)) > 0.0;
+  return {n, "pairs"};
+}
+Items rollingPairs(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const Contact* contact : scene.contacts.withPoints())
+    n += rolling::resists(scene, scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j));
+  return {n, "pairs"};
+}
+Items impactCount(const SceneStore&, const StepStore& step) {
+  return {step.report.impacts, "impacts"};
+}
+template <bool Inertia::*kFlag>
+Items bodiesThat(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (const Inertia& inertia : scene.bodies.inertia) n += inertia.*kFlag;
+  return {n, "bodies"};
+}
+Items turnedBodies(const SceneStore& scene, const StepStore&) {
+  std::uint64_t n = 0;
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    n += scene.bodies.traits[i].moved_by_forces() && !scene.bodies.inertia[i].unturned;
+  return {n, "bodies"};
+}
+
+constexpr std::array kParts{
+    Part{kInnerRowNames[kCollide], needOf<Effect::Collision>, candidates},
+    Part{kInnerRowNames[kPrepare], needOf<Effect::Collision>, points},
+    Part{kInnerRowNames[kSolve], needSolver, points},
+    Part{kInnerRowNames[kIntegrate], islands::need, bodiesOn<&Rosters::movers>},
+    Part{kInnerRowNames[kRestitution], needOf<Effect::Restitution>, impactCount},
+    Part{kInnerRowNames[kStore], needOf<Effect::Collision>, points},
+    Part{"contacts.friction", needOf<Effect::Friction>, frictionPairs},
+    Part{"contacts.rolling", needOf<Effect::Rolling>, rollingPairs},
+    Part{"rotation.integrate", needOf<Effect::Rotation>, turnedBodies},
+    Part{"rotation.gyroscopic", needOf<Effect::Gyroscopic>, bodiesThat<&Inertia::gyroscopic>},
+};
+
+using Clock = std::chrono::steady_clock;
+
+double secondsBetween(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double>(end - begin).count();
+}
+
+}  // namespace
+
+void StepStore::begin(const SceneStore& scene, double from, double to) {
+  const bool ballistic_only =
+      scene.rosters.movers.empty() && scene.rosters.led.empty() && scene.rosters.collidable.empty();
+  const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
+  t0 = from;
+  t1 = to;
+  solver = resolved(scene.settings.fidelity);
+  load.assign(n, {});
+  airless.clear();
+  submerged.clear();
+  bounds.resize(n);
+  supported.assign(n, 0);
+  crowded.clear();
+  impacts.clear();
+  stamp.assign(n, 0);
+  islands.clear();
+  island.assign(n, kNone);
+  slot.assign(n, kNone);
+  woken.clear();
+  falling_asleep.clear();
+  row_seconds.assign(kInnerRows, 0.0);
+  before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
+  twist_before.assign(scene.bodies.twist.begin(),
+                      scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
+  report = {};
+}
+
+void Pipeline::filter(const Census& census) {
+  active_.clear();
+  for (std::size_t row = 0; row < kStages.size(); ++row)
+    if (kStages[row].need(census).active) active_.push_back(row);
+  seconds_.assign(kStages.size(), 0.0);
+  row_seconds_.assign(kInnerRows, 0.0);
+}
+
+void Pipeline::restartClocks() {
+  std::fill(seconds_.begin(), seconds_.end(), 0.0);
+  std::fill(row_seconds_.begin(), row_seconds_.end(), 0.0);
+}
+
+void Pipeline::run(Context& context) {
+  const Clock::time_point begin = Clock::now();
+  Clock::time_point mark = begin;
+  for (const std::size_t row : active_) {
+    kStages[row].run(context);
+    const Clock::time_point now = Clock::now();
+    seconds_[row] += secondsBetween(mark, now);
+    mark = now;
+    if (!context.step.woken.empty()) return;  // to be begun again
+  }
+  for (std::size_t row = 0; row < kInnerRows; ++row) row_seconds_[row] += context.step.row_seconds[row];
+  context.step.report.seconds = secondsBetween(begin, mark);
+}
+
+std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore& scene,
+                                          const StepStore& step) const {
+  std::vector<StageInfo> rows;
+  const auto add = [&](const auto& row, double seconds) {
+    const Need need = row.need(census);
+    const Items items = need.active ? row.items(scene, step) : Items{0, ""};
+    rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds});
+  };
+  for (std::size_t row = 0; row < kStages.size(); ++row) {
+    add(kStages[row], seconds_[row]);
+    if (kStages[row].run != step_controller::run) continue;
+    for (std::size_t part = 0; part < kParts.size(); ++part)
+      add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0);
+  }
+  return rows;
+}
+
+}  // namespace rbs

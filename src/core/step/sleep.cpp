@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/sleep.h"
+
+#include "step/overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs::sleep {
+
+namespace {
+
+// At rest: no point of its surface is faster than this share of what gravity adds in a step, for this long,
+// s.
+constexpr double kStill = 1e-3, kRest = 0.5;
+
+bool isStill(const SceneStore& scene, Index i, double h) {
+  const Twist& twist = scene.bodies.twist[i];
+  const double speed = twist.v_WB.norm() + scene.bodies.traits[i].bounding_radius * twist.w_WB.norm();
+  return speed <= kStill * h * scene.gravity_W.norm();
+}
+
+bool moves(const SceneStore& scene, Index i) {
+  const Traits& t = scene.bodies.traits[i];
+  return t.moved_by_forces() ||
+         (t.led() && !(scene.bodies.twist[i].v_WB.isZero(0.0) && scene.bodies.twist[i].w_WB.isZero(0.0)));
+}
+
+}  // namespace
+
+void findWoken(Context& context) {
+  const SceneStore& scene = context.scene;
+  std::vector<std::uint32_t> groups;
+  for (const Contact& contact : scene.contacts.active)
+    for (const auto& [sleeper, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
+      if (scene.bodies.traits[sleeper].asleep && moves(scene, other))
+        groups.push_back(scene.rest[sleeper].group);
+  if (groups.empty()) return;
+  std::sort(groups.begin(), groups.end());
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.traits[i].asleep &&
+        std::binary_search(groups.begin(), groups.end(), scene.rest[i].group))
+      context.step.woken.push_back(i);
+}
+
+// A group goes to sleep as a whole. What touches a kinematic body that moves, or that a user force or a
+// wrench pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it
+// is moved apart without a velocity that tells it.
+void update(Context& context) {
+  SceneStore& scene = context.scene;
+  StepStore& step = context.step;
+  scene.rest.resize(scene.bodies.size());
+  const auto steps = static_cast<std::uint32_t>(std::ceil(kRest / step.h()));
+  std::vector<char> pulled(scene.bodies.size(), 0);
+  for (const BodyGrab& grab : scene.grabs) pulled[scene.bodies.indexOf(grab.body)] = 1;
+  for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
+  const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
+  for (const Island& island : step.islands) {
+    const bool parts = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+      return edge.kind == ConstraintKind::Contact &&
+             overlaps::isDeep(context, scene.contacts.active[edge.of]);
+    });
+    bool ready = island.touching && !blown;
+    for (const Edge& edge : island.edges)
+      for (const Index i : edge.bodies)
+        ready = ready && (i == kNone || scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
+    for (const Index i : island.bodies) {
+      std::uint32_t& rested = scene.rest[i].steps;
+      rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
+      ready = ready && rested >= steps && !pulled[i];
+    }
+    if (ready) step.falling_asleep.push_back(island.bodies);
+  }
+}
+
+// The number of a group is that of its oldest body, so that it means the same in a saved state.
+void putToSleep(SceneStore& scene, const std::vector<Index>& bodies) {
+  const Index oldest = *std::min_element(bodies.begin(), bodies.end());
+  for (const Index i : bodies) {
+    scene.bodies.traits[i].asleep = true;
+    scene.bodies.twist[i] = {};
+    scene.bodies.refresh(i);
+    scene.rest[i].group = oldest;
+  }
+}
+
+void wake(SceneStore& scene, const std::vector<Index>& bodies) {
+  for (const Index i : bodies) {
+    scene.bodies.traits[i].asleep = false;
+    scene.bodies.refresh(i);
+    scene.rest[i] = {};
+  }
+}
+
+void wakeAll(SceneStore& scene) {
+  if (scene.rest.empty()) return;
+  std::vector<Index> sleepers;
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.traits[i].asleep) sleepers.push_back(i);
+  scene.rest.resize(scene.bodies.size());
+  wake(scene, sleepers);
+  scene.rest.clear();
+}
+
+}  // namespace rbs::sleep

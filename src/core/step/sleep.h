@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sleep: groups of bodies at rest that are left out of the step until something comes near.
+//
+// Asleep, a body stands still like a static one, and nothing is computed for it but its bounds. What it would
+// still have settled by is lost, so a scene has to ask for it (`effects: {sleeping: on}`).
+#pragma once
+
+#include "state/context.h"
+
+namespace rbs::sleep {
+
+/// After the broad phase: finds the groups that a moving body comes near. If there are any, step.woken lists
+/// their bodies, and the step is to be begun again with them awake.
+void findWoken(Context& context);
+
+/// After the step: finds the groups that have been at rest for long enough, and lists them in
+/// step.falling_asleep.
+void update(Context& context);
+
+/// Bodies to sleep, as one group, or awake again; then the census is to be taken.
+void putToSleep(SceneStore& scene, const std::vector<Index>& bodies);
+void wake(SceneStore& scene, const std::vector<Index>& bodies);
+void wakeAll(SceneStore& scene);
+
+}  // namespace rbs::sleep

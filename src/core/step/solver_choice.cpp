@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a
+// sub-step carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a
+// tower of n bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times
+// as deep; and a slender body on its end has contacts that are hardly independent. A direct solve does not
+// mind any of them.
+//
+// It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of
+// the soft step do not show. So only islands are promoted in which nothing moves faster than what gravity
+// adds in a step or two.
+#include "step/solver_choice.h"
+
+#include "step/overlaps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace rbs {
+
+namespace {
+
+// What makes an island stiff, and how many pairs a direct solve may have; once for islands that the soft step
+// has, once for those that the exact step has.
+struct Stiffness {
+  std::uint32_t height;
+  double mass_ratio, slenderness;
+  std::size_t pairs;
+  double speed;  // of its bodies' surfaces, share of g h
+};
+constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
+
+// The most contacts on the shortest way from a body to something that forces do not move.
+std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto& list = context.scene.contacts.active;
+  std::map<Index, std::uint32_t> level;  // of bodies that are known to stand on something
+  std::uint32_t height = 0;
+  // Pairs are few (kStay.pairs) and levels fewer: relaxed until nothing changes.
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Index k : contacts) {
+      for (const auto& [a, b] : {std::pair(list[k].i, list[k].j), std::pair(list[k].j, list[k].i)}) {
+        if (!bodies.traits[b].moved_by_forces()) continue;
+        const bool moves = bodies.traits[a].moved_by_forces();
+        const auto known = level.find(a);
+        if (moves && known == level.end()) continue;
+        const std::uint32_t above = (moves ? known->second : 0) + 1;
+        const auto [place, is_new] = level.try_emplace(b, above);
+        if (!is_new && place->second <= above) continue;
+        place->second = above;
+        changed = true;
+      }
+    }
+  }
+  for (const auto& [body, level_of_one] : level) height = std::max(height, level_of_one);
+  return height;
+}
+
+// Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
+// before the step alone, so that every machine decides alike. An island that was exact in the last step
+// stays so until it is clearly no longer that kind (hysteresis).
+bool isPromoted(const Context& context, const Island& island) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto& list = context.scene.contacts.active;
+  std::vector<Index> touching;
+  bool was_exact = false;
+  std::vector<Index> contacts;
+  for (const Edge& edge : island.edges)
+    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
+  for (const Index k : contacts) {
+    was_exact = was_exact || list[k].exact;
+    if (list[k].state.isTouching()) touching.push_back(k);
+  }
+  const Stiffness& bounds = was_exact ? kStay : kEnter;
+  if (touching.empty()) touching = contacts;  // nothing is known yet of bodies that have just been made
+  if (island.edges.size() > bounds.pairs) return false;
+  const double gravity = context.scene.gravity_W.norm();
+  for (const Index i : island.bodies) {
+    const Traits& t = bodies.traits[i];
+    const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();
+    if (speed > bounds.speed * gravity * context.step.h()) return false;
+  }
+
+  double mass_ratio = 1.0, slenderness = 1.0;
+  for (const Index k : touching) {
+    const Traits &a = bodies.traits[list[k].i], &b = bodies.traits[list[k].j];
+    if (a.moved_by_forces() && b.moved_by_forces())
+      mass_ratio = std::max(mass_ratio, std::max(a.mass / b.mass, b.mass / a.mass));
+    for (const Traits* t : {&a, &b})
+      if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
+  }
+  return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness ||
+         (touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height);
+}
+
+}  // namespace
+
+bool isExact(const Context& context, const Island& island) {
+  const SolverSettings& settings = context.step.solver;
+  return !overlaps::ruleOver(context, island) &&
+         (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
+}
+
+// A body that flew joins the method of what it met; of two methods the one that any number of rows can
+// afford.
+bool isExactTogether(const Context& context, const Island& a, const Island& b) {
+  if (context.step.solver.exact) return a.exact && b.exact;
+  return (a.exact || a.flies()) && (b.exact || b.flies()) && (a.exact || b.exact);
+}
+
+}  // namespace rbs

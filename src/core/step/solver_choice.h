@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which islands the exact step solves, and which the soft step.
+#pragma once
+
+#include "state/context.h"
+
+namespace rbs {
+
+/// At the exact settings: every island but those that deep overlaps rule. At the fast ones: those that the
+/// soft step would do badly and that a direct solve can afford. By counts of the state before the step alone,
+/// so that every machine decides alike.
+bool isExact(const Context& context, const Island& island);
+
+/// The choice for an island that two are merged into.
+bool isExactTogether(const Context& context, const Island& a, const Island& b);
+
+}  // namespace rbs

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/saved_state.h"
+
+#include "base/checks.h"
+#include "base/text.h"
+#include "narrowphase/manifold.h"
+#include "step/sleep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace rbs {
+
+SavedState captureState(const SceneStore& scene) {
+  SavedState state;
+  state.time = scene.time;
+  state.steps = scene.steps;
+  for (const Contact* contact : scene.contacts.withPoints()) {
+    if (contact->points.empty()) continue;
+    SavedState::Contact saved{
+        scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j), {}, contact->exact};
+    for (const SolvedPoint& point : contact->points)
+      saved.points.push_back({point.feature, point.normal, point.friction_W});
+    state.contacts.push_back(std::move(saved));
+  }
+  for (Index i = 0; i < scene.rest.size(); ++i) {
+    if (scene.rest[i].steps == 0) continue;
+    SavedState::Rest rest{i, scene.rest[i].steps, std::nullopt};
+    if (scene.bodies.traits[i].asleep) rest.asleep_with = scene.rest[i].group;
+    state.rest.push_back(rest);
+  }
+  for (Index i = 0; i < scene.bodies.size(); ++i)
+    if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
+      state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
+  for (const TimedWrench& w : scene.wrenches) {
+    const Index i = scene.bodies.indexOf(w.body);
+    state.wrenches.push_back({i, w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
+  }
+  return state;
+}
+
+std::vector<Problem> validate(const SavedState& saved, Index bodies) {
+  std::vector<Problem> problems;
+  if (!std::isfinite(saved.time) || saved.time < 0.0)
+    problems.push_back({"state.time", text(saved.time), "finite and not negative, in s"});
+  for (const SavedState::Contact& contact : saved.contacts) {
+    if (contact.a >= contact.b || contact.b >= bodies || contact.points.size() > Manifold::kPoints)
+      problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
+                          "two indices of bodies, the smaller first, and at most " +
+                              std::to_string(Manifold::kPoints) + " points"});
+    for (const SavedState::Contact::Point& point : contact.points)
+      if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
+        problems.push_back(
+            {"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
+  }
+  for (const SavedState::Attitude& attitude : saved.attitudes)
+    if (attitude.body >= bodies || !(attitude.since >= 0.0 && attitude.since <= saved.time) ||
+        !(std::abs(attitude.q_WB.norm() - 1.0) < 1e-9))
+      problems.push_back({"state.attitudes", std::to_string(attitude.body),
+                          "the index of a body, a time up to state.time and a quaternion of norm 1"});
+  for (const SavedState::Rest& rest : saved.rest)
+    if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
+      problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
+  for (const SavedState::Wrench& wrench : saved.wrenches) {
+    if (wrench.body >= bodies)
+      problems.push_back({"state.wrenches", std::to_string(wrench.body), "the index of a body"});
+    checkVector(wrench.force_W, Limits::max_impulse, "state.wrenches.force", "N", problems);
+    checkVector(wrench.torque_W, Limits::max_impulse, "state.wrenches.torque", "N m", problems);
+    checkVector(wrench.point_B, 2.0 * Limits::max_position, "state.wrenches.point", "m", problems);
+    if (!std::isfinite(wrench.until))
+      problems.push_back({"state.wrenches.until", text(wrench.until), "a finite time, in s"});
+  }
+  return problems;
+}
+
+void restoreForces(const SavedState& saved, SceneStore& scene) {
+  for (const SavedState::Contact& known : saved.contacts) {
+    Contact contact = newContact(scene.bodies, known.a, known.b);
+    contact.exact = known.exact, contact.solved = true;
+    for (const SavedState::Contact::Point& point : known.points) {
+      SolvedPoint& restored = contact.points.emplace_back();
+      restored.feature = point.feature;
+      restored.normal = point.normal;
+      restored.friction_W = point.tangent_W;
+    }
+    scene.contacts.active.push_back(std::move(contact));
+  }
+  scene.contacts.endStep();
+  for (const SavedState::Wrench& w : saved.wrenches)
+    scene.wrenches.push_back(
+        {scene.bodies.id[w.body], w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
+  scene.time = saved.time;
+  scene.steps = saved.steps;
+}
+
+bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene) {
+  for (const SavedState::Attitude& attitude : saved.attitudes) {
+    if (!scene.bodies.inertia[attitude.body].unturned) continue;
+    scene.bodies.pose[attitude.body].q_WB = attitude.q_WB;
+    scene.bodies.since[attitude.body] = attitude.since;
+  }
+  if (saved.rest.empty() || !scene.effects[Effect::Sleeping]) return false;
+  scene.rest.resize(scene.bodies.size());
+  std::map<std::uint32_t, std::vector<Index>> groups;
+  for (const SavedState::Rest& rest : saved.rest) {
+    scene.rest[rest.body].steps = rest.steps;
+    if (rest.asleep_with) groups[*rest.asleep_with].push_back(rest.body);
+  }
+  for (const auto& [oldest, group] : groups) sleep::putToSleep(scene, group);
+  return true;
+}
+
+}  // namespace rbs

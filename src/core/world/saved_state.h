@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Saved states: captures what the definitions of the bodies do not hold, and restores it.
+#pragma once
+
+#include "rigid_body_sim/world.h"
+#include "state/context.h"
+
+namespace rbs {
+
+SavedState captureState(const SceneStore& scene);
+
+/// Every fault of a saved state of this number of bodies.
+std::vector<Problem> validate(const SavedState& saved, Index bodies);
+
+/// Restores the time, the contacts and the wrenches of a sound state. To be called before takeCensus().
+void restoreForces(const SavedState& saved, SceneStore& scene);
+
+/// Restores orientations that are not integrated, and sleeping islands. To be called after takeCensus().
+/// Returns whether takeCensus() must be called again.
+bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene);
+
+}  // namespace rbs

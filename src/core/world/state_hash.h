@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The state hash: one number for the whole state of a world.
+#pragma once
+
+#include "state/context.h"
+
+namespace rbs {
+
+/// Equal for worlds with equal futures: bodies, settings, user forces, wrenches, time, and the forces that
+/// warm-start the contacts. FNV-1a over the bits, 64 bits.
+std::uint64_t stateHash(const SceneStore& scene);
+
+}  // namespace rbs

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "world/world_parts.h"
+
+#include "base/checks.h"
+#include "base/text.h"
+#include "narrowphase/collide.h"
+#include "rigid_body_sim/quote.h"
+#include "state/invariants.h"
+#include "world/saved_state.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace rbs {
+
+// Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they
+// are, and drops everything else.
+std::string World::Impl::freeName(const Shape& shape, const std::unordered_set<std::string>& taken) {
+  const std::string stem = shapeName(shape);
+  std::uint64_t& number = next_number[stem];
+  std::string name;
+  do name = stem + '_' + std::to_string(++number);
+  while (taken.count(name));
+  return name;
+}
+
+void World::Impl::nameBodies(std::vector<BodyDef>& bodies) {
+  std::unordered_set<std::string> taken(scene.bodies.name.begin(), scene.bodies.name.end());
+  for (const BodyDef& body : bodies) taken.insert(body.name);
+  for (BodyDef& body : bodies) {
+    if (!body.name.empty()) continue;
+    body.name = freeName(body.shape, taken);
+    taken.insert(body.name);
+  }
+}
+
+namespace {
+
+void checkNames(const Bodies& bodies, const std::vector<BodyDef>& added, std::vector<Problem>& problems) {
+  std::unordered_set<std::string> taken(bodies.name.begin(), bodies.name.end());
+  for (std::size_t k = 0; k < added.size(); ++k) {
+    if (added[k].name.empty() || taken.insert(added[k].name).second) continue;
+    const std::string path = added.size() == 1 ? "body.name" : "bodies[" + std::to_string(k) + "].name";
+    problems.push_back({path, quoted(added[k].name), "a name that no other body has"});
+  }
+}
+
+SceneDef settingsOnly(SceneDef scene) {
+  scene.bodies.clear();
+  return scene;
+}
+
+}  // namespace
+
+World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std::make_unique<Impl>()) {
+  throwIfAny(validate(scene));
+  std::vector<BodyDef> bodies = std::move(scene.bodies);
+  impl_->scene.settings = settingsOnly(std::move(scene));
+  impl_->nameBodies(bodies);
+  for (const BodyDef& body : bodies) impl_->scene.bodies.append({impl_->next_serial++}, body);
+  if (saved) throwIfAny(validate(*saved, impl_->scene.bodies.size()));
+  if (saved) restoreForces(*saved, impl_->scene);
+  impl_->edited(true);
+  if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
+  impl_->pipeline.filter(impl_->census);
+}
+
+World::World(const World& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+
+// --- bodies
+
+BodyId World::addBody(const BodyDef& body) {
+  return addBodies({body}).front();
+}
+
+std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
+  std::vector<Problem> problems;
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const std::string path = bodies.size() == 1 ? "body" : "bodies[" + std::to_string(k) + "]";
+    for (Problem& problem : validate(bodies[k], path)) problems.push_back(std::move(problem));
+  }
+  checkNames(impl_->scene.bodies, bodies, problems);
+  throwIfAny(problems);
+  std::vector<BodyDef> named = bodies;
+  impl_->nameBodies(named);
+  std::vector<BodyId> ids;
+  for (const BodyDef& body : named) {
+    ids.push_back({impl_->next_serial++});
+    impl_->scene.bodies.append(ids.back(), body);
+  }
+  impl_->edited(true, std::vector<Index>{});
+  return ids;
+}
+
+void World::removeBody(BodyId id) {
+  const Index i = impl_->require(id);
+  impl_->letGo(id);
+  SceneStore& scene = impl_->scene;
+  scene.contacts.remove(id);
+  scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
+                                      [id](const TimedWrench& w) { return w.body == id; }),
+                       scene.wrenches.end());
+  uncountBody(scene, i);
+  scene.bodies.erase(i);
+  impl_->edited(true, std::vector<Index>{});
+}
+
+void World::clear() {
+  SceneStore& scene = impl_->scene;
+  scene.bodies.clear();
+  scene.wrenches.clear();
+  scene.grabs.clear();
+  scene.holds.clear();
+  scene.contacts = {};
+  impl_->step = {};
+  impl_->edited(true);
+}
+
+void World::editBody(BodyId id, const BodyEdit& edit) {
+  const Index i = impl_->require(id);
+  Bodies& bodies = impl_->scene.bodies;
+  BodyDef def = bodies.define(i, impl_->scene.time);
+  def.kind = bodies.traits[i].kind;  // also of a frozen body
+  if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
+  if (edit.shape) def.shape = *edit.shape;
+  if (edit.pose) def.pose = *edit.pose;
+  if (edit.kind) {
+    def.kind = *edit.kind;
+    if (def.kind != BodyKind::Dynamic) def.twist = {};
+  }
+  if (edit.twist) def.twist = *edit.twist;
+  if (edit.mass || edit.density || edit.shape) {
+    def.mass = edit.mass;
+    def.density = edit.density;
+    if (!edit.mass && !edit.density && bodies.traits[i].density > 0.0) def.density = bodies.traits[i].density;
+  }
+  if (edit.friction) def.material.friction = *edit.friction;
+  if (edit.restitution) def.material.restitution = *edit.restitution;
+  if (edit.drag_coefficient) def.material.drag_coefficient = *edit.drag_coefficient;
+  if (edit.rolling_resistance) def.material.rolling_resistance = *edit.rolling_resistance;
+  if (edit.torsional_resistance) def.material.torsional_resistance = *edit.torsional_resistance;
+  if (edit.color) def.color = *edit.color;
+  if (edit.group) def.group = *edit.group;
+  if (edit.mask) def.mask = *edit.mask;
+  throwIfAny(validate(def, "body"));
+
+  Bodies fresh;
+  fresh.append(id, def);
+  bodies.pose[i] = fresh.pose[0];
+  bodies.since[i] = impl_->scene.time;
+  bodies.twist[i] = fresh.twist[0];
+  bodies.color[i] = fresh.color[0];
+  const Traits old = bodies.traits[i];
+  bodies.traits[i] = fresh.traits[0];
+  bodies.traits[i].held = old.held;
+  bodies.traits[i].frozen = old.frozen && !edit.kind && !edit.pose;
+  bodies.refresh(i);
+  // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
+  if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->scene.contacts.forget(id);
+  const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
+                           !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
+                           !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask &&
+                           !old.frozen;
+  impl_->edited(!only_motion, std::vector<Index>{i});
+}
+
+BodyId World::find(const std::string& name) const {
+  const Index i = impl_->scene.bodies.indexOf(name);
+  return i == kNone ? BodyId{} : impl_->scene.bodies.id[i];
+}
+
+// Rises from `clearance` above the origin past every body in the way. Each obstacle lifts the shape by at
+// least a hundredth of its size, so the search ends.
+Vec3 World::freePlace(const Shape& shape, const Quat& q_WB, double clearance) const {
+  const Bodies& bodies = impl_->scene.bodies;
+  const double radius = boundingRadius(shape);
+  if (!std::isfinite(radius)) return Vec3::Zero();
+  Pose pose;
+  pose.q_WB = q_WB;
+  pose.p_WB.z() = clearance + reach(shape, q_WB.conjugate() * -Vec3::UnitZ());
+  const double room = 0.02 * radius;
+  for (int tries = 0; tries < 100000; ++tries) {
+    double rise = 0.0;
+    for (Index i = 0; i < bodies.size(); ++i) {
+      const double reach = bodies.traits[i].bounding_radius + radius + room;
+      if ((bodies.pose[i].p_WB - pose.p_WB).squaredNorm() > reach * reach) continue;
+      const Pose obstacle = bodies.poseNow(i, impl_->scene.time);
+      const Manifold manifold = collide(bodies.traits[i].shape, obstacle, shape, pose, room);
+      for (int k = 0; k < manifold.size; ++k) rise = std::max(rise, room - manifold.points[k].separation);
+    }
+    if (rise == 0.0) break;
+    pose.p_WB.z() += rise;
+  }
+  return pose.p_WB;
+}
+
+// --- surroundings
+
+namespace {
+
+// Puts changed settings to the same test as a scene.
+SceneDef checked(SceneDef settings) {
+  throwIfAny(validate(settings));
+  return settings;
+}
+
+}  // namespace
+
+void World::setGravity(const Vec3& gravity_W) {
+  SceneDef settings = impl_->scene.settings;
+  settings.gravity = gravity_W;
+  impl_->scene.settings = checked(std::move(settings));
+  impl_->edited(false);
+}
+
+void World::setAir(const std::optional<Air>& air) {
+  SceneDef settings = impl_->scene.settings;
+  settings.air = air;
+  if (!air) settings.wind.reset();
+  impl_->scene.settings = checked(std::move(settings));
+  impl_->edited(false);
+}
+
+void World::setWind(const std::optional<Wind>& wind) {
+  SceneDef settings = impl_->scene.settings;
+  settings.wind = wind;
+  impl_->scene.settings = checked(std::move(settings));
+  impl_->edited(false);
+}
+
+void World::setFidelity(const Setting& setting) {
+  throwIfAny(validate(setting));
+  impl_->scene.settings.fidelity = setting;
+  impl_->begunAnew();
+}
+
+void World::setGoal(const std::optional<Goal>& goal) {
+  if (goal) throwIfAny(validate(*goal));
+  impl_->scene.settings.goal = goal;
+}
+
+void World::setFluid(const std::optional<Fluid>& fluid) {
+  SceneDef settings = impl_->scene.settings;
+  settings.fluid = fluid;
+  impl_->scene.settings = checked(std::move(settings));
+  impl_->edited(false);
+}
+
+void World::setEffects(const EffectOverrides& effects) {
+  impl_->scene.settings.effects = effects;
+  impl_->edited(false);
+}
+
+// --- time
+
+void World::Impl::advance(double to) {
+  Context context{scene, step, census};
+  assert(invariants::hold(invariants::broken(scene)));
+  do {
+    sleep::wake(scene, step.woken);
+    if (!step.woken.empty()) recount();
+    step.begin(scene, scene.time, to);
+    pipeline.run(context);
+  } while (!step.woken.empty());
+  assert(invariants::hold(invariants::broken(scene, step)));
+  scene.contacts.endStep();
+  scene.time = to;
+
+  // What the step itself has changed is no edit: a copy of the world that runs beside it has taken the step
+  // as well.
+  std::vector<TimedWrench>& wrenches = scene.wrenches;
+  const auto over = [&](const TimedWrench& wrench) { return wrench.until <= scene.time; };
+  const auto expired = std::remove_if(wrenches.begin(), wrenches.end(), over);
+  const bool some_expired = expired != wrenches.end();
+  wrenches.erase(expired, wrenches.end());
+  const auto isFrozen = [](const Warning& warning) { return warning.kind == "non_finite"; };
+  const bool frozen = std::any_of(step.report.warnings.begin(), step.report.warnings.end(), isFrozen);
+  if (frozen) descriptionsChanged();
+  for (const std::vector<Index>& group : step.falling_asleep) sleep::putToSleep(scene, group);
+  if (some_expired || frozen || !step.falling_asleep.empty()) recount();
+}
+
+namespace {
+
+// What the parts of a step did, together; what it found is that of the last part.
+void addParts(const StepReport& before, StepReport& report) {
+  report.seconds += before.seconds;
+  report.overlap_tests += before.overlap_tests;
+  report.impacts += before.impacts;
+  report.deferred_impacts += before.deferred_impacts;
+  report.warnings.insert(report.warnings.begin(), before.warnings.begin(), before.warnings.end());
+}
+
+}  // namespace
+
+const StepReport& World::step() {
+  Impl& w = *impl_;
+  const double h = w.scene.settings.step, start = w.scene.time;
+  const std::uint32_t parts = w.scene.settings.fidelity.divisions;
+  w.step.solve_until.reset();
+  if (const auto ms = w.scene.settings.fidelity.max_solve_ms)
+    w.step.solve_until =
+        std::chrono::steady_clock::now() +
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
+  w.scene.contacts.clearEarlier();
+  w.pipeline.restartClocks();
+  w.advance(parts == 1 ? start + h : start + h / parts);
+  for (std::uint32_t part = 2; part <= parts; ++part) {
+    const StepReport before = w.step.report;
+    for (Contact& contact : w.scene.contacts.active)
+      if (!w.scene.isAsleep(contact)) contact.addEarlier();
+    w.advance(part == parts ? start + h : start + h * part / parts);
+    addParts(before, w.step.report);
+  }
+  ++w.scene.steps;
+  return w.step.report;
+}
+
+}  // namespace rbs

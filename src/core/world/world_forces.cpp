@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// External forces on single bodies: impulses, wrenches, user forces.
+#include "world/world_parts.h"
+
+#include "base/checks.h"
+#include "base/text.h"
+
+namespace rbs {
+
+TimedWrench World::Impl::wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                                  double seconds) const {
+  const Index i = require(id);
+  const Bodies& bodies = scene.bodies;
+  std::vector<Problem> problems;
+  checkVector(force_W, Limits::max_impulse, "force", "N", problems);
+  checkVector(torque_W, Limits::max_impulse, "torque", "N m", problems);
+  checkVector(point_W, Limits::max_position, "point", "m", problems);
+  checkPositive(seconds, 1e9, "seconds", "s", problems);
+  if (!bodies.traits[i].movable())
+    problems.push_back({"body", bodies.name[i], "a dynamic body that is neither held nor frozen"});
+  throwIfAny(problems);
+  const Pose pose = bodies.poseNow(i, scene.time);
+  return {id, force_W, torque_W, pose.q_WB.conjugate() * (point_W - pose.p_WB), scene.time + seconds};
+}
+
+void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) {
+  const Index i = impl_->require(id);
+  Bodies& bodies = impl_->scene.bodies;
+  std::vector<Problem> problems;
+  checkVector(impulse_W, Limits::max_impulse, "impulse", "N s", problems);
+  checkVector(point_W, Limits::max_position, "point", "m", problems);
+  if (!bodies.traits[i].movable())
+    problems.push_back({"body", bodies.name[i], "a dynamic body that is neither held nor frozen"});
+  throwIfAny(problems);
+  Twist twist = bodies.twist[i];
+  twist.v_WB += impulse_W / bodies.traits[i].mass;
+  const Pose pose = bodies.poseNow(i, impl_->scene.time);
+  const Vec3 torque_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
+  twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(torque_B));
+  if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
+      twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
+    throw InvalidInput({{"impulse", textOf(impulse_W),
+                         "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
+                             text(Limits::max_spin) + " rad/s"}});
+  bodies.bringAttitude(i, impl_->scene.time);
+  bodies.twist[i] = twist;
+  impl_->edited(false, std::vector<Index>{});
+}
+
+void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                        double seconds) {
+  impl_->scene.wrenches.push_back(impl_->wrenchOf(id, force_W, torque_W, point_W, seconds));
+  impl_->edited(false, std::vector<Index>{impl_->require(id)});
+}
+
+void World::commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                          double seconds) {
+  TimedWrench command = impl_->wrenchOf(id, force_W, torque_W, point_W, seconds);
+  command.commanded = true;
+  for (TimedWrench& wrench : impl_->scene.wrenches) {
+    if (wrench.body != id || !wrench.commanded) continue;
+    wrench = command;
+    ++impl_->edits;
+    return;
+  }
+  impl_->scene.wrenches.push_back(command);
+  impl_->edited(false, std::vector<Index>{impl_->require(id)});
+}
+
+void World::grab(BodyId id, const Grab& grab) {
+  const Index i = impl_->require(id);
+  std::vector<Problem> problems;
+  checkVector(grab.p_B, Limits::max_position, "grab.p_B", "m", problems);
+  checkVector(grab.p_W, Limits::max_position, "grab.p_W", "m", problems);
+  checkPositive(grab.frequency, 1e4, "grab.frequency", "Hz", problems);
+  checkPositive(grab.max_acceleration, 1e9, "grab.max_acceleration", "m/s^2", problems);
+  if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
+    problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
+  throwIfAny(problems);
+  for (BodyGrab& grabbed : impl_->scene.grabs) {
+    if (grabbed.body != id) continue;
+    grabbed.grab = grab;
+    ++impl_->edits;
+    return;
+  }
+  release(id);
+  impl_->scene.grabs.push_back({id, grab});
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+void World::hold(BodyId id, const Pose& target) {
+  const Index i = impl_->require(id);
+  std::vector<Problem> problems;
+  checkVector(target.p_WB, Limits::max_position, "hold.position", "m", problems);
+  const double norm = target.q_WB.norm();
+  if (!(norm > 1e-3 && norm < 1e3))
+    problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
+  throwIfAny(problems);
+  const Pose unit{target.p_WB, target.q_WB.normalized()};
+  for (BodyHold& hold : impl_->scene.holds) {
+    if (hold.body != id) continue;
+    hold.target = unit;
+    ++impl_->edits;
+    return;
+  }
+  release(id);
+  impl_->scene.holds.push_back({id, unit});
+  impl_->scene.bodies.traits[i].held = true;
+  impl_->scene.bodies.refresh(i);
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+void World::release(BodyId id) {
+  const Index i = impl_->require(id);
+  Bodies& bodies = impl_->scene.bodies;
+  impl_->letGo(id);
+  if (bodies.traits[i].held) {
+    bodies.traits[i].held = false;
+    bodies.twist[i] = {};
+    bodies.refresh(i);
+  }
+  impl_->edited(false, std::vector<Index>{i});
+}
+
+}  // namespace rbs

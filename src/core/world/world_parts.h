@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts behind the interface of World.
+#pragma once
+
+#include "rigid_body_sim/world.h"
+#include "state/context.h"
+#include "step/census.h"
+#include "step/pipeline.h"
+#include "step/sleep.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+namespace rbs {
+
+struct World::Impl {
+  SceneStore scene;
+  StepStore step;
+  Census census;
+  Pipeline pipeline;
+  std::uint64_t next_serial = 1;
+  std::uint64_t edits = 0;
+  std::uint64_t description_version = 0;
+  std::unordered_map<std::string, std::uint64_t> next_number;  // of names by shape
+  mutable std::shared_ptr<const std::vector<BodyDescription>> descriptions;
+
+  Index require(BodyId id) const {
+    const Index i = scene.bodies.indexOf(id);
+    if (i == kNone) throw InvalidInput({{"body", std::to_string(id.serial), "a body of this world"}});
+    return i;
+  }
+
+  // To be called after every edit; `described` when a description changed. `changed` lists the bodies that
+  // the edit was about, besides those it appended, where it was about nothing else.
+  void edited(bool described, const std::optional<std::vector<Index>>& changed = std::nullopt) {
+    ++edits;
+    scene.just_edited = true;
+    if (described) descriptionsChanged();
+    begunAnew(changed);
+  }
+
+  void descriptionsChanged() {
+    ++description_version;
+    descriptions.reset();
+  }
+
+  // To be called when what the stages go by has changed.
+  void begunAnew(const std::optional<std::vector<Index>>& changed = std::nullopt) {
+    const bool some_rest = !scene.rest.empty();
+    sleep::wakeAll(scene);
+    changed && !some_rest ? adopt(takeCensus(scene, *changed)) : recount();
+  }
+
+  void recount() { adopt(takeCensus(scene)); }
+
+  void adopt(Census now) {
+    if (now == census) return;
+    census = std::move(now);
+    pipeline.filter(census);
+  }
+
+  void letGo(BodyId id) {
+    const auto ofBody = [id](const auto& pull) { return pull.body == id; };
+    scene.grabs.erase(std::remove_if(scene.grabs.begin(), scene.grabs.end(), ofBody), scene.grabs.end());
+    scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
+  }
+
+  // A wrench about the centre of mass, from now on. Throws InvalidInput.
+  TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
+                       double seconds) const;
+  void advance(double to);
+  std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
+  void nameBodies(std::vector<BodyDef>& bodies);
+};
+
+}  // namespace rbs
