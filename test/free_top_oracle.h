@@ -62,7 +62,7 @@ inline TopState integrated(const Vec3& l, const Vec3& moments, double t) {
   return s;
 }
 
-inline Quat attitudeOf(const TopState& s) {
+inline Quat orientationOf(const TopState& s) {
   return Quat(Eigen::Quaternion<Real>(s[3], s[0], s[1], s[2]).normalized().cast<double>());
 }
 

@@ -84,8 +84,8 @@ struct Warning {
 struct IslandResiduals {
   std::uint32_t bodies = 0,  ///< dynamic bodies
       contacts = 0;          ///< contact points, also those that nearly touch
-  /// The solver: "soft_step", or the most expensive one that the exact step took: "guess" (the forces of the
-  /// last step still held), "gauss_seidel", "newton", "interior_point", "admm".
+  /// The solver: "soft_step", or the most expensive one that the exact step took: "warm_start" (the forces of
+  /// the last step still held), "gauss_seidel", "newton", "interior_point", "admm".
   const char* method = "";
   /// Iterations of the exact step's solvers, trials included; 0: the forces of the last step still held.
   /// Always 0 for the soft step.

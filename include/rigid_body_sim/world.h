@@ -66,12 +66,12 @@ struct SavedState {
   std::vector<Contact> contacts;  ///< pairs that had contact points in the last step
   /// Orientation of a body at an earlier time. Where nothing can change the angular velocity of a body, its
   /// orientation is not integrated. It is computed from this one when it is read.
-  struct Attitude {
+  struct Orientation {
     std::uint32_t body = 0;        ///< index of the body
     double since = 0.0;            ///< physics time of that orientation, s, 0 to SavedState::time
     Quat q_WB = Quat::Identity();  ///< unit quaternion from B to W at that time
   };
-  std::vector<Attitude> attitudes;  ///< of rotating bodies whose orientation is not integrated
+  std::vector<Orientation> orientations;  ///< of rotating bodies whose orientation is not integrated
   /// A body at rest, in a scene whose bodies may sleep.
   struct Rest {
     std::uint32_t body = 0;  ///< index of the body

@@ -255,7 +255,7 @@ SceneDef wall(int rows) {
   return scene;
 }
 
-// A thousand balls and cubes of half a metre, at random attitudes, that fall into a pen of 4 m.
+// A thousand balls and cubes of half a metre, at random orientations, that fall into a pen of 4 m.
 SceneDef pile() {
   SceneDef scene = catalogue("pyramid");
   scene.bodies.resize(1);

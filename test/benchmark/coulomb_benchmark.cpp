@@ -60,7 +60,7 @@ Outcome alone(const CoulombProblem& problem, const std::function<Answer(const Sy
 }
 
 Outcome chosen(const CoulombProblem& problem, double tolerance) {
-  static const char* const kNames[] = {"guess", "Gauss–Seidel", "Newton", "interior point", "ADMM"};
+  static const char* const kNames[] = {"warm start", "Gauss–Seidel", "Newton", "interior point", "ADMM"};
   return measure([&] {
     CoulombProblem copy = problem;
     const CoulombResult result = solveCoulomb(copy, tolerance);

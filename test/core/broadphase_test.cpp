@@ -6,7 +6,7 @@
 #include "core/narrowphase_oracles.h"
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -195,17 +195,17 @@ TEST(BroadPhase, FindsThePairsOfBruteForceInTenThousandWorlds) {
 struct Crowd {
   SceneStore scene;
   StepStore step;
-  Census census;
+  SceneAnalysis analysis;
 
   void add(const BodyDef& def) { scene.bodies.append(BodyId{scene.bodies.size() + 1}, def); }
   void admit() {
-    census = takeCensus(scene);
+    analysis = analyseScene(scene);
     scene.sweep = {};
-    scene.sweep.order = scene.rosters.collidable;
+    scene.sweep.order = scene.lists.collidable;
   }
   std::uint64_t run() {
     step.begin(scene, 0.0, 0.01);
-    Context context{scene, step, census};
+    Context context{scene, step, analysis};
     sweep_and_prune::run(context);
     return step.report.overlap_tests;
   }

@@ -89,7 +89,7 @@ TEST(Collide, RigidMotionMovesTheManifold) {
   int same = 0, all = 0;
   for (int k = 0; k < 10000; ++k) {
     const Pair p = randomPair(random, seed, k);
-    const Pose by{random.inCube(100.0), random.attitude()};
+    const Pose by{random.inCube(100.0), random.orientation()};
     const Manifold one = collide(p.a, p.X_WA, p.b, p.X_WB, 0.05);
     const Manifold other = collide(p.a, moved(by, p.X_WA), p.b, moved(by, p.X_WB), 0.05);
     const double one_gap = gap(p.a, p.X_WA, p.b, p.X_WB).distance;

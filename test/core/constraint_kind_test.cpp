@@ -3,7 +3,7 @@
 // and the soft step here, beside contacts.
 #include "make_scene.h"
 #include "solver/soft_step.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 #include "step/islands.h"
 
 #include <gtest/gtest.h>
@@ -55,8 +55,8 @@ class Coupling {
 struct Scene {
   SceneStore scene;
   StepStore step;
-  Census census;
-  Context context{scene, step, census};
+  SceneAnalysis analysis;
+  Context context{scene, step, analysis};
   static constexpr double kStep = 0.01;
 
   explicit Scene(const Vec3& gravity) { scene.settings.gravity = gravity; }
@@ -68,9 +68,9 @@ struct Scene {
   // One step of all islands that the couplings and contacts make.
   void advance(const std::vector<std::pair<Index, Index>>& couplings,
                const std::vector<std::pair<Index, Index>>& contacts) {
-    census = takeCensus(scene);
+    analysis = analyseScene(scene);
     step.begin(scene, 0.0, kStep);
-    for (const Index i : scene.rosters.movers) step.load[i].a_W = scene.settings.gravity;
+    for (const Index i : scene.lists.in_islands) step.load[i].a_W = scene.settings.gravity;
     scene.contacts.update(scene.bodies, contacts, [](const Contact&) { return false; });
     std::vector<Edge> edges;
     for (Index k = 0; k < scene.contacts.active.size(); ++k)

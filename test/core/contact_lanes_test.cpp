@@ -6,7 +6,7 @@
 
 #include "base/algebra.h"
 #include "make_scene.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -40,10 +40,10 @@ class Heap {
       if (k > 1) def.twist = {vector(speed), vector(speed)};
       store_.bodies.append({static_cast<std::uint64_t>(k + 1)}, def);
     }
-    census_ = takeCensus(store_);
+    analysis_ = analyseScene(store_);
     step_.begin(store_, 0.0, kStep);
     step_.islands.resize(1);
-    for (const Index i : store_.rosters.movers) step_.island[i] = 0, batch_.bodies.push_back(i);
+    for (const Index i : store_.lists.in_islands) step_.island[i] = 0, batch_.bodies.push_back(i);
     for (Index i = 0; i < store_.bodies.size(); ++i)
       for (Index j = i + 1; j < store_.bodies.size(); ++j) {
         if (step_.island[i] == kNone && step_.island[j] == kNone) continue;
@@ -65,8 +65,8 @@ class Heap {
 
   SceneStore store_;
   StepStore step_;
-  Census census_;
-  Context context_{store_, step_, census_};
+  SceneAnalysis analysis_;
+  Context context_{store_, step_, analysis_};
   IslandBatch batch_;
 };
 

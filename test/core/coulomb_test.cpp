@@ -646,7 +646,7 @@ TEST(Coulomb, ASolutionAsGuessTakesNoIterationAndALikelyOneFew) {
     again.points[k].impulse = scene.problem.points[k].impulse;
   CoulombProblem heavier = again;
   const CoulombResult warm = solveAndExpectLaw(again, 2 * kTolerance, 1e-8);
-  EXPECT_EQ(warm.solver, CoulombSolver::Guess);
+  EXPECT_EQ(warm.solver, CoulombSolver::WarmStart);
   EXPECT_EQ(warm.iterations, 0);
   for (CoulombBody& body : heavier.bodies) body.v *= 1.01;
   const CoulombResult close = solveAndExpectLaw(heavier, kTolerance, 1e-8);

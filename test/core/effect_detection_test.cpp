@@ -125,7 +125,7 @@ TEST(Detection, WhatIsForcedOffIsAsIfItHadNeverBeenMentioned) {
     if (need.effect == Effect::Buoyancy) plain.gravity.z() = -1.0;
     need.ask(forced);
     forced.effects[need.effect] = false;
-    // A ball with friction may be turned, and its attitude is then carried along.
+    // A ball with friction may be turned, and its orientation is then carried along.
     if (need.effect == Effect::Friction || need.effect == Effect::Rolling)
       plain.effects[Effect::Rotation] = true;
     if (need.effect == Effect::Friction || need.effect == Effect::Rolling)
@@ -218,7 +218,7 @@ TEST(Detection, MasksDecideWhoMayMeet) {
   EXPECT_TRUE(stage(world, "ballistic.integrate").active);
 }
 
-// --- attitudes that nobody carries along
+// --- orientations that nobody carries along
 
 TEST(Attitude, OfABallWithoutFrictionIsEvaluatedWhenItIsRead) {
   SceneDef scene = twoBalls();

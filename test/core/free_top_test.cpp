@@ -38,10 +38,10 @@ double fault(const Case& c, double t) {
   const TopState exact = integrated(c.l, c.moments, t);
   const TopState other = integrated(c.l + 1e-13 * c.l.norm() * Vec3(0.5, -0.7, 0.6), c.moments, t);
   const auto off = [&](const Quat& q, const Vec3& l) {
-    return std::max(angleBetween(q, attitudeOf(exact)),
+    return std::max(angleBetween(q, orientationOf(exact)),
                     (l - exact.tail<3>().cast<double>()).norm() / c.l.norm());
   };
-  const double condition = std::max(1.0, off(attitudeOf(other), other.tail<3>().cast<double>()) / 1e-13);
+  const double condition = std::max(1.0, off(orientationOf(other), other.tail<3>().cast<double>()) / 1e-13);
   return off(turn.q_B0B, turn.l_B) / condition;
 }
 

@@ -337,7 +337,7 @@ inline Pair randomPair(Random& random, const std::string& kind_a, const std::str
   Pair pair{randomShape(random, kind_a), randomShape(random, kind_b), {}, {}};
   if (random.below(4) == 0) pair.b = scaled(pair.b, std::pow(10.0, -random.uniform(0.0, 4.0)));
   const double reach = 0.5 * (fullExtents(pair.a).norm() + fullExtents(pair.b).norm());
-  Quat q_AB = random.attitude();
+  Quat q_AB = random.orientation();
   switch (random.below(6)) {
     case 0:  // faces that kiss: turned by little or nothing
       q_AB = quarterTurns(random);
@@ -374,7 +374,7 @@ inline Pair randomPair(Random& random, const std::string& kind_a, const std::str
     if (truth.n.allFinite()) pair.X_WB.p_WB += ((gap - truth.gap) * truth.n).cast<double>();
   }
   if (random.below(2) == 0) {  // somewhere else in the world
-    const Pose by{random.inCube(reach), random.attitude()};
+    const Pose by{random.inCube(reach), random.orientation()};
     pair.X_WA = moved(by, pair.X_WA);
     pair.X_WB = moved(by, pair.X_WB);
   }

@@ -3,7 +3,7 @@
 #include "state/invariants.h"
 
 #include "make_scene.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 #include "step/pipeline.h"
 
 #include <gtest/gtest.h>
@@ -26,11 +26,11 @@ struct Stores {
         ball("ball", 0.2, {5.0, 0.0, 3.0}), box("lift", Vec3::Ones(), {9.0, 0.0, 4.0})};
     bodies.back().kind = BodyKind::Kinematic;
     for (const BodyDef& def : bodies) scene.bodies.append({scene.bodies.size() + 1}, def);
-    const Census census = takeCensus(scene);
+    const SceneAnalysis analysis = analyseScene(scene);
     Pipeline pipeline;
-    pipeline.filter(census);
+    pipeline.filter(analysis);
     step.begin(scene, 0.0, scene.settings.step);
-    Context context{scene, step, census};
+    Context context{scene, step, analysis};
     pipeline.run(context);
   }
 };
@@ -47,7 +47,7 @@ TEST(Invariants, HoldAtTheEndOfAStep) {
 TEST(Invariants, OfASceneAreFoundBroken) {
   const std::vector<std::pair<const char*, std::function<void(SceneStore&)>>> faults{
       {"the arrays of bodies differ in size", [](auto& s) { s.bodies.color.pop_back(); }},
-      {"the census has counted other bodies", [](auto& s) { s.tally.entries.pop_back(); }},
+      {"the analysis has counted other bodies", [](auto& s) { s.counts.entries.pop_back(); }},
       {"the list of rest is of other bodies", [](auto& s) { s.rest.resize(2); }},
       {"body 'low': its number is not above the last one's",
        [](auto& s) { s.bodies.id[1] = s.bodies.id[0]; }},
@@ -65,11 +65,13 @@ TEST(Invariants, OfASceneAreFoundBroken) {
        [](auto& s) { s.bodies.inertia[4].inv_moments.x() = 1.0; }},
       {"a list of bodies is not in order",
        [](auto& s) {
-         s.rosters.movers = {2, 1, 3};
+         s.lists.in_islands = {2, 1, 3};
        }},
-      {"a list of bodies that feel an effect is not in order", [](auto& s) { s.rosters.feeling[1] = {7}; }},
-      {"body 'high': it is not on one list of movers", [](auto& s) { s.rosters.ballistic = {2}; }},
-      {"body 'lift': the list of kinematic bodies is wrong about it", [](auto& s) { s.rosters.led.clear(); }},
+      {"a list of bodies that feel an effect is not in order", [](auto& s) { s.lists.feeling[1] = {7}; }},
+      {"body 'high': it is not on exactly one list of awake dynamic bodies",
+       [](auto& s) { s.lists.ballistic = {2}; }},
+      {"body 'lift': the list of kinematic bodies is wrong about it",
+       [](auto& s) { s.lists.kinematic.clear(); }},
       {"the broad phase does not sort the bodies that may meet", [](auto& s) { s.sweep.order.pop_back(); }},
   };
   for (const auto& [words, put] : faults) {
@@ -111,7 +113,8 @@ TEST(Invariants, OfAStepAreFoundBroken) {
       {"body 'ball': it does not know its island", [](auto&, auto& s) { s.island[3] = 9; }},
       {"an island has a contact that is not there", [](auto&, auto& s) { s.islands[0].edges.at(0).of = 99; }},
       {"an island has not come to the end of the step", [](auto&, auto& s) { s.islands[0].time = 0.0; }},
-      {"body 'low': the islands do not hold the movers", [](auto&, auto& s) { s.islands[0].bodies.clear(); }},
+      {"body 'low': the islands do not hold the awake dynamic bodies",
+       [](auto&, auto& s) { s.islands[0].bodies.clear(); }},
   };
   for (const auto& [words, put] : faults) {
     Stores stores;

@@ -2,7 +2,7 @@
 // The constraint graph: which bodies make an island, whatever kind of constraint connects them.
 #include "step/islands.h"
 #include "make_scene.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -22,8 +22,8 @@ constexpr auto kGear = static_cast<ConstraintKind>(1);
 struct World {
   SceneStore scene;
   StepStore step;
-  Census census;
-  Context context{scene, step, census};
+  SceneAnalysis analysis;
+  Context context{scene, step, analysis};
 
   explicit World(const std::vector<bool>& dynamic) {
     for (std::size_t k = 0; k < dynamic.size(); ++k) {
@@ -31,7 +31,7 @@ struct World {
       if (!dynamic[k]) def.kind = BodyKind::Static;
       scene.bodies.append(BodyId{k + 1}, def);
     }
-    census = takeCensus(scene);
+    analysis = analyseScene(scene);
     step.begin(scene, 0.0, 0.01);
   }
 };

@@ -111,11 +111,11 @@ class Random {
     std::normal_distribution<double> normal;
     return Vec3(normal(generator_), normal(generator_), normal(generator_)).normalized();
   }
-  Quat attitude() {
+  Quat orientation() {
     std::normal_distribution<double> normal;
     return Quat(normal(generator_), normal(generator_), normal(generator_), normal(generator_)).normalized();
   }
-  Pose pose(double reach) { return {inCube(reach), attitude()}; }
+  Pose pose(double reach) { return {inCube(reach), orientation()}; }
   /// Cubes, slabs, needles and boxes of any proportion up to 1 : 100.
   Box box() {
     const Vec3 sizes[] = {{1, 1, 1}, {1, 1, 0.02}, {0.02, 0.02, 1}, {0.3, 1, 0.6}};

@@ -63,7 +63,7 @@ TEST_P(Properties, Hold) {
 
     // Far away the coordinates themselves are rounded.
     const double away = size * std::pow(10.0, random.uniform(0.0, 6.0));
-    const Pose by{away * random.direction(), random.attitude()};
+    const Pose by{away * random.direction(), random.orientation()};
     const double moved = gapOf({pair.a, pair.b, oracle::moved(by, pair.X_WA), oracle::moved(by, pair.X_WB)});
     const double reach = away + size + std::abs(found.distance) + pair.X_WA.p_WB.norm();
     if (!(std::abs(moved - found.distance) <= exact + 1e-15 * reach) && ++moved_wrong == 1)

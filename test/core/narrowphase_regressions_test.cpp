@@ -355,7 +355,8 @@ TEST(Regressions, RoundFeaturesThatNearlyTie) {
         Quat(-0.083430795664438701, -0.82415079965558091, -0.25347184143987339, 0.49956659952297144)},
        {{-0.11739421782760689, 0.16183462624658929, 0.25896296001799657},
         Quat(-0.57683796589487257, -0.74687962979561895, -0.0061591315790443524, -0.33074286809667885)}},
-      // Lines on two sides that cross at 3e-8 rad: the product of the attitudes keeps too few digits of it.
+      // Lines on two sides that cross at 3e-8 rad: the product of the orientations keeps too few digits of
+      // it.
       {Capsule{0.5, 0.0043402303490230297},
        Cylinder{0.441436179218125, 0.5},
        {{-0.68341965847823405, 1.3144640463774668, 1.2421055925977957},
@@ -388,8 +389,8 @@ TEST(Regressions, BoxFuzz) {
     const double scale = half_a.maxCoeff() + half_b.maxCoeff();
     const Shape mesh_a = boxMesh(half_a), mesh_b = boxMesh(half_b);
     for (int k = 0; k < 500; ++k) {
-      Pair pair{Box{2 * half_a}, Box{2 * half_b}, at({0, 0, 0}, random.attitude()),
-                at(random.inCube(1.15 * scale), random.attitude())};
+      Pair pair{Box{2 * half_a}, Box{2 * half_b}, at({0, 0, 0}, random.orientation()),
+                at(random.inCube(1.15 * scale), random.orientation())};
       EXPECT_EQ(faultOf(pair, 1e-12, worst), "") << "seed " << seed << ", pair " << k << "\n" << text(pair);
       pair.a = mesh_a, pair.b = mesh_b;
       EXPECT_EQ(faultOf(pair, 1e-10, worst), "") << "seed " << seed << ", pair " << k << "\n" << text(pair);

@@ -112,7 +112,7 @@ struct Tally {
 };
 
 template <class ShapeT>
-void checkRay(const ShapeT& shape, const Ray& ray, const std::optional<RayEntry>& entry, Tally& tally,
+void checkRay(const ShapeT& shape, const Ray& ray, const std::optional<RayEntry>& entry, Tally& counts,
               const std::string& where) {
   const Vec o = ray.origin.cast<Real>(), d = ray.d.cast<Real>();
   const Real size = boundingRadius(shape);
@@ -120,22 +120,22 @@ void checkRay(const ShapeT& shape, const Ray& ray, const std::optional<RayEntry>
   const auto f = [&](Real t) { return outside(shape, Vec(o + t * d)); };
   const Least least = leastOf(f, 0, end);
   if (std::abs(least.value) < 1e-9L * size) {
-    ++tally.grazing;
+    ++counts.grazing;
     return;
   }
   if (least.value > 0) {
-    ++tally.misses;
+    ++counts.misses;
     ASSERT_FALSE(entry) << where;
     return;
   }
   ASSERT_TRUE(entry) << where;
   if (f(0) <= 0) {
-    ++tally.starts_inside;
+    ++counts.starts_inside;
     ASSERT_EQ(entry->distance, 0.0) << where;
     ASSERT_EQ(entry->n_B, Vec3(-ray.d)) << where;
     return;
   }
-  ++tally.hits;
+  ++counts.hits;
   // The first zero of a function that falls from 0 to its least place.
   Real before = 0, after = least.t;
   for (int k = 0; k < 80; ++k) {
@@ -145,8 +145,8 @@ void checkRay(const ShapeT& shape, const Ray& ray, const std::optional<RayEntry>
   const Real h = 1e-7L * size;
   const Real steepness = std::min(Real(1), (f(before - h) - f(before)) / h);
   const Real error = std::abs(entry->distance - before) * steepness - rounding;
-  tally.worst = std::max(tally.worst, static_cast<double>(error / size));
-  ASSERT_LE(tally.worst, 1e-12) << where;
+  counts.worst = std::max(counts.worst, static_cast<double>(error / size));
+  ASSERT_LE(counts.worst, 1e-12) << where;
   // All of the shape is behind the plane of the hit.
   const Vec n = entry->n_B.cast<Real>();
   ASSERT_NEAR(entry->n_B.norm(), 1.0, 1e-14) << where;
@@ -162,18 +162,18 @@ template <class ShapeT>
 void checkShape(std::uint64_t seed, const std::function<ShapeT(Random&)>& random_shape,
                 const Cast<ShapeT>& cast) {
   Random random(seed);
-  Tally tally;
+  Tally counts;
   for (int k = 0; k < 100000 && !testing::Test::HasFatalFailure(); ++k) {
     const ShapeT shape = random_shape(random);
     const Ray ray = randomRay(random, boundingRadius(shape));
-    checkRay(shape, ray, cast(shape, ray), tally,
+    checkRay(shape, ray, cast(shape, ray), counts,
              "seed " + std::to_string(seed) + ", ray " + std::to_string(k));
   }
-  std::cout << "largest error " << tally.worst << " of the size\n";
-  EXPECT_GT(tally.hits, 10000);
-  EXPECT_GT(tally.misses, 10000);
-  EXPECT_GT(tally.starts_inside, 500);
-  EXPECT_LT(tally.grazing, 100);
+  std::cout << "largest error " << counts.worst << " of the size\n";
+  EXPECT_GT(counts.hits, 10000);
+  EXPECT_GT(counts.misses, 10000);
+  EXPECT_GT(counts.starts_inside, 500);
+  EXPECT_LT(counts.grazing, 100);
 }
 
 template <class ShapeT>

@@ -44,7 +44,7 @@ Vec placeAt(const Motion& motion, Real t) {
          0.5L * s * s * motion.a_W.cast<Real>();
 }
 
-Mat attitudeAt(const Motion& motion, Real t) {
+Mat orientationAt(const Motion& motion, Real t) {
   const Mat R = Eigen::Quaternion<Real>(motion.pose.q_WB.cast<Real>()).normalized().toRotationMatrix();
   const Vec w = motion.twist.w_WB.cast<Real>();
   if (w.isZero(0.0L)) return R;
@@ -53,7 +53,7 @@ Mat attitudeAt(const Motion& motion, Real t) {
 
 PlacedBox boxAt(const Box& box, const Motion& motion, Real t) {
   PlacedBox placed(box, Pose());
-  placed.p = placeAt(motion, t), placed.R = attitudeAt(motion, t);
+  placed.p = placeAt(motion, t), placed.R = orientationAt(motion, t);
   return placed;
 }
 
@@ -168,7 +168,7 @@ TEST(TimeOfImpact, SphereThatSlidesAndSphereWithinABox) {
   const Sphere ball{0.5};
   const Box box{{4, 4, 2}};
   for (int k = 0; k < 300; ++k) {
-    const Quat q = random.attitude();
+    const Quat q = random.orientation();
     const auto placed = [&](const Vec3& p, const Vec3& v, const Vec3& a) {
       Motion motion = still(q * p);
       motion.twist.v_WB = q * v, motion.a_W = q * a;
@@ -252,7 +252,7 @@ TEST(TimeOfImpact, GrazingHitsAndMisses) {
       };
       const double radius = random.uniform(0.05, 1.0), away = radius * (1.0 + sign * kMiss);
       const Vec3 half(random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), random.uniform(0.1, 1.0));
-      const Quat q = random.attitude();
+      const Quat q = random.orientation();
       // A path that is nearest to `feature` in the direction n after a second; it bends across n.
       const auto past = [&](const Vec3& feature, const Vec3& n, const Vec3& way) {
         const Vec3 along = way - way.dot(n) * n;
@@ -317,8 +317,8 @@ TEST(TimeOfImpact, DoesNotDependOnUnitsOrPlace) {
   Random random(seed);
   for (int k = 0; k < 500; ++k) {
     const Box a = random.box(), b = random.box();
-    Motion motion_a = still({0, 0, 0}, random.attitude()),
-           motion_b = still(2.0 * random.direction(), random.attitude());
+    Motion motion_a = still({0, 0, 0}, random.orientation()),
+           motion_b = still(2.0 * random.direction(), random.orientation());
     motion_b.twist.v_WB = -5.0 * motion_b.pose.p_WB + random.inCube(1.0);
     motion_b.a_W = kGravity;
     const auto answers = [&](double scale, const Vec3& offset) {
@@ -429,7 +429,7 @@ TEST(TimeOfImpact, SphereAndBoxThatDoesNotTurn) {
   for (int k = 0; k < pairs && !testing::Test::HasFailure(); ++k) {
     const Box box = random.box();
     const Sphere ball{std::pow(10.0, random.uniform(-2.0, 0.0))};
-    Motion of_box = still(random.inCube(0.5), random.attitude()), of_ball;
+    Motion of_box = still(random.inCube(0.5), random.orientation()), of_ball;
     const double speed = std::pow(10.0, random.uniform(0.0, 3.0)), way = random.uniform(1.0, 5.0),
                  to = way / speed;
     for (Motion* motion : {&of_box, &of_ball}) {
@@ -470,7 +470,7 @@ TEST(TimeOfImpact, BoxesThatTumble) {
   for (int k = 0; k < pairs && !testing::Test::HasFailure(); ++k) {
     const Box a = random.box(), b = random.box();
     Motion of_a, of_b;
-    of_a.pose = random.pose(0.1), of_b.pose = {2.0 * random.direction(), random.attitude()};
+    of_a.pose = random.pose(0.1), of_b.pose = {2.0 * random.direction(), random.orientation()};
     of_a.twist.w_WB = std::pow(10.0, random.uniform(-1.0, 3.0)) * random.direction();
     of_b.twist.w_WB = std::pow(10.0, random.uniform(-1.0, 3.0)) * random.direction();
     of_b.twist.v_WB = -random.uniform(20.0, 300.0) * (of_b.pose.p_WB.normalized() + random.inCube(0.3));
@@ -498,15 +498,15 @@ TEST(TimeOfImpact, CapsulesThatTumble) {
     const Capsule a{std::pow(10.0, random.uniform(-2.0, -0.5)), random.uniform(0.0, 0.5)},
         b{std::pow(10.0, random.uniform(-2.0, -0.5)), random.uniform(0.0, 0.5)};
     Motion of_a, of_b;
-    of_a.pose = random.pose(0.1), of_b.pose = {2.0 * random.direction(), random.attitude()};
+    of_a.pose = random.pose(0.1), of_b.pose = {2.0 * random.direction(), random.orientation()};
     of_a.twist.w_WB = std::pow(10.0, random.uniform(-1.0, 3.0)) * random.direction();
     of_b.twist.w_WB = std::pow(10.0, random.uniform(-1.0, 3.0)) * random.direction();
     of_b.twist.v_WB = -random.uniform(20.0, 300.0) * (of_b.pose.p_WB.normalized() + random.inCube(0.3));
     if (random.below(2) == 0) of_b.a_W = 100.0 * kGravity;
     const double to = 3.0 / of_b.twist.v_WB.norm();
     const auto gap = [&](Real t) {
-      const Vec u = 2.0L * a.half_length * attitudeAt(of_a, t).col(2),
-                v = 2.0L * b.half_length * attitudeAt(of_b, t).col(2);
+      const Vec u = 2.0L * a.half_length * orientationAt(of_a, t).col(2),
+                v = 2.0L * b.half_length * orientationAt(of_b, t).col(2);
       return oracle::segmentDistance(placeAt(of_a, t) - 0.5L * u, u, placeAt(of_b, t) - 0.5L * v, v) -
              Real(a.radius) - Real(b.radius);
     };
@@ -550,7 +550,7 @@ TEST(TimeOfImpact, IsNeverLate) {
     const Shape a = randomShape(random), b = randomShape(random);
     const double spin = std::pow(10.0, random.uniform(-1, 4));
     Motion motion_a, motion_b;
-    motion_a.pose = random.pose(0.1), motion_b.pose = {2.0 * random.direction(), random.attitude()};
+    motion_a.pose = random.pose(0.1), motion_b.pose = {2.0 * random.direction(), random.orientation()};
     motion_a.twist.w_WB = spin * random.direction(), motion_b.twist.w_WB = spin * random.direction();
     motion_b.twist.v_WB = -random.uniform(0.5, 20.0) * (motion_b.pose.p_WB.normalized() + random.inCube(0.5));
     motion_b.a_W = random.below(2) == 0 ? Vec3(Vec3::Zero()) : kGravity;
@@ -579,8 +579,8 @@ TEST(TimeOfImpact, TakesFewLooks) {
   for (int k = 0; k < 5000; ++k) {
     const Shape a = randomShape(random), b = randomShape(random);
     const double spin = std::pow(10.0, random.uniform(0.0, 2.0));
-    Motion motion_a = still(Vec3::Zero(), random.attitude()),
-           motion_b = still(2.0 * random.direction(), random.attitude());
+    Motion motion_a = still(Vec3::Zero(), random.orientation()),
+           motion_b = still(2.0 * random.direction(), random.orientation());
     motion_a.twist.w_WB = spin * random.direction(), motion_b.twist.w_WB = spin * random.direction();
     motion_b.twist.v_WB = -random.uniform(1.0, 20.0) * (motion_b.pose.p_WB.normalized() + random.inCube(0.3));
     int count = 0;
@@ -595,7 +595,7 @@ TEST(TimeOfImpact, TakesFewLooks) {
   // A box whose lowest corner leaves the floor at no speed, a low one or a high one.
   const Box box{{1.0, 0.6, 0.3}}, floor{{100.0, 100.0, 1.0}};
   for (int k = 0; k < 500; ++k) {
-    const Quat q = random.attitude();
+    const Quat q = random.orientation();
     const Mat3 R = q.toRotationMatrix();
     const Vec3 w = std::pow(10.0, random.uniform(-2.0, 2.0)) * random.direction();
     Vec3 corner;

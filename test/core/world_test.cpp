@@ -36,7 +36,7 @@ World inMotion() {
   return world;
 }
 
-// A cube that nothing can turn keeps no attitude up to date: it is asked for where it is needed.
+// A cube that nothing can turn keeps no orientation up to date: it is asked for where it is needed.
 TEST(World, AFreePlaceIsAboveACubeAsItIsTurnedNow) {
   SceneDef scene = emptySpace(1.0 / 100.0);
   scene.bodies = {box("cube", Vec3(2.0, 2.0, 2.0), Vec3::Zero())};

@@ -92,7 +92,7 @@ TEST_P(Flight, ASymmetricTopPrecessesAboutItsAngularMomentum) {
 struct Tumble {
   const char* name;
   Vec3 size, w;  // of a box of 1 kg
-  double seconds, attitude;
+  double seconds, orientation;
 };
 
 TEST_P(Flight, ATumblingBoxTurnsAsEulersEquationsSay) {
@@ -110,9 +110,9 @@ TEST_P(Flight, ATumblingBoxTurnsAsEulersEquationsSay) {
     advance(world, c.seconds);
     const double t = world.time();
     const Vec3 moments = (c.size.squaredNorm() * Vec3::Ones() - Vec3(c.size.cwiseProduct(c.size))) / 12.0;
-    EXPECT_LE(angleBetween(attitudeOf(integrated(moments.cwiseProduct(c.w), moments, t)),
+    EXPECT_LE(angleBetween(orientationOf(integrated(moments.cwiseProduct(c.w), moments, t)),
                            stateOf(world, "box").pose.q_WB),
-              c.attitude)
+              c.orientation)
         << c.name;
     const Totals after = world.totals();
     EXPECT_NEAR(after.kinetic_energy / before.kinetic_energy, 1.0, 1e-11) << c.name;

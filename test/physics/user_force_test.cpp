@@ -55,9 +55,9 @@ World held(const Held& what, double step, Fidelity fidelity, double gravity = kG
   return world;
 }
 
-/// The attitude in which the point p_B stands `angle` beside the upright over the centre of mass, towards
+/// The orientation in which the point p_B stands `angle` beside the upright over the centre of mass, towards
 /// `heading`.
-Quat attitude(const Vec3& p_B, double angle, double heading) {
+Quat orientation(const Vec3& p_B, double angle, double heading) {
   const Vec3 axis(-std::sin(heading), std::cos(heading), 0.0);
   return Quat(Eigen::AngleAxisd(angle, axis)) * Quat::FromTwoVectors(p_B, Vec3::UnitZ());
 }
@@ -74,7 +74,7 @@ TEST_P(UserForce, AHeldBodyHangsStillWithinASecond) {
   for (const double step : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 480.0}) {
     for (const Held& what : heldBodies()) {
       for (const double angle : {0.1, 0.5, 1.0, 1.6, 2.0}) {
-        World world = held(what, step, GetParam(), kGravity, attitude(what.p_B, angle, 5.0 * angle));
+        World world = held(what, step, GetParam(), kGravity, orientation(what.p_B, angle, 5.0 * angle));
         advance(world, 1.0);
         const BodyState state = stateOf(world, "body");
         const auto where =
@@ -99,7 +99,7 @@ TEST(UserForceLaw, ABodyFallsFreelyAndThenStops) {
     return -swing2 * std::sin(theta) + (40.0 + 2.0 * std::sqrt(swing2)) * std::max(0.0, -speed - 8.0 * theta);
   };
   const Held what{"box", Box{{side, side, side}}, {lever, 0.0, 0.0}};
-  World world = held(what, 1.0 / 10000.0, Fidelity::Interactive, kGravity, attitude(what.p_B, 1.5, 0.0),
+  World world = held(what, 1.0 / 10000.0, Fidelity::Interactive, kGravity, orientation(what.p_B, 1.5, 0.0),
                      Vec3::Zero(), 1000.0);
   double theta = 1.5, speed = 0.0;
   const double h = 1e-4;

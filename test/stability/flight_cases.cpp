@@ -80,7 +80,7 @@ void symmetricTop(Sheet& sheet) {
     const Quat expected = Quat(Eigen::AngleAxisd(L.norm() / I1 * t, L.normalized())) *
                           Quat(Eigen::AngleAxisd((I1 - I3) / I1 * 10.0 * t, Vec3::UnitZ()));
     const std::string which = size.z() > size.x() ? ", rod" : ", plate";
-    sheet.error("attitude" + which, "rad", angleBetween(expected, watch["body"].pose.q_WB),
+    sheet.error("orientation" + which, "rad", angleBetween(expected, watch["body"].pose.q_WB),
                 fastAndExact(1e-3, 1e-10));
     sheet.error("angular momentum, relative" + which, "",
                 relativeChange(watch.world().totals().angular_momentum, before.angular_momentum),
@@ -89,7 +89,7 @@ void symmetricTop(Sheet& sheet) {
 }
 
 struct Tumble {
-  double energy = 0.0, momentum = 0.0, attitude = 0.0;  ///< the worst over the run; attitude at its end
+  double energy = 0.0, momentum = 0.0, orientation = 0.0;  ///< the worst over the run; orientation at its end
 };
 
 Tumble tumble(Fidelity setting, double step, const Vec3& size, const Vec3& w, double seconds) {
@@ -106,7 +106,7 @@ Tumble tumble(Fidelity setting, double step, const Vec3& size, const Vec3& w, do
   }
   top.run(static_cast<long double>(watch.world().time()),
           std::min(static_cast<long double>(step) / 64.0L, 0.002L / w.norm()));
-  worst.attitude = angleBetween(top.attitude(), watch["body"].pose.q_WB);
+  worst.orientation = angleBetween(top.orientation(), watch["body"].pose.q_WB);
   return worst;
 }
 
@@ -114,7 +114,7 @@ void slowTumble(Sheet& sheet) {
   const Tumble worst = tumble(sheet.setting(), 0.01, Vec3(0.2, 0.4, 0.6), Vec3(1.0, 2.0, 3.0), 5.0);
   sheet.error("energy, relative", "", worst.energy, exact(1e-9));
   sheet.error("angular momentum, relative", "", worst.momentum, exact(1e-14));
-  sheet.error("attitude after 5 s", "rad", worst.attitude, exact(5e-8));
+  sheet.error("orientation after 5 s", "rad", worst.orientation, exact(5e-8));
 }
 
 // Where the spin about the middle axis changes its sign, from the state before the step in which it does.
@@ -174,8 +174,8 @@ void dzhanibekov(Sheet& sheet) {
     sheet.error("angular momentum, relative" + at, "",
                 relativeChange(after.angular_momentum, before.angular_momentum), exact(1e-14));
     top.run(static_cast<long double>(watch.world().time()), 1e-4L);
-    sheet.error("attitude after 20 s" + at, "rad",
-                angleBetween(top.attitude(), watch.world().snapshot().states[0].pose.q_WB), exact(1e-4));
+    sheet.error("orientation after 20 s" + at, "rad",
+                angleBetween(top.orientation(), watch.world().snapshot().states[0].pose.q_WB), exact(1e-4));
   }
 }
 
@@ -183,7 +183,7 @@ void violentTumble(Sheet& sheet) {
   const Tumble worst = tumble(sheet.setting(), kFrame, Vec3(0.2, 0.4, 0.6), Vec3(10.0, 20.0, 30.0), 10.0);
   sheet.error("energy, relative", "", worst.energy, exact(1e-7));
   sheet.error("angular momentum, relative", "", worst.momentum, exact(1e-13));
-  sheet.error("attitude after 10 s", "rad", worst.attitude, exact(1e-4));
+  sheet.error("orientation after 10 s", "rad", worst.orientation, exact(1e-4));
 }
 
 void needleAndDisc(Sheet& sheet) {

@@ -159,8 +159,8 @@ FreeTop::FreeTop(const Vec3& moments, const Quat& q_WB, const Vec3& w_WB)
 }
 
 FreeTop::Real3 FreeTop::bodySpin(const Real4& q) const {
-  const Eigen::Quaternion<long double> attitude(q[0], q[1], q[2], q[3]);
-  const Real3 momentum_B = attitude.normalized().conjugate() * momentum_W_;
+  const Eigen::Quaternion<long double> orientation(q[0], q[1], q[2], q[3]);
+  const Real3 momentum_B = orientation.normalized().conjugate() * momentum_W_;
   return momentum_B.cwiseQuotient(moments_);
 }
 
@@ -181,7 +181,7 @@ void FreeTop::run(long double seconds, long double step) {
   }
 }
 
-Quat FreeTop::attitude() const {
+Quat FreeTop::orientation() const {
   return Quat(static_cast<double>(q_[0]), static_cast<double>(q_[1]), static_cast<double>(q_[2]),
               static_cast<double>(q_[3]));
 }

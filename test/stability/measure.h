@@ -72,11 +72,11 @@ class Watch {
 /// the simulator's own method, and exact for our purpose.
 class FreeTop {
  public:
-  /// Principal moments, attitude and angular velocity in W.
+  /// Principal moments, orientation and angular velocity in W.
   FreeTop(const Vec3& moments, const Quat& q_WB, const Vec3& w_WB);
 
   void run(long double seconds, long double step);
-  Quat attitude() const;
+  Quat orientation() const;
   Vec3 spinInBody() const;  ///< rad/s
 
  private:
@@ -89,7 +89,7 @@ class FreeTop {
   Real4 q_;
 };
 
-/// The angle between two attitudes, to full precision near zero, rad.
+/// The angle between two orientations, to full precision near zero, rad.
 double angleBetween(const Quat& a, const Quat& b);
 
 }  // namespace rbs::stability

@@ -63,7 +63,7 @@ struct Governor::Impl {
   bool estimating = false;
   std::optional<World> beside;
   std::uint64_t edits = 0;                  // of the world when the window began
-  Setting setting;                          // likewise
+  Setting setting;                          // of the world when the window began
   std::optional<Goal> goal;                 // that patience was learned with
   std::uint32_t steps = 0;                  // of the window so far
   double seconds = 0.0;                     // wall time of these, of the world

@@ -99,10 +99,10 @@ std::uint64_t sweepAlong(const Context& context, int axis, Pairs& found) {
 // A plane has no bounds: its distance to a body's bounds is taken instead.
 void sweepPlanes(const Context& context, Pairs& found) {
   const Bodies& bodies = context.scene.bodies;
-  for (const Index plane : context.scene.rosters.planes) {
+  for (const Index plane : context.scene.lists.planes) {
     const Vec3 n = bodies.pose[plane].q_WB * Vec3::UnitZ();
     const double offset = n.dot(bodies.pose[plane].p_WB);
-    for (const Index b : context.scene.rosters.collidable) {
+    for (const Index b : context.scene.lists.collidable) {
       const Vec3 lo = context.step.bounds[b].lo.head<3>(), hi = context.step.bounds[b].hi.head<3>();
       const double lowest = 0.5 * (n.dot(lo + hi) - n.cwiseAbs().dot(hi - lo));
       if (lowest <= offset && mayCollide(bodies.traits[plane], bodies.traits[b])) addPair(plane, b, found);
@@ -113,15 +113,15 @@ void sweepPlanes(const Context& context, Pairs& found) {
 }  // namespace
 
 bool mayCollide(const Traits& a, const Traits& b) {
-  const bool moving =
-      a.moved_by_forces() || b.moved_by_forces() || (a.asleep && b.led()) || (b.asleep && a.led());
+  const bool moving = a.moved_by_forces() || b.moved_by_forces() || (a.asleep && b.is_kinematic()) ||
+                      (b.asleep && a.is_kinematic());
   return moving && (a.group & b.mask) && (b.group & a.mask);
 }
 
 void run(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
-  const std::vector<Index>& collidable = scene.rosters.collidable;
+  const std::vector<Index>& collidable = scene.lists.collidable;
 
   for (const Index i : collidable) step.bounds[i] = sweptBounds(scene.bodies, step.load[i], i, step.h());
   Sweep& sweep = scene.sweep;

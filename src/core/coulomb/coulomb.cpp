@@ -14,7 +14,7 @@ using namespace coulomb;
 namespace {
 
 // A guess may miss the aim by so much, or rounding would unsettle rest.
-constexpr double kGuess = 10.0;
+constexpr double kWarmStart = 10.0;
 // Where less than this is asked, the rounding of double would show in the residuals of a guess.
 constexpr double kEveryDigit = 1e-10;
 
@@ -138,18 +138,18 @@ constexpr Attempt kAttempts[] = {
 }  // namespace
 
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
-  const double near = std::min(tolerance, kGuess * aim);
+  const double near = std::min(tolerance, kWarmStart * aim);
   const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
   if (closing <= near) {
     for (CoulombCouple& couple : problem.couples) couple.impulse.setZero();
-    return {CoulombSolver::Guess, 0, closing, 0.0, 0.0, true};
+    return {CoulombSolver::WarmStart, 0, closing, 0.0, 0.0, true};
   }
   const System system(problem);
   const Impulses guess = system.guess(problem);
   const Residuals of_guess = near < kEveryDigit
                                  ? system.residuals(guess)
                                  : system.residuals(guess, system.relativeVelocitiesAbout(guess));
-  CoulombResult result{CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, false};
+  CoulombResult result{CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, false};
   Answer best{guess, of_guess, 0};
   if (!best.within(near)) {
     BodyBlocks matrix(system);

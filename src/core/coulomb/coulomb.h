@@ -6,7 +6,7 @@
 
 namespace rbs {
 
-enum class CoulombSolver { Guess, GaussSeidel, Newton, InteriorPoint, Admm };
+enum class CoulombSolver { WarmStart, GaussSeidel, Newton, InteriorPoint, Admm };
 
 struct CoulombResult {
   CoulombSolver solver;  ///< whose impulses these are

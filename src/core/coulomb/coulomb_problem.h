@@ -54,7 +54,7 @@ struct CoulombPoint {
 struct CoulombCouple {
   Index i, j;         ///< as in CoulombPoint
   Index first, size;  ///< its points, in CoulombProblem::points
-  Mat3 frame;         ///< likewise: n is the axis of spinning, t1 and t2 those of rolling
+  Mat3 frame;         ///< from it to W: n is the axis of spinning, t1 and t2 those of rolling
   double radius;      ///< R, m, > 0
   double roll, spin;  ///< c and s, >= 0
   /// In the frame, R times the angular velocity that sides add which impulses do not move, m/s.

@@ -40,7 +40,7 @@ struct Point : Rows {
 struct Couple : Rows {
   std::size_t first, size;  ///< its points
   FrictionSet<2> rolling;   ///< under the sum of their normal impulses
-  FrictionSet<1> spinning;  ///< likewise
+  FrictionSet<1> spinning;  ///< under the same sum
 };
 
 /// How far impulses are from the law; the greatest over the points. See CoulombResult.

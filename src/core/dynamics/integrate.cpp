@@ -23,7 +23,7 @@ Vec3 momentum(const Quat& q_WB, const Vec3& w_WB, const Vec3& moments) {
 // 1.07 and 1.11 us (0.32 to 0.38 with two equal moments), where the classical Runge-Kutta method in parts of
 // 0.08 rad, right to 1e-6 rad after 200 rad, takes 0.26, 0.42, 2.3, 25 and 249 us.
 void rotateFreely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
-  if (inertia.unturned) return;
+  if (inertia.lazy_orientation) return;
   const double turn = w_WB.norm() * dt;
   if (turn == 0.0 || !std::isfinite(turn)) return;
   if (!built::gyroscopic || !inertia.gyroscopic || inertia.steady || inertia.inv_mass == 0.0) {

@@ -17,7 +17,7 @@
 
 namespace rbs::buoyancy {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (!c.scene.fluid) return {false, "the scene has no fluid"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
   return {true, "a fluid of " + text(c.scene.fluid->density) + " kg/m^3 up to z = " +
@@ -33,7 +33,7 @@ void run(Context& context) {
   // Forced on in a scene without a fluid, it finds every body above the surface.
   const Fluid fluid = scene.settings.fluid.value_or(Fluid{0.0, -std::numeric_limits<double>::infinity()});
   step.submerged.assign(bodies.size(), 0.0);
-  for (const Index i : scene.rosters.feelingOf(Effect::Buoyancy)) {
+  for (const Index i : scene.lists.feelingOf(Effect::Buoyancy)) {
     const Twist& twist = bodies.twist[i];
     const Vec3 p_WB = bodies.pose[i].p_WB + half * twist.v_WB;
     const Quat q_WB = rotationBy(half * twist.w_WB) * bodies.pose[i].q_WB;

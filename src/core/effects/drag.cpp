@@ -136,7 +136,7 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
 
 namespace drag {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   const bool fluid = effects::need(Effect::Buoyancy, c).active;  // which says who is in it
   if (!c.scene.air && !fluid) return {false, "the scene has neither air nor a fluid"};
   if (c.askingFor(Effect::Drag) == 0)
@@ -158,7 +158,7 @@ void run(Context& context) {
   const double h = step.h();
   step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
   step.airless.resize(step.load.size());
-  for (const Index i : scene.rosters.feelingOf(Effect::Drag)) {
+  for (const Index i : scene.lists.feelingOf(Effect::Drag)) {
     const Medium medium = mediumOf(context, i);
     const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
     step.airless[i] = step.load[i].a_W;

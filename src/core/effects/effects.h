@@ -16,55 +16,55 @@ struct Course {
 };
 
 namespace gravity {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 }  // namespace gravity
 
 /// The weight of the fluid that bodies displace.
 namespace buoyancy {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 }  // namespace buoyancy
 
 /// Quadratic drag towards the velocity of the air, or of a fluid.
 namespace drag {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 /// Where body i of this step is and how fast, `seconds` on from (p_WB, v_WB), when nothing touches it. Empty
-/// for bodies that the air turns (boxes) or lets be, and where it stops them at once: there the mean
-/// acceleration in step.load says it.
+/// for bodies that the air turns (boxes) and for those that feel no air, and where it stops them at once:
+/// there the mean acceleration in step.load says it.
 std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
                           double seconds);
 }  // namespace drag
 
 /// Forces and couples that were asked for until a given time.
 namespace wrenches {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 }  // namespace wrenches
 
 /// User forces: springs that pull bodies to the mouse.
 namespace grabs {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 }  // namespace grabs
 
 /// Bodies that follow a drag, as if kinematic: their twist is set so that they reach their target.
 namespace holds {
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 void run(Context& context);
 }  // namespace holds
 
 /// When the effects are needed that are part of other stages. The first is of contacts.
 namespace detected {
-Need collision(const Census& census);
-Need impacts(const Census& census);
-Need friction(const Census& census);
-Need rolling(const Census& census);
-Need restitution(const Census& census);
-Need gyroscopic(const Census& census);
-Need rotation(const Census& census);
-Need sleeping(const Census& census);
+Need collision(const SceneAnalysis& analysis);
+Need impacts(const SceneAnalysis& analysis);
+Need friction(const SceneAnalysis& analysis);
+Need rolling(const SceneAnalysis& analysis);
+Need restitution(const SceneAnalysis& analysis);
+Need gyroscopic(const SceneAnalysis& analysis);
+Need rotation(const SceneAnalysis& analysis);
+Need sleeping(const SceneAnalysis& analysis);
 }  // namespace detected
 
 namespace effects {
@@ -81,12 +81,12 @@ struct Candidate {
 struct Row {
   Effect effect;
   /// Whether the scene needs it, and why.
-  Need (*detect)(const Census&);
-  /// Whether a body asks for it. Those that do are counted (Census::asking), and feel it where it is on.
-  /// Null: of no body, since the scene's own numbers decide.
+  Need (*detect)(const SceneAnalysis&);
+  /// Whether a body asks for it. Those that do are counted (SceneAnalysis::asking), and feel it where it is
+  /// on. Null: of no body, since the scene's own numbers decide.
   bool (*asks)(const Candidate&) = nullptr;
-  /// Of a force that has a list of the bodies that feel it (Rosters::feeling), which are then not ballistic:
-  /// whether it may turn a body. Null: it is no such force.
+  /// Of a force that has a list of the bodies that feel it (BodyLists::feeling), which are then not
+  /// ballistic: whether it may turn a body. Null: it is no such force.
   bool (*turns)(const Traits&) = nullptr;
 };
 
@@ -111,7 +111,7 @@ inline constexpr std::array kRows{
         [](const Candidate& body) { return body.may_meet && body.traits.material.restitution > 0.0; }},
     Row{Effect::Gyroscopic, detected::gyroscopic,
         [](const Candidate& body) { return body.isMoved() && !body.inertia.isotropic; }},
-    // The census counts the bodies that something may turn, once it knows what they feel.
+    // The analysis counts the bodies that something may turn, once it knows what they feel.
     Row{Effect::Rotation, detected::rotation},
     Row{Effect::Sleeping, detected::sleeping},
 };
@@ -124,9 +124,9 @@ constexpr bool isInOrder() {
 static_assert(isInOrder());
 
 /// Whether an effect is simulated, as detected or as forced, and why.
-Need need(Effect effect, const Census& census);
+Need need(Effect effect, const SceneAnalysis& analysis);
 /// Whether it is forced off, or left out of this build.
-bool isNeglected(Effect effect, const Census& census);
+bool isNeglected(Effect effect, const SceneAnalysis& analysis);
 
 }  // namespace effects
 

@@ -8,7 +8,7 @@
 
 namespace rbs::grabs {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.grabs == 0) return {false, "no spring pulls at a body"};
   return {true, count(c.grabs, "spring pulls", "springs pull") + " at a body"};
 }

@@ -4,7 +4,7 @@
 
 namespace rbs::gravity {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.scene.gravity.norm() == 0.0) return {false, "the scene has no gravity"};
   if (c.moved_by_forces == 0) return {false, "no body is moved by forces"};
   return {true, text(c.scene.gravity.norm()) + " m/s^2 on " + count(c.moved_by_forces, "body", "bodies")};
@@ -12,7 +12,7 @@ Need need(const Census& c) {
 
 // Ballistic bodies feel it in their flight.
 void run(Context& context) {
-  for (const Index i : context.scene.rosters.movers) context.step.load[i].a_W += context.scene.gravity_W;
+  for (const Index i : context.scene.lists.in_islands) context.step.load[i].a_W += context.scene.gravity_W;
 }
 
 }  // namespace rbs::gravity

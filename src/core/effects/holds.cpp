@@ -7,7 +7,7 @@
 
 namespace rbs::holds {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.holds == 0) return {false, "no body follows a drag"};
   return {true, count(c.holds, "body follows a drag", "bodies follow drags")};
 }

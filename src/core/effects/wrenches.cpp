@@ -7,7 +7,7 @@
 
 namespace rbs::wrenches {
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.wrenches == 0) return {false, "no wrench is applied"};
   return {true, count(c.wrenches, "wrench is", "wrenches are") + " applied"};
 }

@@ -38,8 +38,8 @@ struct Scene {
         Simplex& kept)
       : X_WA(motion_a.at(t)),
         X_WB(motion_b.at(t)),
-        a(mover(shape_a, X_WA, motion_a, t)),
-        b(mover(shape_b, X_WB, motion_b, t)),
+        a(movingShape(shape_a, X_WA, motion_a, t)),
+        b(movingShape(shape_b, X_WB, motion_b, t)),
         gap(rbs::gap(shape_a, X_WA, shape_b, X_WB, kept)) {
     const double length = std::min(characteristicLength(shape_a), characteristicLength(shape_b));
     double size = X_WA.p_WB.cwiseAbs().maxCoeff() + X_WB.p_WB.cwiseAbs().maxCoeff();
@@ -50,7 +50,7 @@ struct Scene {
     touching = kTouching * length + rounding;
   }
 
-  static MovingShape mover(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
+  static MovingShape movingShape(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
     return {
         shape, pose.q_WB.toRotationMatrix(), pose.p_WB, motion.velocityAt(t), motion.a_W, motion.twist.w_WB};
   }

@@ -9,7 +9,7 @@ namespace rbs {
 inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 /// What a few operations lose, as a share of the largest number in them.
 inline constexpr double kRounding = 4.0 * kEpsilon;
-/// What the chain of operations behind a face or a cut loses, likewise.
+/// What the chain of operations behind a face or a cut loses, as the same share.
 inline constexpr double kChainRounding = 16.0 * kEpsilon;
 /// Square of the sine of an angle below which directions are nearly parallel: their cross product has lost
 /// digits.

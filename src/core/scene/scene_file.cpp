@@ -113,11 +113,11 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
       p.require("tangent", "the friction force, [x, y, z]", point.tangent_W);
     });
   });
-  readItems(fields, "attitudes", problems, [&](Fields& item) {
-    SavedState::Attitude& attitude = state.attitudes.emplace_back();
-    requireBody(item, "body", attitude.body);
-    item.require("since", "the time it holds for", attitude.since);
-    item.require("orientation", "the orientation then, [x, y, z, w]", attitude.q_WB);
+  readItems(fields, "orientations", problems, [&](Fields& item) {
+    SavedState::Orientation& orientation = state.orientations.emplace_back();
+    requireBody(item, "body", orientation.body);
+    item.require("since", "the time it holds for", orientation.since);
+    item.require("orientation", "the orientation then, [x, y, z, w]", orientation.q_WB);
   });
   readItems(fields, "rest", problems, [&](Fields& item) {
     SavedState::Rest& rest = state.rest.emplace_back();

@@ -144,13 +144,13 @@ std::string stateText(const SavedState& state) {
   std::string result = "state:\n  time: " + text(state.time) + "\n  steps: " + text(state.steps) + "\n";
   if (!state.contacts.empty()) result += "  contacts:\n";
   for (const SavedState::Contact& contact : state.contacts) result += "    - " + contactText(contact) + "\n";
-  if (!state.attitudes.empty()) result += "  attitudes:\n";
-  for (const SavedState::Attitude& attitude : state.attitudes)
+  if (!state.orientations.empty()) result += "  orientations:\n";
+  for (const SavedState::Orientation& orientation : state.orientations)
     result += "    - " +
               Line()
-                  .add("body", text(attitude.body))
-                  .add("since", text(attitude.since))
-                  .add("orientation", text(attitude.q_WB))
+                  .add("body", text(orientation.body))
+                  .add("since", text(orientation.since))
+                  .add("orientation", text(orientation.q_WB))
                   .close() +
               "\n";
   if (!state.rest.empty()) result += "  rest:\n";

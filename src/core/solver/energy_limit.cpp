@@ -40,7 +40,8 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts) {
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
     for (const auto& [led, pushed] : {std::pair(&i, &j), std::pair(&j, &i)})
       if (DeepIsland* island = led->inv_mass > 0.0 || led->still ? nullptr : deepIslandOf(context, *pushed))
-        island->led_speed = std::max(island->led_speed, led->v.norm() + led->reach * led->w.norm());
+        island->kinematic_speed =
+            std::max(island->kinematic_speed, led->v.norm() + led->reach * led->w.norm());
   }
 }
 
@@ -63,7 +64,8 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) {
       island.energy += load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
       mass += 1.0 / s.inv_mass, momentum += s.v / s.inv_mass, energy += kineticEnergy(context, s);
     }
-    const double most = std::max(0.0, island.energy + 0.5 * mass * island.led_speed * island.led_speed);
+    const double most =
+        std::max(0.0, island.energy + 0.5 * mass * island.kinematic_speed * island.kinematic_speed);
     if (energy <= most) continue;
     const Vec3 common = momentum / mass;
     const double together = 0.5 * mass * common.squaredNorm(), apart = energy - together;

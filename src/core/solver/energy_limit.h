@@ -24,8 +24,8 @@ class EnergyLimit {
  private:
   struct DeepIsland {
     Index island;
-    double energy;           // kinetic, at the start of the step, J
-    double led_speed = 0.0;  // of the fastest led body that pushes it, m/s
+    double energy;                 // kinetic, at the start of the step, J
+    double kinematic_speed = 0.0;  // of the fastest led body that pushes it, m/s
   };
   DeepIsland* deepIslandOf(const Context& context, const SolverBody& s);
 

@@ -27,8 +27,8 @@ constexpr double kEditOverlap = 1e-2;
 
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
-    case CoulombSolver::Guess:
-      return "guess";
+    case CoulombSolver::WarmStart:
+      return "warm_start";
     case CoulombSolver::GaussSeidel:
       return "gauss_seidel";
     case CoulombSolver::Newton:
@@ -42,10 +42,10 @@ const char* nameOf(CoulombSolver solver) {
 }
 
 // Adds an impulse on the second side of a point, and its opposite on the first.
-void push(Movers& movers, const CoulombPoint& law, const Vec3& impulse_W) {
+void push(CoulombBodies& bodies, const CoulombPoint& law, const Vec3& impulse_W) {
   const auto give = [&](Index body, const Vec3& arm, const Vec3& impulse) {
     if (body == kNone) return;
-    CoulombBody& b = movers[body];
+    CoulombBody& b = bodies[body];
     b.v += impulse / b.mass;
     if (b.turns) b.w += b.inertia_W.llt().solve(arm.cross(impulse));
   };
@@ -63,7 +63,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
   if (!(problem.speed_unit > 0.0)) {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
     for (CoulombCouple& law : problem.couples) law.impulse.setZero();
-    return {CoulombSolver::Guess, 0, 0.0, 0.0, 0.0, true};
+    return {CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, true};
   }
   problem.until = step_.solve_until;
   const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
@@ -91,7 +91,7 @@ void Stepper::addResiduals(const CoulombResult& result) const {
 // the two bodies, l n x (v_j - v_i), they give back in halves, by their spin.
 bool Stepper::takeOverlapsAway() {
   const double left_by_kicks = 10.0 * aim_ * island_.loadSpeed() * step_.h();
-  CoulombProblem problem{island_.movers(), touching_.law, 0.0};
+  CoulombProblem problem{island_.bodies(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
@@ -105,8 +105,8 @@ bool Stepper::takeOverlapsAway() {
   problem.until = step_.solve_until;
   solveCoulomb(problem, 1e-6);
   island_.displace(problem.bodies);
-  Movers bodies = island_.movers();
-  const Movers before = bodies;
+  CoulombBodies bodies = island_.bodies();
+  const CoulombBodies before = bodies;
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
     const CoulombPoint& law = problem.points[k];
     // What nothing but friction could turn is not turned for the sake of rounding.
@@ -121,9 +121,9 @@ bool Stepper::takeOverlapsAway() {
 
 // Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an
 // impact without restitution.
-CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double seconds,
+CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
                                      Friction friction) const {
-  CoulombProblem problem{movers, {}, 0.0};
+  CoulombProblem problem{bodies, {}, 0.0};
   problem.points.reserve(touching.points.size());
   std::vector<std::size_t> closed;
   closed.reserve(touching.points.size());
@@ -167,11 +167,11 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
         if (law.spins != 0.0 && !(result.converged && law.spins * u[2] >= 0.0)) law.spins = 0.0, fixed = true;
       }
       if (!fixed) break;
-      problem.bodies = movers;
+      problem.bodies = bodies;
       result = solve(problem);
     }
   }
-  movers = problem.bodies;
+  bodies = problem.bodies;
   for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
   for (std::size_t k = 0; k < borne.size(); ++k)
     touching.couples[borne[k]].law.impulse = problem.couples[k].impulse;
@@ -179,7 +179,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, Movers& movers, double 
 }
 
 void Stepper::settle() {
-  Movers after = island_.movers();
+  CoulombBodies after = island_.bodies();
   Touching touching = touching_;
   addResiduals(kickAtInstant(touching, after, 0.0, Friction::Free));
   island_.setTwists(after);
@@ -225,11 +225,11 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
 //   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
 double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
-                             const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
-                             const Movers& solved) const {
+                             const std::vector<CoulombPoint>& laws, double seconds,
+                             const CoulombBodies& start, const CoulombBodies& solved) const {
   if (!asExpected(touching, laws, seconds)) return 1.0;
-  if (result.solver == CoulombSolver::Guess) return 0.0;
-  Movers guessed = solved;
+  if (result.solver == CoulombSolver::WarmStart) return 0.0;
+  CoulombBodies guessed = solved;
   for (std::size_t k = 0; k < laws.size(); ++k)
     push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
   double wrong = 0.0, mended = 0.0;
@@ -249,7 +249,7 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
 void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
                             Segment& segment) const {
   Touching& later = segment.touching;
-  const Movers drifted = island_.movers();
+  const CoulombBodies drifted = island_.bodies();
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
     const Index m = later.matching(touching_.points[k]);
@@ -274,8 +274,8 @@ void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double t
   aimCouples(kick, drifted, tau, friction, later);
 }
 
-void Stepper::aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
-                         Touching& later) const {
+void Stepper::aimCouples(const CoulombProblem& kick, const CoulombBodies& drifted, double tau,
+                         Friction friction, Touching& later) const {
   for (std::size_t k = 0; k < kick.couples.size(); ++k) {
     const CoulombCouple& law = kick.couples[k];
     const Index m = later.matching(touching_.couples[k]);

@@ -118,10 +118,10 @@ void Stepper::lookFarther() {
 Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
   const Slip slip = slipNow();
-  CoulombProblem kick{island_.movers(), touching_.law, 0.0};
-  Movers start_movers = kick.bodies;
+  CoulombProblem kick{island_.bodies(), touching_.law, 0.0};
+  CoulombBodies bodies_at_start = kick.bodies;
   island_.addLoad(kick.bodies, 0.5 * tau);
-  const Movers loaded = kick.bodies;
+  const CoulombBodies loaded = kick.bodies;
   const bool keeps = friction == Friction::KeepsDirection;
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     CoulombPoint& law = kick.points[k];
@@ -154,15 +154,15 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
 
   Touching& later = segment.touching;
   aimSecondKick(kick,
-                lastingShare(segment.first, touching_, kick.points, 0.5 * tau, start_movers, kick.bodies),
+                lastingShare(segment.first, touching_, kick.points, 0.5 * tau, bodies_at_start, kick.bodies),
                 tau, friction, segment);
-  start_movers = island_.movers();
-  Movers after = start_movers;
+  bodies_at_start = island_.bodies();
+  CoulombBodies after = bodies_at_start;
   island_.addLoad(after, 0.5 * tau);
   Touching aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
-  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, start_movers, after);
+  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, bodies_at_start, after);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
     const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;

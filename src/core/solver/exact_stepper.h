@@ -73,19 +73,21 @@ class Stepper : public InnerRows {
   void settle();
   Segment attempt(double tau, Friction friction);
   Slip slipNow() const;
-  Vec3 turningOf(const Movers& movers, const CoulombCouple& couple) const;
+  Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
                         std::vector<double>& curvature) const;
   double lastingShare(const CoulombResult& result, const Touching& touching,
-                      const std::vector<CoulombPoint>& laws, double seconds, const Movers& start,
-                      const Movers& solved) const;
+                      const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
+                      const CoulombBodies& solved) const;
   void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
                      Segment& segment) const;
-  void aimCouples(const CoulombProblem& kick, const Movers& drifted, double tau, Friction friction,
+  void aimCouples(const CoulombProblem& kick, const CoulombBodies& drifted, double tau, Friction friction,
                   Touching& later) const;
-  CoulombResult kickAtInstant(Touching& touching, Movers& movers, double seconds, Friction friction) const;
-  Left slipLeft(const Slip& slip, const Touching& later, const Movers& movers, Friction friction) const;
+  CoulombResult kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
+                              Friction friction) const;
+  Left slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
+                Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;

@@ -16,15 +16,15 @@ constexpr int kMostStops = 2;
 }  // namespace
 
 // What a couple resists of how its pair turns; zero where it does not turn, or nothing resists.
-Vec3 Stepper::turningOf(const Movers& movers, const CoulombCouple& couple) const {
-  Vec3 u = turningAt(movers, couple);
+Vec3 Stepper::turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const {
+  Vec3 u = turningAt(bodies, couple);
   if (couple.roll == 0.0 || u.head<2>().norm() <= slow_) u.head<2>().setZero();
   if (couple.spin == 0.0 || std::abs(u[2]) <= slow_) u[2] = 0.0;
   return u;
 }
 
 Stepper::Slip Stepper::slipNow() const {
-  const Movers now = island_.movers();
+  const CoulombBodies now = island_.bodies();
   Slip slip{std::vector<Vec2>(touching_.points.size(), Vec2::Zero()), {}};
   for (const TouchingCouple& couple : touching_.couples) {
     bool closed = false;
@@ -41,7 +41,7 @@ Stepper::Slip Stepper::slipNow() const {
   return slip;
 }
 
-Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const Movers& movers,
+Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
                                 Friction friction) const {
   Left least;
   const auto keeps = [&](const Vec3& left_W, const Vec3& before_W, const Stop& of) {
@@ -52,7 +52,7 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const M
   for (std::size_t k = 0; k < slip.couples.size(); ++k) {
     const Index m = later.matching(touching_.couples[k]);
     if (m == kNone || later.couples[m].force_W.isZero(0.0)) continue;
-    const Vec3 u = turningAt(movers, later.couples[m].law), left_W = later.couples[m].law.frame * u;
+    const Vec3 u = turningAt(bodies, later.couples[m].law), left_W = later.couples[m].law.frame * u;
     const Mat3& frame = touching_.couples[k].law.frame;
     const bool free = friction == Friction::Free;
     if (!slip.couples[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
@@ -64,7 +64,7 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const M
     if (slip.points[k].isZero(0.0)) continue;
     const Index m = later.matching(touching_.points[k]);
     if (m == kNone || later.points[m].force_W.isZero(0.0)) continue;
-    const Vec3 u = velocityAt(movers, later.law[m]);
+    const Vec3 u = velocityAt(bodies, later.law[m]);
     if (friction == Friction::Free && u.head<2>().norm() > slow_) continue;
     keeps(later.law[m].frame * u, touching_.law[k].frame.leftCols<2>() * slip.points[k],
           {touching_.points[k].contact, touching_.points[k].feature});
@@ -73,7 +73,8 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const M
 }
 
 // Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under
-// constant forces, so that two attempts are enough. What solves leave of a speed cannot be told from none.
+// constant forces, so that two attempts are enough. The residual speed of a solve cannot be distinguished
+// from rest.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
   const auto none = [&](const Left& left) {
     return std::abs(left.share) < 1e-13 || std::abs(left.share) * left.speed < aim_ * island_.loadSpeed();

@@ -9,17 +9,17 @@
 
 namespace rbs {
 
-Vec3 velocityAt(const Movers& movers, const CoulombPoint& law) {
+Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law) {
   Vec3 u_W = Vec3::Zero();
-  if (law.j != kNone) u_W += movers[law.j].v + movers[law.j].w.cross(law.r_j);
-  if (law.i != kNone) u_W -= movers[law.i].v + movers[law.i].w.cross(law.r_i);
+  if (law.j != kNone) u_W += bodies[law.j].v + bodies[law.j].w.cross(law.r_j);
+  if (law.i != kNone) u_W -= bodies[law.i].v + bodies[law.i].w.cross(law.r_i);
   return law.frame.transpose() * u_W + law.drive;
 }
 
-Vec3 turningAt(const Movers& movers, const CoulombCouple& couple) {
+Vec3 turningAt(const CoulombBodies& bodies, const CoulombCouple& couple) {
   Vec3 w_W = Vec3::Zero();
-  if (couple.j != kNone) w_W += movers[couple.j].w;
-  if (couple.i != kNone) w_W -= movers[couple.i].w;
+  if (couple.j != kNone) w_W += bodies[couple.j].w;
+  if (couple.i != kNone) w_W -= bodies[couple.i].w;
   return couple.radius * (couple.frame.transpose() * w_W) + couple.drive;
 }
 
@@ -34,8 +34,8 @@ IslandMotion::IslandMotion(Context& context, std::vector<Index> bodies)
   load_speed_ = load * step_.h();
 }
 
-Movers IslandMotion::movers() const {
-  Movers out;
+CoulombBodies IslandMotion::bodies() const {
+  CoulombBodies out;
   out.reserve(indices_.size());
   for (const Index i : indices_) {
     const Mat3 R = bodies_.R_WB(i);
@@ -45,32 +45,32 @@ Movers IslandMotion::movers() const {
   return out;
 }
 
-void IslandMotion::addLoad(Movers& movers, double seconds) const {
-  for (std::size_t k = 0; k < movers.size(); ++k) {
+void IslandMotion::addLoad(CoulombBodies& bodies, double seconds) const {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
     const Index i = indices_[k];
     const Load& load = step_.load[i];
-    movers[k].v += seconds * load.a_W;
+    bodies[k].v += seconds * load.a_W;
     if (!load.torque_W.isZero(0.0))
-      movers[k].w += seconds * (bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * load.torque_W);
+      bodies[k].w += seconds * (bodies_.inertia[i].inverseW(bodies_.R_WB(i)) * load.torque_W);
   }
 }
 
-void IslandMotion::setTwists(const Movers& movers) {
-  for (std::size_t k = 0; k < movers.size(); ++k) {
-    bodies_.twist[indices_[k]].v_WB = movers[k].v;
-    if (!bodies_.inertia[indices_[k]].steady) bodies_.twist[indices_[k]].w_WB = movers[k].w;
+void IslandMotion::setTwists(const CoulombBodies& bodies) {
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    bodies_.twist[indices_[k]].v_WB = bodies[k].v;
+    if (!bodies_.inertia[indices_[k]].steady) bodies_.twist[indices_[k]].w_WB = bodies[k].w;
   }
 }
 
-void IslandMotion::drift(const Movers& movers, double seconds) {
-  setTwists(movers);
+void IslandMotion::drift(const CoulombBodies& bodies, double seconds) {
+  setTwists(bodies);
   for (const Index i : indices_) {
     bodies_.pose[i].p_WB += seconds * bodies_.twist[i].v_WB;
     rotateFreely(bodies_.pose[i].q_WB, bodies_.twist[i].w_WB, bodies_.inertia[i], seconds);
   }
 }
 
-void IslandMotion::displace(const Movers& by) {
+void IslandMotion::displace(const CoulombBodies& by) {
   for (std::size_t k = 0; k < by.size(); ++k) {
     const Index i = indices_[k];
     Pose& pose = bodies_.pose[i];

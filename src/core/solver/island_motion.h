@@ -9,13 +9,13 @@
 
 namespace rbs {
 
-using Movers = std::vector<CoulombBody>;
+using CoulombBodies = std::vector<CoulombBody>;
 
 /// Velocity of j against i at a point, in its frame, what drives it included, m/s.
-Vec3 velocityAt(const Movers& movers, const CoulombPoint& law);
+Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law);
 
 /// Angular velocity of j against i times the couple's length, in its frame, what drives it included, m/s.
-Vec3 turningAt(const Movers& movers, const CoulombCouple& couple);
+Vec3 turningAt(const CoulombBodies& bodies, const CoulombCouple& couple);
 
 struct BodyMotion {
   Pose pose;
@@ -33,12 +33,12 @@ class IslandMotion {
   double loadSpeed() const { return load_speed_; }
 
   /// The bodies as they are, in the order of the indices.
-  Movers movers() const;
-  void addLoad(Movers& movers, double seconds) const;
-  void setTwists(const Movers& movers);
-  void drift(const Movers& movers, double seconds);
+  CoulombBodies bodies() const;
+  void addLoad(CoulombBodies& bodies, double seconds) const;
+  void setTwists(const CoulombBodies& bodies);
+  void drift(const CoulombBodies& bodies, double seconds);
   /// Moves the bodies by the lengths and angles in v and w. Each keeps its velocity and angular momentum.
-  void displace(const Movers& by);
+  void displace(const CoulombBodies& by);
   std::vector<BodyMotion> save() const;
   void restore(const std::vector<BodyMotion>& motions);
 

@@ -25,7 +25,7 @@ double energyOf(const Context& context, Index i, const Pose& pose, const Twist& 
 // From the most expensive to the cheapest.
 int rank(std::string_view method) {
   constexpr std::array<std::string_view, 7> methods{"admm",      "interior_point", "newton", "gauss_seidel",
-                                                    "soft_step", "guess",          ""};
+                                                    "soft_step", "warm_start",     ""};
   return static_cast<int>(std::find(methods.begin(), methods.end(), method) - methods.begin());
 }
 
@@ -65,16 +65,16 @@ void add(IslandResiduals& residuals, const IslandResiduals& solve) {
   residuals.converged = residuals.converged && solve.converged;
 }
 
-Need need(const Census& c) {
-  if (c.moved_by_forces == c.ballistic && c.led == 0) return {false, "no body can leave its parabola"};
+Need need(const SceneAnalysis& c) {
+  if (c.moved_by_forces == c.ballistic && c.kinematic == 0) return {false, "no body can leave its parabola"};
   return {true, "the solver residuals of every island are checked in every step"};
 }
 
 void run(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  for (const std::vector<Index>* roster : {&context.scene.rosters.movers, &context.scene.rosters.led})
-    for (const Index i : *roster)
+  for (const std::vector<Index>* list : {&context.scene.lists.in_islands, &context.scene.lists.kinematic})
+    for (const Index i : *list)
       if (!withinLimits(bodies.pose[i], bodies.twist[i]))
         freeze(context, i, step.before[i], step.twist_before[i]);
 

@@ -7,7 +7,7 @@
 
 namespace rbs::residuals {
 
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 
 /// Adds those of one solve to those of its island: the worst residuals, the sum of the iterations, the most
 /// expensive solver.

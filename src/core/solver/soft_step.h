@@ -176,7 +176,7 @@ inline void SoftStep<Kinds...>::integrate() {
     s.turned += h_ * s.w;
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
-    if (inertia.unturned) continue;
+    if (inertia.lazy_orientation) continue;
     if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
       q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
     } else {

@@ -15,7 +15,7 @@ namespace rbs {
 namespace {
 
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
-constexpr double kStray = 0.05;
+constexpr double kDriftLimit = 0.05;
 
 // Keeps the points open by no more than `margin`; the deepest in any case.
 void keepWithin(double margin, Manifold& manifold) {
@@ -115,12 +115,12 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
   const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
   if (!context_.step.solver.all_points) {
-    keepWithin(marginOf(block, h_) + kStray * length, manifold);
+    keepWithin(marginOf(block, h_) + kDriftLimit * length, manifold);
     reduceToFour(manifold);
   }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
-  block.stray = manifold.size > 0 ? kStray * length : margin;
+  block.drift_limit = manifold.size > 0 ? kDriftLimit * length : margin;
   block.moved_i = i.moved, block.turned_i = i.turned;
   block.moved_j = j.moved, block.turned_j = j.turned;
   block.first = static_cast<int>(points.size());
@@ -180,9 +180,9 @@ bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
   const double turn_i = i.reach * i.reach * (i.turned - block.turned_i).squaredNorm();
   const double turn_j = j.reach * j.reach * (j.turned - block.turned_j).squaredNorm();
-  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are told without a root.
-  if (3.0 * (travel + turn_i + turn_j) <= block.stray * block.stray) return false;
-  return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.stray;
+  // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are decided without a root.
+  if (3.0 * (travel + turn_i + turn_j) <= block.drift_limit * block.drift_limit) return false;
+  return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.drift_limit;
 }
 
 std::vector<Index> SolverContacts::drifted() const {
@@ -266,8 +266,8 @@ void SolverContacts::addResiduals(const SolverBlock& block) const {
     solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
     solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
   }
-  const Index mover = context_.step.island[i.body] == kNone ? j.body : i.body;
-  residuals::add(context_.step.islands[context_.step.island[mover]].residuals, solved);
+  const Index dynamic = context_.step.island[i.body] == kNone ? j.body : i.body;
+  residuals::add(context_.step.islands[context_.step.island[dynamic]].residuals, solved);
 }
 
 }  // namespace rbs

@@ -54,7 +54,7 @@ struct SolverBlock {
   double push;                                // largest speed of separation, m/s
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
-  double stray;                               // how far the pair may move until its points are found anew, m
+  double drift_limit;                         // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies when they were found
 };
 

@@ -89,12 +89,12 @@ BodyDescription Bodies::describe(Index i) const {
 
 Pose Bodies::poseNow(Index i, double time) const {
   Pose now = pose[i];
-  if (inertia[i].unturned && time != since[i] && !twist[i].w_WB.isZero(0.0))
+  if (inertia[i].lazy_orientation && time != since[i] && !twist[i].w_WB.isZero(0.0))
     now.q_WB = (rotationBy((time - since[i]) * twist[i].w_WB) * now.q_WB).normalized();
   return now;
 }
 
-void Bodies::bringAttitude(Index i, double time) {
+void Bodies::updateOrientation(Index i, double time) {
   pose[i] = poseNow(i, time);
   since[i] = time;
 }

@@ -27,7 +27,7 @@ struct Inertia {
   bool steady = false;
   /// Steady, and no stage of a step uses its orientation, which is not integrated but computed when it is
   /// read.
-  bool unturned = false;
+  bool lazy_orientation = false;
 
   /// I_W^-1 for a body with the orientation R_WB.
   Mat3 inverseW(const Mat3& R_WB) const { return R_WB * inv_moments.asDiagonal() * R_WB.transpose(); }
@@ -50,13 +50,13 @@ struct Traits : ShapeTraits {
   /// Moved by forces, now or once it wakes.
   bool movable() const { return kind == BodyKind::Dynamic && !held && !frozen; }
   bool moved_by_forces() const { return movable() && !asleep; }
-  bool led() const { return !frozen && (held || kind == BodyKind::Kinematic); }
+  bool is_kinematic() const { return !frozen && (held || kind == BodyKind::Kinematic); }
   double dragCoefficient() const;
 };
 
 struct Bodies {
   std::vector<BodyId> id;
-  std::vector<Pose> pose;     ///< q_WB of a body that is `unturned`: its orientation at `since`
+  std::vector<Pose> pose;     ///< q_WB of a body that is `lazy_orientation`: its orientation at `since`
   std::vector<double> since;  ///< s
   std::vector<Twist> twist;
   std::vector<Inertia> inertia;
@@ -72,13 +72,14 @@ struct Bodies {
   void erase(Index i);                             ///< keeps the order
   void clear() { *this = Bodies{}; }
 
-  /// Call it after a change of shape, mass, kind, hold or quarantine of body i, and takeCensus() afterwards.
+  /// Call it after a change of shape, mass, kind, hold or quarantine of body i, and analyseScene()
+  /// afterwards.
   void refresh(Index i);
 
   /// The pose of body i at `time`.
   Pose poseNow(Index i, double time) const;
-  /// Computes the orientation of an unturned body at `time`, and makes `time` its new reference time.
-  void bringAttitude(Index i, double time);
+  /// Computes the orientation of an lazy_orientation body at `time`, and makes `time` its new reference time.
+  void updateOrientation(Index i, double time);
 
   BodyDescription describe(Index i) const;
   BodyDef define(Index i, double time) const;

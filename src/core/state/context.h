@@ -10,9 +10,9 @@
 #include "rigid_body_sim/world.h"
 #include "state/bodies.h"
 #include "state/contact.h"
-#include "state/counts.h"
 #include "state/fidelity.h"
 #include "state/island.h"
+#include "state/scene_analysis.h"
 
 #include <array>
 #include <chrono>
@@ -40,15 +40,15 @@ struct BodyHold {
   Pose target;
 };
 
-/// Dense lists of bodies, one for each kind of work; remade when the census is taken.
-struct Rosters {
+/// Dense lists of bodies, one for each kind of work; remade by analyseScene().
+struct BodyLists {
   std::vector<Index> ballistic;   ///< moved by forces, that feel gravity alone and can meet nobody
-  std::vector<Index> tumbling;    ///< ballistic, with an attitude that is carried along
-  std::vector<Index> movers;      ///< moved by forces, all others
-  std::vector<Index> led;         ///< kinematic or held
+  std::vector<Index> tumbling;    ///< ballistic, with an orientation that is integrated
+  std::vector<Index> in_islands;  ///< awake dynamic bodies that are not ballistic
+  std::vector<Index> kinematic;   ///< of kind kinematic, or dragged
   std::vector<Index> collidable;  ///< that may meet another, planes left out
   std::vector<Index> planes;      ///< that may meet another
-  /// By effect, of forces with a list of their own (effects.h): movers that feel it.
+  /// By effect, of forces with a list of their own (effects.h): awake dynamic bodies that feel it.
   std::array<std::vector<Index>, kEffects.size()> feeling;
 
   const std::vector<Index>& feelingOf(Effect effect) const {
@@ -68,7 +68,7 @@ class ActiveEffects {
 
 /// How the broad phase sorts. What it finds does not depend on it, only how fast.
 struct Sweep {
-  std::vector<Index> order;  ///< rosters.collidable, as sorted in the last step
+  std::vector<Index> order;  ///< lists.collidable, as sorted in the last step
   int axis = 3;              ///< of Bounds: the one that it sorts along
   std::uint64_t tests = 0;   ///< that it took along this axis when it was chosen
   bool fresh = true;         ///< the axis has yet to be chosen
@@ -85,8 +85,8 @@ struct SceneStore {
   ActiveEffects effects;
   Vec3 gravity_W = Vec3::Zero();  ///< as simulated: zero when gravity is off, m/s²
   double ballistic_until = 0.0;   ///< no ballistic body leaves the limits before this time, s
-  Rosters rosters;
-  CensusTally tally;
+  BodyLists lists;
+  SceneCounts counts;
   std::vector<TimedWrench> wrenches;
   std::vector<BodyGrab> grabs;
   std::vector<BodyHold> holds;
@@ -162,7 +162,7 @@ struct StepStore {
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<Island> islands;
-  std::vector<Index> island;        ///< by body: its place in `islands`; kNone if it is no mover
+  std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
   std::vector<double> row_seconds;  ///< by row of the inner step
   std::vector<Index> slot;          ///< by body: kNone; lent to Slots
   std::vector<Index> woken;         ///< bodies that must not sleep on
@@ -180,16 +180,16 @@ struct StepStore {
   bool isCrowded(Index i) const { return !crowded.empty() && crowded[i]; }
   /// Whether the time for exact solves is over, where there is a limit to it.
   bool isLate() const { return solve_until && std::chrono::steady_clock::now() >= *solve_until; }
-  /// How far body i has been advanced. A body that is no mover is wherever its motion from t0 puts it.
+  /// How far body i has been advanced. A body in no island is wherever its motion from t0 puts it.
   double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
-  /// Where body i is at time t: a mover is where its island left it, a led body on its way from t0.
+  /// Where body i is at time t: its island has left it there, or a kinematic body moves on from t0.
   Pose poseAt(const Bodies& bodies, Index i, double t) const;
 };
 
 struct Context {
   SceneStore& scene;
   StepStore& step;
-  const Census& census;
+  const SceneAnalysis& analysis;
 };
 
 /// Speed scale of a body of length L: what it gains by falling its own length, m/s. Without gravity

@@ -55,17 +55,18 @@ std::string brokenBody(const Bodies& bodies, Index i) {
 }
 
 std::string brokenRosters(const SceneStore& scene) {
-  const Rosters& r = scene.rosters;
+  const BodyLists& r = scene.lists;
   const Index n = scene.bodies.size();
-  for (const auto* list : {&r.ballistic, &r.tumbling, &r.movers, &r.led, &r.collidable, &r.planes})
+  for (const auto* list : {&r.ballistic, &r.tumbling, &r.in_islands, &r.kinematic, &r.collidable, &r.planes})
     if (!isList(*list, n)) return "a list of bodies is not in order";
   for (const std::vector<Index>& list : r.feeling)
     if (!isList(list, n)) return "a list of bodies that feel an effect is not in order";
   for (Index i = 0; i < n; ++i) {
     const Traits& t = scene.bodies.traits[i];
-    const int lists = has(r.ballistic, i) + has(r.movers, i);
-    if (lists != int{t.moved_by_forces()}) return of(scene.bodies, i, "it is not on one list of movers");
-    if (has(r.led, i) != t.led())
+    const int lists = has(r.ballistic, i) + has(r.in_islands, i);
+    if (lists != int{t.moved_by_forces()})
+      return of(scene.bodies, i, "it is not on exactly one list of awake dynamic bodies");
+    if (has(r.kinematic, i) != t.is_kinematic())
       return of(scene.bodies, i, "the list of kinematic bodies is wrong about it");
   }
   std::vector<Index> order = scene.sweep.order;
@@ -119,8 +120,8 @@ std::string brokenIslands(const SceneStore& scene, const StepStore& step) {
       return "an island has not come to the end of the step";
   }
   for (Index i = 0; i < found.size(); ++i)
-    if (bool{found[i] != 0} != has(scene.rosters.movers, i))
-      return of(scene.bodies, i, "the islands do not hold the movers");
+    if (bool{found[i] != 0} != has(scene.lists.in_islands, i))
+      return of(scene.bodies, i, "the islands do not hold the awake dynamic bodies");
   return "";
 }
 
@@ -131,7 +132,7 @@ std::string broken(const SceneStore& scene) {
   const Index n = b.size();
   if (!haveSize(n, b.pose, b.since, b.twist, b.inertia, b.traits, b.name, b.color))
     return "the arrays of bodies differ in size";
-  if (scene.tally.entries.size() != n) return "the census has counted other bodies";
+  if (scene.counts.entries.size() != n) return "the analysis has counted other bodies";
   if (!scene.rest.empty() && scene.rest.size() != n) return "the list of rest is of other bodies";
   for (Index i = 0; i < n; ++i)
     if (std::string fault = brokenBody(b, i); !fault.empty()) return fault;

@@ -15,7 +15,7 @@ void freeze(Context& context, Index i, const Pose& before, const Twist& twist_be
   Bodies& bodies = context.scene.bodies;
   bodies.pose[i] = before;
   bodies.twist[i] = twist_before;
-  bodies.bringAttitude(i, context.step.t0);
+  bodies.updateOrientation(i, context.step.t0);
   bodies.twist[i] = {};
   bodies.traits[i].frozen = true;
   bodies.refresh(i);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What surrounds the bodies of a scene, key by key. The reader and the writer of scene files, the check, the
-// state hash and the census go through these lists: a new surrounding is a member of SceneDef, and its lines
-// here.
+// state hash and the analysis go through these lists: a new surrounding is a member of SceneDef, and its
+// lines here.
 #pragma once
 
 #include "rigid_body_sim/scene.h"

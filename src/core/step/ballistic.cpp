@@ -41,7 +41,7 @@ std::vector<OutOfBounds> findOutOfBounds(Context& context) {
   const double h = context.step.h(), gravity = scene.gravity_W.norm();
   double safe = std::numeric_limits<double>::infinity();
   std::vector<OutOfBounds> leaving;
-  for (const Index i : scene.rosters.ballistic) {
+  for (const Index i : scene.lists.ballistic) {
     const double seconds = 0.99 * secondsWithinLimits(bodies.pose[i], bodies.twist[i], gravity);
     safe = std::min(safe, seconds);
     if (seconds > h) continue;
@@ -57,7 +57,7 @@ std::vector<OutOfBounds> findOutOfBounds(Context& context) {
 
 }  // namespace
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.ballistic == 0) return {false, "every body can collide or feels more than gravity"};
   return {true, count(c.ballistic, "body feels", "bodies feel") + " gravity alone and cannot collide"};
 }
@@ -70,14 +70,14 @@ void run(Context& context) {
   std::vector<OutOfBounds> leaving;
   if (!(context.step.t1 < scene.ballistic_until)) leaving = findOutOfBounds(context);
   const Vec3 dv = h * scene.gravity_W, half_dv = 0.5 * dv;
-  for (const Index i : scene.rosters.ballistic) {
+  for (const Index i : scene.lists.ballistic) {
     bodies.pose[i].p_WB += h * (bodies.twist[i].v_WB + half_dv);
     bodies.twist[i].v_WB += dv;
   }
-  for (const Index i : scene.rosters.tumbling)
+  for (const Index i : scene.lists.tumbling)
     rotateFreely(bodies.pose[i].q_WB, bodies.twist[i].w_WB, bodies.inertia[i], h);
   for (const OutOfBounds& lost : leaving) freeze(context, lost.body, lost.pose, lost.twist);
-  context.step.report.flying += static_cast<std::uint32_t>(scene.rosters.ballistic.size());
+  context.step.report.flying += static_cast<std::uint32_t>(scene.lists.ballistic.size());
 }
 
 }  // namespace rbs::ballistic

@@ -6,7 +6,7 @@
 
 namespace rbs::ballistic {
 
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 /// Moves them over the step, in closed form. Orientations are integrated where the angular velocity is not
 /// constant.
 void run(Context& context);

@@ -107,7 +107,7 @@ class ImpactLoop {
     ++step_.report.impacts;
     if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
     for (const Index i : {impact.i, impact.j}) {
-      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body that is no mover
+      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
       ++step_.stamp[i];
       lookAround(i);
     }
@@ -175,7 +175,7 @@ class ImpactLoop {
     const double from = step_.timeOf(i);
     neighbourhood_.move(i, sweptBounds(bodies, step_.load[i], i, step_.t1 - from));
     for (const Index j : neighbourhood_.of(i)) consider(i, j, from);
-    for (const Index j : context_.scene.rosters.planes) consider(i, j, from);
+    for (const Index j : context_.scene.lists.planes) consider(i, j, from);
   }
 
   void consider(Index i, Index j, double from) {
@@ -186,12 +186,12 @@ class ImpactLoop {
     PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
     if (state && state->isDepenetrating()) return;
     if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
-    const impacts::Outlook outlook = impacts::predict(context_, i, j, std::max(from, step_.timeOf(j)));
-    if (outlook.impact) {
-      queue_.push(*outlook.impact);
+    const impacts::Prediction prediction = impacts::predict(context_, i, j, std::max(from, step_.timeOf(j)));
+    if (prediction.impact) {
+      queue_.push(*prediction.impact);
       if (state) state->awaitImpact();
-    } else if (state && (state->awaitsImpact() || (state->isSeparated() && outlook.touches))) {
-      dismiss(std::min(i, j), std::max(i, j), outlook.touches);  // what it waited for will not come
+    } else if (state && (state->awaitsImpact() || (state->isSeparated() && prediction.touches))) {
+      dismiss(std::min(i, j), std::max(i, j), prediction.touches);  // what it waited for will not come
     }
   }
 

@@ -104,7 +104,7 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 // Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is
 // left to the contact solver: predicting how a face rocks on another, to find when it comes back, would cost
 // more than it is worth within a step. Of spheres and planes it is known in closed form.
-Outlook predict(const Context& context, Index i, Index j, double from) {
+Prediction predict(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
@@ -112,12 +112,12 @@ Outlook predict(const Context& context, Index i, Index j, double from) {
   const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
   if (std::isfinite(near) && !areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
   const auto touchAt = [&](const Meeting& meeting, double time) {
-    Outlook outlook;
-    outlook.touches = true;
-    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return outlook;
+    Prediction prediction;
+    prediction.touches = true;
+    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return prediction;
     const auto [first, second] = std::minmax(i, j);
-    outlook.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
-    return outlook;
+    prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+    return prediction;
   };
   const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
   if (!isSimple(i) || !isSimple(j)) {
@@ -127,10 +127,10 @@ Outlook predict(const Context& context, Index i, Index j, double from) {
   const std::optional<double> time = timeOfImpact(a, course_i, b, course_j, from, step.t1);
   if (time) return touchAt(Meeting(context, i, j, *time), *time);
   // What overlaps touches, though nothing closes: contacts are to part it.
-  Outlook outlook;
-  outlook.touches =
+  Prediction prediction;
+  prediction.touches =
       gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
-  return outlook;
+  return prediction;
 }
 
 // Courses are predicted with a constant angular velocity; what torque and gyroscopic torque do to it must not
@@ -163,11 +163,11 @@ void find(Context& context) {
     const auto [i, j] = std::pair(contact.i, contact.j);
     if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) continue;
     if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) continue;
-    const Outlook outlook = predict(context, i, j, step.t0);
-    if (outlook.impact) {
-      step.impacts.push_back(*outlook.impact);
+    const Prediction prediction = predict(context, i, j, step.t0);
+    if (prediction.impact) {
+      step.impacts.push_back(*prediction.impact);
       contact.state.awaitImpact();
-    } else if (!outlook.touches && isFree(context, i) && isFree(context, j)) {
+    } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
       contact.state.separate();
     }
   }

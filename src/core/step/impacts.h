@@ -14,14 +14,14 @@ namespace rbs::impacts {
 void find(Context& context);
 
 /// What is predicted of a pair from some time to the end of the step.
-struct Outlook {
+struct Prediction {
   std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
   bool touches = false;                 ///< they touch, impact or not
 };
-Outlook predict(const Context& context, Index i, Index j, double from);
+Prediction predict(const Context& context, Index i, Index j, double from);
 
-/// Whether a body's course is known: nothing carries it now, and its attitude does not change by more than a
-/// turn at constant velocity.
+/// Whether a body's course is known: nothing carries it now, and its orientation does not change by more than
+/// a turn at constant velocity.
 bool isFree(const Context& context, Index i);
 
 enum class Outcome {

@@ -46,12 +46,14 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 }  // namespace
 
-Need need(const Census& c) {
-  const Index movers = c.moved_by_forces - c.ballistic;
-  if (movers == 0 && c.led == 0)
+Need need(const SceneAnalysis& c) {
+  const Index dynamic = c.moved_by_forces - c.ballistic;
+  if (dynamic == 0 && c.kinematic == 0)
     return {false, c.ballistic > 0 ? "all bodies are ballistic" : "nothing moves"};
-  return {true, count(movers, "body", "bodies") + " that may meet others or feel more than gravity" +
-                    (c.led > 0 ? ", " + count(c.led, "body is", "bodies are") + " led" : "")};
+  return {true,
+          count(dynamic, "body", "bodies") + " that may meet others or feel more than gravity" +
+              (c.kinematic > 0 ? ", " + count(c.kinematic, "body is", "bodies are") + " kinematic or dragged"
+                               : "")};
 }
 
 Edge edgeOf(const Contacts& contacts, Index k) {
@@ -74,20 +76,20 @@ void connect(Context& context, const std::vector<Edge>& edges) {
   StepStore& step = context.step;
   const Index n = context.scene.bodies.size();
   DisjointSets sets(n);
-  std::vector<char> mover(n, 0);
-  for (const Index i : context.scene.rosters.movers) mover[i] = 1;
+  std::vector<char> dynamic(n, 0);
+  for (const Index i : context.scene.lists.in_islands) dynamic[i] = 1;
   // The first body of an edge that forces move; kNone where there is none.
   const auto firstMover = [&](const Edge& edge) {
     for (const Index i : edge.bodies)
-      if (i != kNone && mover[i]) return i;
+      if (i != kNone && dynamic[i]) return i;
     return kNone;
   };
   for (const Edge& edge : edges) {
     const Index first = firstMover(edge);
     for (const Index i : edge.bodies)
-      if (i != kNone && i != first && mover[i]) sets.unite(first, i);
+      if (i != kNone && i != first && dynamic[i]) sets.unite(first, i);
   }
-  for (const Index i : context.scene.rosters.movers) {
+  for (const Index i : context.scene.lists.in_islands) {
     const Index root = sets.root(i);
     if (root == i) {
       step.island[i] = static_cast<Index>(step.islands.size());

@@ -8,7 +8,7 @@
 
 namespace rbs::islands {
 
-Need need(const Census& census);
+Need need(const SceneAnalysis& analysis);
 
 /// The edge of contact k.
 Edge edgeOf(const Contacts& contacts, Index k);

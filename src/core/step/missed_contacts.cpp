@@ -61,7 +61,7 @@ Pairs findMissedContacts(const Context& context) {
   };
   for (const Index i : pushed) {
     for (const Index j : neighbourhood.of(i)) look(i, j);
-    for (const Index j : scene.rosters.planes) look(i, j);
+    for (const Index j : scene.lists.planes) look(i, j);
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());

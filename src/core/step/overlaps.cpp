@@ -151,7 +151,7 @@ bool isDeep(const Context& context, const Contact& contact) {
   return shareACentre(bodies, contact) || depthOf(contact) > kDeep * lengthOf(bodies, contact);
 }
 
-Need need(const Census& c) {
+Need need(const SceneAnalysis& c) {
   if (c.moved_by_forces == 0 || c.askingFor(Effect::Collision) < 2)
     return {false, "no two bodies can overlap"};
   return {true, "edits may put bodies where others are"};
@@ -190,7 +190,7 @@ void part(Context& context) {
     if (contact.state.isDepenetrating()) crowded.push_back(&contact);
   if (!crowded.empty()) {
     const std::vector<Vec3> ways = waysApart(context, crowded);
-    for (const Index i : context.scene.rosters.movers) context.scene.bodies.pose[i].p_WB += ways[i];
+    for (const Index i : context.scene.lists.in_islands) context.scene.bodies.pose[i].p_WB += ways[i];
     for (Contact* contact : crowded) keepDepth(context.scene.bodies, *contact);
   }
   if (context.scene.just_edited) warn(context);

@@ -35,17 +35,17 @@ struct Items {
 };
 
 template <Effect kEffect>
-Need needOf(const Census& census) {
-  return effects::need(kEffect, census);
+Need needOf(const SceneAnalysis& analysis) {
+  return effects::need(kEffect, analysis);
 }
 
-template <auto kRoster>
+template <auto kList>
 Items bodiesOn(const SceneStore& scene, const StepStore&) {
-  return {(scene.rosters.*kRoster).size(), "bodies"};
+  return {(scene.lists.*kList).size(), "bodies"};
 }
 template <Effect kEffect>
 Items feeling(const SceneStore& scene, const StepStore&) {
-  return {scene.rosters.feelingOf(kEffect).size(), "bodies"};
+  return {scene.lists.feelingOf(kEffect).size(), "bodies"};
 }
 Items candidates(const SceneStore& scene, const StepStore&) {
   return {scene.contacts.active.size(), "pairs"};
@@ -62,7 +62,7 @@ std::uint64_t asleep(const SceneStore& scene) {
 
 struct Stage {
   const char* name;
-  Need (*need)(const Census&);
+  Need (*need)(const SceneAnalysis&);
   void (*run)(Context&);
   Items (*items)(const SceneStore&, const StepStore&);
 };
@@ -74,7 +74,7 @@ constexpr std::array kStages{
           }},
     Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
           [](const SceneStore& scene, const StepStore&) {
-            return Items{scene.rosters.movers.size() + scene.rosters.ballistic.size(), "bodies"};
+            return Items{scene.lists.in_islands.size() + scene.lists.ballistic.size(), "bodies"};
           }},
     Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
     Stage{"forces.wrench", wrenches::need, wrenches::run,
@@ -87,22 +87,22 @@ constexpr std::array kStages{
           }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
     Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
-          bodiesOn<&Rosters::collidable>},
+          bodiesOn<&BodyLists::collidable>},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep"};
           }},
     Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
     Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
-    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&Rosters::ballistic>},
+    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
     Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
             return Items{step.islands.size(), "islands"};
           }},
-    Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&Rosters::movers>},
+    Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&BodyLists::in_islands>},
     Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
-    Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&Rosters::movers>},
-    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&Rosters::movers>},
+    Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&BodyLists::in_islands>},
+    Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&BodyLists::in_islands>},
 };
 
 // Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed, and
@@ -117,14 +117,14 @@ std::string contactLaw(const Setting& setting) {
          (settings.promotes ? "; Coulomb's law for small stiff groups" : "");
 }
 
-Need needSolver(const Census& census) {
-  const Need contacts = needOf<Effect::Collision>(census);
-  return {contacts.active, contacts.active ? contactLaw(census.scene.fidelity) : contacts.reason};
+Need needSolver(const SceneAnalysis& analysis) {
+  const Need contacts = needOf<Effect::Collision>(analysis);
+  return {contacts.active, contacts.active ? contactLaw(analysis.scene.fidelity) : contacts.reason};
 }
 
 struct Part {
   const char* name;
-  Need (*need)(const Census&);
+  Need (*need)(const SceneAnalysis&);
   Items (*items)(const SceneStore&, const StepStore&);
 };
 
@@ -152,7 +152,7 @@ Items bodiesThat(const SceneStore& scene, const StepStore&) {
 Items turnedBodies(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
   for (Index i = 0; i < scene.bodies.size(); ++i)
-    n += scene.bodies.traits[i].moved_by_forces() && !scene.bodies.inertia[i].unturned;
+    n += scene.bodies.traits[i].moved_by_forces() && !scene.bodies.inertia[i].lazy_orientation;
   return {n, "bodies"};
 }
 
@@ -160,7 +160,7 @@ constexpr std::array kParts{
     Part{kInnerRowNames[kCollide], needOf<Effect::Collision>, candidates},
     Part{kInnerRowNames[kPrepare], needOf<Effect::Collision>, points},
     Part{kInnerRowNames[kSolve], needSolver, points},
-    Part{kInnerRowNames[kIntegrate], islands::need, bodiesOn<&Rosters::movers>},
+    Part{kInnerRowNames[kIntegrate], islands::need, bodiesOn<&BodyLists::in_islands>},
     Part{kInnerRowNames[kRestitution], needOf<Effect::Restitution>, impactCount},
     Part{kInnerRowNames[kStore], needOf<Effect::Collision>, points},
     Part{"contacts.friction", needOf<Effect::Friction>, frictionPairs},
@@ -179,7 +179,7 @@ double secondsBetween(Clock::time_point begin, Clock::time_point end) {
 
 void StepStore::begin(const SceneStore& scene, double from, double to) {
   const bool ballistic_only =
-      scene.rosters.movers.empty() && scene.rosters.led.empty() && scene.rosters.collidable.empty();
+      scene.lists.in_islands.empty() && scene.lists.kinematic.empty() && scene.lists.collidable.empty();
   const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
   t0 = from;
   t1 = to;
@@ -204,10 +204,10 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   report = {};
 }
 
-void Pipeline::filter(const Census& census) {
+void Pipeline::filter(const SceneAnalysis& analysis) {
   active_.clear();
   for (std::size_t row = 0; row < kStages.size(); ++row)
-    if (kStages[row].need(census).active) active_.push_back(row);
+    if (kStages[row].need(analysis).active) active_.push_back(row);
   seconds_.assign(kStages.size(), 0.0);
   row_seconds_.assign(kInnerRows, 0.0);
 }
@@ -231,11 +231,11 @@ void Pipeline::run(Context& context) {
   context.step.report.seconds = secondsBetween(begin, mark);
 }
 
-std::vector<StageInfo> Pipeline::describe(const Census& census, const SceneStore& scene,
+std::vector<StageInfo> Pipeline::describe(const SceneAnalysis& analysis, const SceneStore& scene,
                                           const StepStore& step) const {
   std::vector<StageInfo> rows;
   const auto add = [&](const auto& row, double seconds) {
-    const Need need = row.need(census);
+    const Need need = row.need(analysis);
     const Items items = need.active ? row.items(scene, step) : Items{0, ""};
     rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds});
   };

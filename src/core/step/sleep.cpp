@@ -22,8 +22,8 @@ bool isStill(const SceneStore& scene, Index i, double h) {
 
 bool moves(const SceneStore& scene, Index i) {
   const Traits& t = scene.bodies.traits[i];
-  return t.moved_by_forces() ||
-         (t.led() && !(scene.bodies.twist[i].v_WB.isZero(0.0) && scene.bodies.twist[i].w_WB.isZero(0.0)));
+  const Twist& twist = scene.bodies.twist[i];
+  return t.moved_by_forces() || (t.is_kinematic() && !(twist.v_WB.isZero(0.0) && twist.w_WB.isZero(0.0)));
 }
 
 }  // namespace

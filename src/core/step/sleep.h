@@ -17,7 +17,7 @@ void findWoken(Context& context);
 /// step.falling_asleep.
 void update(Context& context);
 
-/// Bodies to sleep, as one group, or awake again; then the census is to be taken.
+/// Bodies to sleep, as one group, or awake again; analyseScene() must run afterwards.
 void putToSleep(SceneStore& scene, const std::vector<Index>& bodies);
 void wake(SceneStore& scene, const std::vector<Index>& bodies);
 void wakeAll(SceneStore& scene);

@@ -23,7 +23,7 @@ struct Beginning {
 void beginAgain(Context& context, Beginning& beginning, const std::vector<std::pair<Index, Index>>& pairs) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  for (const Index i : context.scene.rosters.movers)
+  for (const Index i : context.scene.lists.in_islands)
     bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
   for (const auto& [i, j] : pairs) beginning.contacts.open(bodies, i, j);
   context.scene.contacts = beginning.contacts;
@@ -37,7 +37,7 @@ void beginAgain(Context& context, Beginning& beginning, const std::vector<std::p
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!step.solver.exact || context.scene.rosters.movers.size() < 2) return false;
+  if (!step.solver.exact || context.scene.lists.in_islands.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
@@ -64,7 +64,7 @@ void advanceUntilNoneIsMissed(Context& context) {
 
 void moveLedBodies(Context& context) {
   Bodies& bodies = context.scene.bodies;
-  for (const Index i : context.scene.rosters.led)
+  for (const Index i : context.scene.lists.kinematic)
     bodies.pose[i] = context.step.poseAt(bodies, i, context.step.t1);
 }
 

@@ -32,8 +32,8 @@ SavedState captureState(const SceneStore& scene) {
     state.rest.push_back(rest);
   }
   for (Index i = 0; i < scene.bodies.size(); ++i)
-    if (scene.bodies.inertia[i].unturned && !scene.bodies.twist[i].w_WB.isZero(0.0))
-      state.attitudes.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
+    if (scene.bodies.inertia[i].lazy_orientation && !scene.bodies.twist[i].w_WB.isZero(0.0))
+      state.orientations.push_back({i, scene.bodies.since[i], scene.bodies.pose[i].q_WB});
   for (const TimedWrench& w : scene.wrenches) {
     const Index i = scene.bodies.indexOf(w.body);
     state.wrenches.push_back({i, w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
@@ -55,10 +55,10 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
         problems.push_back(
             {"state.contacts", text(point.normal), "finite forces, the normal one not negative"});
   }
-  for (const SavedState::Attitude& attitude : saved.attitudes)
-    if (attitude.body >= bodies || !(attitude.since >= 0.0 && attitude.since <= saved.time) ||
-        !(std::abs(attitude.q_WB.norm() - 1.0) < 1e-9))
-      problems.push_back({"state.attitudes", std::to_string(attitude.body),
+  for (const SavedState::Orientation& orientation : saved.orientations)
+    if (orientation.body >= bodies || !(orientation.since >= 0.0 && orientation.since <= saved.time) ||
+        !(std::abs(orientation.q_WB.norm() - 1.0) < 1e-9))
+      problems.push_back({"state.orientations", std::to_string(orientation.body),
                           "the index of a body, a time up to state.time and a quaternion of norm 1"});
   for (const SavedState::Rest& rest : saved.rest)
     if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
@@ -96,10 +96,10 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
 }
 
 bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene) {
-  for (const SavedState::Attitude& attitude : saved.attitudes) {
-    if (!scene.bodies.inertia[attitude.body].unturned) continue;
-    scene.bodies.pose[attitude.body].q_WB = attitude.q_WB;
-    scene.bodies.since[attitude.body] = attitude.since;
+  for (const SavedState::Orientation& orientation : saved.orientations) {
+    if (!scene.bodies.inertia[orientation.body].lazy_orientation) continue;
+    scene.bodies.pose[orientation.body].q_WB = orientation.q_WB;
+    scene.bodies.since[orientation.body] = orientation.since;
   }
   if (saved.rest.empty() || !scene.effects[Effect::Sleeping]) return false;
   scene.rest.resize(scene.bodies.size());

@@ -12,11 +12,11 @@ SavedState captureState(const SceneStore& scene);
 /// Every fault of a saved state of this number of bodies.
 std::vector<Problem> validate(const SavedState& saved, Index bodies);
 
-/// Restores the time, the contacts and the wrenches of a sound state. To be called before takeCensus().
+/// Restores the time, the contacts and the wrenches of a sound state. To be called before analyseScene().
 void restoreForces(const SavedState& saved, SceneStore& scene);
 
-/// Restores orientations that are not integrated, and sleeping islands. To be called after takeCensus().
-/// Returns whether takeCensus() must be called again.
+/// Restores orientations that are not integrated, and sleeping islands. To be called after analyseScene().
+/// Returns whether analyseScene() must be called again.
 bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene);
 
 }  // namespace rbs

@@ -36,7 +36,7 @@ void addBody(Hash& hash, const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
   hash.add(bodies.name[i]);
   hash.add(bodies.pose[i]);
-  if (bodies.inertia[i].unturned && !bodies.twist[i].w_WB.isZero(0.0)) hash.add(bodies.since[i]);
+  if (bodies.inertia[i].lazy_orientation && !bodies.twist[i].w_WB.isZero(0.0)) hash.add(bodies.since[i]);
   hash.add(bodies.twist[i].v_WB);
   hash.add(bodies.twist[i].w_WB);
   hash.add(t.shape.index());

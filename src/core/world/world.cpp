@@ -63,7 +63,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   if (saved) restoreForces(*saved, impl_->scene);
   impl_->edited(true);
   if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
-  impl_->pipeline.filter(impl_->census);
+  impl_->pipeline.filter(impl_->analysis);
 }
 
 World::World(const World& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
@@ -104,7 +104,7 @@ void World::removeBody(BodyId id) {
   scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
                                       [id](const TimedWrench& w) { return w.body == id; }),
                        scene.wrenches.end());
-  uncountBody(scene, i);
+  removeFromAnalysis(scene, i);
   scene.bodies.erase(i);
   impl_->edited(true, std::vector<Index>{});
 }
@@ -258,7 +258,7 @@ void World::setEffects(const EffectOverrides& effects) {
 // --- time
 
 void World::Impl::advance(double to) {
-  Context context{scene, step, census};
+  Context context{scene, step, analysis};
   assert(invariants::hold(invariants::broken(scene)));
   do {
     sleep::wake(scene, step.woken);

@@ -42,7 +42,7 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
     throw InvalidInput({{"impulse", textOf(impulse_W),
                          "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
                              text(Limits::max_spin) + " rad/s"}});
-  bodies.bringAttitude(i, impl_->scene.time);
+  bodies.updateOrientation(i, impl_->scene.time);
   bodies.twist[i] = twist;
   impl_->edited(false, std::vector<Index>{});
 }

@@ -4,7 +4,7 @@
 
 #include "rigid_body_sim/world.h"
 #include "state/context.h"
-#include "step/census.h"
+#include "step/analyse_scene.h"
 #include "step/pipeline.h"
 #include "step/sleep.h"
 
@@ -21,7 +21,7 @@ namespace rbs {
 struct World::Impl {
   SceneStore scene;
   StepStore step;
-  Census census;
+  SceneAnalysis analysis;
   Pipeline pipeline;
   std::uint64_t next_serial = 1;
   std::uint64_t edits = 0;
@@ -53,15 +53,15 @@ struct World::Impl {
   void begunAnew(const std::optional<std::vector<Index>>& changed = std::nullopt) {
     const bool some_rest = !scene.rest.empty();
     sleep::wakeAll(scene);
-    changed && !some_rest ? adopt(takeCensus(scene, *changed)) : recount();
+    changed && !some_rest ? adopt(analyseScene(scene, *changed)) : recount();
   }
 
-  void recount() { adopt(takeCensus(scene)); }
+  void recount() { adopt(analyseScene(scene)); }
 
-  void adopt(Census now) {
-    if (now == census) return;
-    census = std::move(now);
-    pipeline.filter(census);
+  void adopt(SceneAnalysis now) {
+    if (now == analysis) return;
+    analysis = std::move(now);
+    pipeline.filter(analysis);
   }
 
   void letGo(BodyId id) {

@@ -21,13 +21,13 @@ std::uint64_t World::edits() const {
   return impl_->edits;
 }
 std::uint64_t World::bodiesAnalysed() const {
-  return impl_->scene.tally.looks;
+  return impl_->scene.counts.looks;
 }
 const SceneDef& World::scene() const {
   return impl_->scene.settings;
 }
 std::vector<StageInfo> World::pipeline() const {
-  return impl_->pipeline.describe(impl_->census, impl_->scene, impl_->step);
+  return impl_->pipeline.describe(impl_->analysis, impl_->scene, impl_->step);
 }
 std::uint64_t World::stateHash() const {
   return rbs::stateHash(impl_->scene);

@@ -76,11 +76,11 @@ class Ode : public Engine {
     fixed_.push_back(def.pose);
     dGeomSetData(geom, reinterpret_cast<void*>(materials_.size() - 1));
     bodies_.push_back(nullptr);
-    const dReal attitude[4] = {q.w(), q.x(), q.y(), q.z()};
+    const dReal orientation[4] = {q.w(), q.x(), q.y(), q.z()};
     if (def.kind != BodyKind::Dynamic) {
       if (!std::holds_alternative<Plane>(def.shape)) {
         dGeomSetPosition(geom, p.x(), p.y(), p.z());
-        dGeomSetQuaternion(geom, attitude);
+        dGeomSetQuaternion(geom, orientation);
       }
       return;
     }
@@ -91,7 +91,7 @@ class Ode : public Engine {
     dBodySetMass(body, &mass);
     dGeomSetBody(geom, body);
     dBodySetPosition(body, p.x(), p.y(), p.z());
-    dBodySetQuaternion(body, attitude);
+    dBodySetQuaternion(body, orientation);
     dBodySetLinearVel(body, def.twist.v_WB.x(), def.twist.v_WB.y(), def.twist.v_WB.z());
     dBodySetAngularVel(body, def.twist.w_WB.x(), def.twist.w_WB.y(), def.twist.w_WB.z());
     if (better_) dBodySetFiniteRotationMode(body, 1);

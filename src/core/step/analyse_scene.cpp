@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "step/census.h"
+#include "step/analyse_scene.h"
 
 #include "effects/effects.h"
 
@@ -11,7 +11,7 @@ namespace rbs {
 
 namespace {
 
-using Layer = CensusTally::Layer;
+using Layer = SceneCounts::Layer;
 
 Layer layerOf(const Bodies& bodies, Index i) {
   const Traits& t = bodies.traits[i];
@@ -41,7 +41,7 @@ class BodyEffects {
   }
 
   bool meets(Index i) const { return isOnFor(Effect::Collision, i); }
-  // Only movers feel what changes a motion.
+  // Only awake dynamic bodies feel what changes a motion.
   bool feels(Effect effect, Index i) const { return moved(i) && isOnFor(effect, i); }
   bool feelsSomeForce(Index i) const {
     return std::any_of(effects::kRows.begin(), effects::kRows.end(),
@@ -61,8 +61,8 @@ class BodyEffects {
         [&](const effects::Row& row) { return row.turns && row.turns(t) && feels(row.effect, i); });
     return isGyroscopic(i) || by_contact || by_force || isPulled(i);
   }
-  // Whether the step asks for its attitude.
-  bool showsAttitude(Index i) const {
+  // Whether the step reads its orientation.
+  bool showsOrientation(Index i) const {
     return isPulled(i) || (!traits(i).round && (meets(i) || feelsSomeForce(i)));
   }
 
@@ -74,7 +74,7 @@ class BodyEffects {
   bool isOnFor(Effect effect, Index i) const {
     if (!on(effect)) return false;
     const auto forced = scene_.settings.effects.find(effect);
-    return scene_.tally.entries[i].asks[static_cast<std::size_t>(effect)] ||
+    return scene_.counts.entries[i].asks[static_cast<std::size_t>(effect)] ||
            (forced != scene_.settings.effects.end() && forced->second);
   }
   bool isPulled(Index i) const { return !pulled_.empty() && pulled_.count(scene_.bodies.id[i]) != 0; }
@@ -84,11 +84,11 @@ class BodyEffects {
 };
 
 // All but whether it asks for rotation, which what it feels decides.
-CensusTally::Entry lookAt(const SceneStore& scene, Index i) {
+SceneCounts::Entry lookAt(const SceneStore& scene, Index i) {
   const Traits& t = scene.bodies.traits[i];
   const Layer layer = layerOf(scene.bodies, i);
-  const effects::Candidate candidate{t, scene.bodies.inertia[i], scene.tally.partnered.count(layer) != 0};
-  CensusTally::Entry entry{layer, t.shape.index(), t.moved_by_forces(), t.led(), t.asleep};
+  const effects::Candidate candidate{t, scene.bodies.inertia[i], scene.counts.partnered.count(layer) != 0};
+  SceneCounts::Entry entry{layer, t.shape.index(), t.moved_by_forces(), t.is_kinematic(), t.asleep};
   for (std::size_t k = 0; k < kEffects.size(); ++k)
     entry.asks[k] = effects::kRows[k].asks && effects::kRows[k].asks(candidate);
   return entry;
@@ -97,10 +97,10 @@ CensusTally::Entry lookAt(const SceneStore& scene, Index i) {
 constexpr auto kCollision = static_cast<std::size_t>(Effect::Collision);
 constexpr auto kRotation = static_cast<std::size_t>(Effect::Rotation);
 
-void count(Census& c, const CensusTally::Entry& entry, int by) {
+void count(SceneAnalysis& c, const SceneCounts::Entry& entry, int by) {
   const auto n = static_cast<Index>(by);
   if (entry.moved) c.moved_by_forces += n;
-  if (entry.led) c.led += n;
+  if (entry.kinematic) c.kinematic += n;
   if (entry.asleep) c.asleep += n;
   for (std::size_t k = 0; k < kEffects.size(); ++k)
     if (entry.asks[k]) c.asking[k] += n;
@@ -108,7 +108,7 @@ void count(Census& c, const CensusTally::Entry& entry, int by) {
 }
 
 // What the scene holds besides bodies.
-void countSurroundings(const SceneStore& scene, Census& c) {
+void countSurroundings(const SceneStore& scene, SceneAnalysis& c) {
   c.bodies = scene.bodies.size();
   c.grabs = static_cast<Index>(scene.grabs.size());
   c.holds = static_cast<Index>(scene.holds.size());
@@ -117,12 +117,12 @@ void countSurroundings(const SceneStore& scene, Census& c) {
 }
 
 // The dense lists, and after them those by effect.
-constexpr std::array kRosters{&Rosters::ballistic, &Rosters::tumbling,   &Rosters::movers,
-                              &Rosters::led,       &Rosters::collidable, &Rosters::planes};
-constexpr std::size_t kLists = kRosters.size() + kEffects.size();
+constexpr std::array kDenseLists{&BodyLists::ballistic, &BodyLists::tumbling,   &BodyLists::in_islands,
+                                 &BodyLists::kinematic, &BodyLists::collidable, &BodyLists::planes};
+constexpr std::size_t kLists = kDenseLists.size() + kEffects.size();
 
-std::vector<Index>& list(Rosters& rosters, std::size_t k) {
-  return k < kRosters.size() ? rosters.*kRosters[k] : rosters.feeling[k - kRosters.size()];
+std::vector<Index>& listAt(BodyLists& lists, std::size_t k) {
+  return k < kDenseLists.size() ? lists.*kDenseLists[k] : lists.feeling[k - kDenseLists.size()];
 }
 
 // Which lists a body is on.
@@ -130,50 +130,50 @@ std::array<bool, kLists> listsOf(const SceneStore& scene, const BodyEffects& bod
   const Traits& t = scene.bodies.traits[i];
   const bool ballistic = body.isBallistic(i), meets = body.meets(i);
   std::array<bool, kLists> on{ballistic,
-                              ballistic && !scene.bodies.inertia[i].unturned,
+                              ballistic && !scene.bodies.inertia[i].lazy_orientation,
                               !ballistic && t.moved_by_forces(),
-                              t.led(),
+                              t.is_kinematic(),
                               meets && !t.unbounded,
                               meets && t.unbounded};
   for (std::size_t k = 0; k < kEffects.size(); ++k)
-    on[kRosters.size() + k] = effects::kRows[k].turns && body.feels(kEffects[k], i);
+    on[kDenseLists.size() + k] = effects::kRows[k].turns && body.feels(kEffects[k], i);
   return on;
 }
 
 void startSweep(SceneStore& scene) {
   scene.sweep = {};
-  scene.sweep.order = scene.rosters.collidable;
+  scene.sweep.order = scene.lists.collidable;
 }
 
-// What a body feels of rotation. Its attitude is the same before and after, bit for bit.
+// What a body feels of rotation. Its orientation is the same before and after, bit for bit.
 void setRotation(SceneStore& scene, const BodyEffects& body, Index i) {
   Bodies& bodies = scene.bodies;
   Inertia& m = bodies.inertia[i];
   const auto forced = scene.settings.effects.find(Effect::Rotation);
   const bool turns = forced == scene.settings.effects.end() ? body.mayBeTurned(i) : forced->second;
   const bool steady = bodies.traits[i].moved_by_forces() && !(scene.effects[Effect::Rotation] && turns);
-  const bool unturned = steady && !body.showsAttitude(i);
-  if (unturned != m.unturned) bodies.bringAttitude(i, scene.time);
+  const bool lazy_orientation = steady && !body.showsOrientation(i);
+  if (lazy_orientation != m.lazy_orientation) bodies.updateOrientation(i, scene.time);
   m.gyroscopic = body.isGyroscopic(i);
   m.steady = steady;
-  m.unturned = unturned;
+  m.lazy_orientation = lazy_orientation;
   if (bodies.traits[i].moved_by_forces())
     m.inv_moments = steady ? Vec3::Zero().eval() : m.moments.cwiseInverse().eval();
 }
 
 }  // namespace
 
-Census takeCensus(SceneStore& scene) {
+SceneAnalysis analyseScene(SceneStore& scene) {
   const Index n = scene.bodies.size();
-  CensusTally tally;
-  tally.looks = scene.tally.looks + n;
-  for (Index i = 0; i < n; ++i) ++tally.layers[layerOf(scene.bodies, i)];
-  tally.partnered = partneredOf(tally.layers);
-  scene.tally = std::move(tally);
+  SceneCounts counts;
+  counts.looks = scene.counts.looks + n;
+  for (Index i = 0; i < n; ++i) ++counts.layers[layerOf(scene.bodies, i)];
+  counts.partnered = partneredOf(counts.layers);
+  scene.counts = std::move(counts);
   scene.effects = {};
-  Census& c = scene.tally.census;
+  SceneAnalysis& c = scene.counts.analysis;
   countSurroundings(scene, c);
-  std::vector<CensusTally::Entry>& entries = scene.tally.entries;
+  std::vector<SceneCounts::Entry>& entries = scene.counts.entries;
   const BodyEffects body(scene);
   for (Index i = 0; i < n; ++i) count(c, entries.emplace_back(lookAt(scene, i)), 1);
   // In the order of their list: whether rotation is asked for depends on those before it.
@@ -189,89 +189,90 @@ Census takeCensus(SceneStore& scene) {
   }
   scene.gravity_W = effects::isNeglected(Effect::Gravity, c) ? Vec3::Zero().eval() : scene.settings.gravity;
   for (Index i = 0; i < n; ++i) setRotation(scene, body, i);
-  const std::vector<Index> collidable = std::move(scene.rosters.collidable);
-  scene.rosters = {};
+  const std::vector<Index> collidable = std::move(scene.lists.collidable);
+  scene.lists = {};
   for (Index i = 0; i < n; ++i) {
     const auto on = listsOf(scene, body, i);
     for (std::size_t k = 0; k < kLists; ++k)
-      if (on[k]) list(scene.rosters, k).push_back(i);
+      if (on[k]) listAt(scene.lists, k).push_back(i);
   }
-  if (scene.rosters.collidable != collidable) startSweep(scene);
-  c.ballistic = static_cast<Index>(scene.rosters.ballistic.size());
+  if (scene.lists.collidable != collidable) startSweep(scene);
+  c.ballistic = static_cast<Index>(scene.lists.ballistic.size());
   scene.ballistic_until = scene.time;
   return c;
 }
 
 namespace {
 
-// False where that is not enough; what it has done until then is for a census of all to overwrite.
+// False where that is not enough; what it has done until then the analysis of all overwrites.
 bool recount(SceneStore& scene, std::vector<Index> bodies) {
-  CensusTally& tally = scene.tally;
-  for (Index i = static_cast<Index>(tally.entries.size()); i < scene.bodies.size(); ++i) bodies.push_back(i);
-  const std::size_t known = tally.entries.size();
-  tally.entries.resize(scene.bodies.size());
+  SceneCounts& counts = scene.counts;
+  for (Index i = static_cast<Index>(counts.entries.size()); i < scene.bodies.size(); ++i) bodies.push_back(i);
+  const std::size_t known = counts.entries.size();
+  counts.entries.resize(scene.bodies.size());
   for (const Index i : bodies) {
     const Layer now = layerOf(scene.bodies, i);
-    if (i < known && --tally.layers[tally.entries[i].layer] == 0) tally.layers.erase(tally.entries[i].layer);
-    ++tally.layers[now];
+    if (i < known && --counts.layers[counts.entries[i].layer] == 0)
+      counts.layers.erase(counts.entries[i].layer);
+    ++counts.layers[now];
   }
-  std::set<Layer> partnered = partneredOf(tally.layers);
-  std::swap(tally.partnered, partnered);
-  for (const auto& [layer, size] : tally.layers) {
+  std::set<Layer> partnered = partneredOf(counts.layers);
+  std::swap(counts.partnered, partnered);
+  for (const auto& [layer, size] : counts.layers) {
     const bool others =
         size > static_cast<Index>(std::count_if(bodies.begin(), bodies.end(), [&, l = layer](Index i) {
           return layerOf(scene.bodies, i) == l;
         }));
-    if (others && tally.partnered.count(layer) != partnered.count(layer)) return false;
+    if (others && counts.partnered.count(layer) != partnered.count(layer)) return false;
   }
 
-  tally.looks += bodies.size();
-  countSurroundings(scene, tally.census);
+  counts.looks += bodies.size();
+  countSurroundings(scene, counts.analysis);
   const BodyEffects body(scene);
   for (const Index i : bodies) {
-    count(tally.census, tally.entries[i], -1);
-    tally.entries[i] = lookAt(scene, i);
-    tally.entries[i].asks[kRotation] = body.mayBeTurned(i);
-    count(tally.census, tally.entries[i], 1);
+    count(counts.analysis, counts.entries[i], -1);
+    counts.entries[i] = lookAt(scene, i);
+    counts.entries[i].asks[kRotation] = body.mayBeTurned(i);
+    count(counts.analysis, counts.entries[i], 1);
   }
   for (const Effect effect : kEffects)
-    if (effects::need(effect, tally.census).active != scene.effects[effect]) return false;
+    if (effects::need(effect, counts.analysis).active != scene.effects[effect]) return false;
 
   bool sorts_others = false;
   for (const Index i : bodies) {
     setRotation(scene, body, i);
     const auto on = listsOf(scene, body, i);
     for (std::size_t k = 0; k < kLists; ++k) {
-      std::vector<Index>& roster = list(scene.rosters, k);
-      const auto place = std::lower_bound(roster.begin(), roster.end(), i);
-      const bool was_on = place != roster.end() && *place == i;
+      std::vector<Index>& list = listAt(scene.lists, k);
+      const auto place = std::lower_bound(list.begin(), list.end(), i);
+      const bool was_on = place != list.end() && *place == i;
       if (on[k] == was_on) continue;
-      on[k] ? void(roster.insert(place, i)) : void(roster.erase(place));
-      sorts_others = sorts_others || &roster == &scene.rosters.collidable;
+      on[k] ? void(list.insert(place, i)) : void(list.erase(place));
+      sorts_others = sorts_others || &list == &scene.lists.collidable;
     }
   }
   if (sorts_others) startSweep(scene);
-  tally.census.ballistic = static_cast<Index>(scene.rosters.ballistic.size());
+  counts.analysis.ballistic = static_cast<Index>(scene.lists.ballistic.size());
   scene.ballistic_until = scene.time;
   return true;
 }
 
 }  // namespace
 
-Census takeCensus(SceneStore& scene, const std::vector<Index>& changed) {
-  return recount(scene, changed) ? scene.tally.census : takeCensus(scene);
+SceneAnalysis analyseScene(SceneStore& scene, const std::vector<Index>& changed) {
+  return recount(scene, changed) ? scene.counts.analysis : analyseScene(scene);
 }
 
-void uncountBody(SceneStore& scene, Index i) {
-  CensusTally& tally = scene.tally;
-  count(tally.census, tally.entries[i], -1);
-  if (--tally.layers[tally.entries[i].layer] == 0) tally.layers.erase(tally.entries[i].layer);
-  tally.entries.erase(tally.entries.begin() + i);
+void removeFromAnalysis(SceneStore& scene, Index i) {
+  SceneCounts& counts = scene.counts;
+  count(counts.analysis, counts.entries[i], -1);
+  if (--counts.layers[counts.entries[i].layer] == 0) counts.layers.erase(counts.entries[i].layer);
+  counts.entries.erase(counts.entries.begin() + i);
   for (std::size_t k = 0; k < kLists; ++k) {
-    std::vector<Index>& roster = list(scene.rosters, k);
-    auto place = std::lower_bound(roster.begin(), roster.end(), i);
-    if (place != roster.end() && *place == i) place = roster.erase(place);
-    for (; place != roster.end(); ++place) --*place;
+    std::vector<Index>& list = listAt(scene.lists, k);
+    auto place = std::lower_bound(list.begin(), list.end(), i);
+    if (place != list.end() && *place == i) place = list.erase(place);
+    for (; place != list.end(); ++place) --*place;
   }
   startSweep(scene);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the census counts: how much of each thing the scene holds. It decides which stages run.
+// The scene analysis: how much of each thing the scene holds. It decides which stages run.
 //
 // It changes by edits alone. What one step holds (touching pairs, fast bodies, impacts) is not here:
 // that only makes a stage's list empty.
@@ -18,10 +18,10 @@
 
 namespace rbs {
 
-struct Census {
+struct SceneAnalysis {
   Index bodies = 0;
   Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
-  Index led = 0;              ///< kinematic or held
+  Index kinematic = 0;        ///< of kind kinematic, or dragged
   Index asleep = 0;
   Index ballistic = 0;                          ///< moved by gravity alone, and never meeting another
   std::array<Index, kEffects.size()> asking{};  ///< by effect: bodies that ask for it (effects.h)
@@ -33,9 +33,10 @@ struct Census {
   Index askingFor(Effect effect) const { return asking[static_cast<std::size_t>(effect)]; }
 
   auto counts() const {
-    return std::tie(bodies, moved_by_forces, led, asleep, ballistic, asking, shapes, grabs, holds, wrenches);
+    return std::tie(bodies, moved_by_forces, kinematic, asleep, ballistic, asking, shapes, grabs, holds,
+                    wrenches);
   }
-  friend bool operator==(const Census& a, const Census& b) {
+  friend bool operator==(const SceneAnalysis& a, const SceneAnalysis& b) {
     return a.counts() == b.counts() && sameSurroundings(a.scene, b.scene);
   }
 };
@@ -46,22 +47,22 @@ struct Need {
   std::string reason;
 };
 
-/// What the last census made of each body, so that an edit of one need not look at all.
-struct CensusTally {
+/// What the last analysis found of each body, so that an edit of one body looks at that body alone.
+struct SceneCounts {
   /// Group, mask, and whether forces move it: bodies of one kind may meet the same others. There are few
   /// kinds.
   using Layer = std::tuple<std::uint32_t, std::uint32_t, bool>;
   struct Entry {
     Layer layer{};
     std::size_t shape = 0;  ///< index of its Shape
-    bool moved = false, led = false, asleep = false;
+    bool moved = false, kinematic = false, asleep = false;
     std::array<bool, kEffects.size()> asks{};  ///< for each effect
   };
   std::map<Layer, Index> layers;  ///< how many bodies are of a kind
   std::set<Layer> partnered;      ///< kinds that may meet another body, one of the two moved by forces
   std::vector<Entry> entries;     ///< by body
   std::uint64_t looks = 0;        ///< how many bodies have been looked at so far
-  Census census;
+  SceneAnalysis analysis;
 };
 
 }  // namespace rbs

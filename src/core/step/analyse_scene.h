@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The census: goes through the bodies, and decides which effects the scene needs and which body feels them.
+// The scene analysis goes through the bodies, and decides which effects the scene needs and which body feels
+// them.
 #pragma once
 
 #include "state/context.h"
@@ -9,13 +10,13 @@
 namespace rbs {
 
 /// Goes through the bodies once: remakes the dense lists, decides the effects and what each body feels of
-/// them. Returns the census.
-Census takeCensus(SceneStore& scene);
+/// them.
+SceneAnalysis analyseScene(SceneStore& scene);
 /// The same after an edit of these bodies and of what pulls at them, and of nothing else but that bodies were
 /// appended: looks only at those. Looks at all where what others feel has changed: an effect, or whom they
 /// may meet.
-Census takeCensus(SceneStore& scene, const std::vector<Index>& changed);
-/// Takes a body out of tally and lists, before it is erased.
-void uncountBody(SceneStore& scene, Index i);
+SceneAnalysis analyseScene(SceneStore& scene, const std::vector<Index>& changed);
+/// Removes a body from the counts and lists, before it is erased.
+void removeFromAnalysis(SceneStore& scene, Index i);
 
 }  // namespace rbs

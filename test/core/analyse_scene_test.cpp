@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The census: that an edit looks only at the bodies it is about, and comes to what a look at all would.
-#include "step/census.h"
+// The analysis: that an edit looks only at the bodies it is about, and comes to what a look at all would.
+#include "step/analyse_scene.h"
 
 #include "base/random.h"
 #include "make_scene.h"
@@ -12,7 +12,7 @@ using namespace rbs::test;
 
 namespace {
 
-TEST(Census, AnEditLooksAtTheBodiesItIsAbout) {
+TEST(SceneAnalysis, AnEditLooksAtTheBodiesItIsAbout) {
   constexpr std::uint64_t kBodies = 10000;
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   for (std::uint64_t k = 1; k < kBodies; ++k)
@@ -105,14 +105,14 @@ void editAtRandom(World& world, SplitMix64& random) {
   }
 }
 
-TEST(Census, OfAnEditIsWhatALookAtAllWouldFind) {
+TEST(SceneAnalysis, OfAnEditIsWhatALookAtAllWouldFind) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     SplitMix64 random(seed);
     World world{SceneDef{}};
     for (int k = 0; k < 25; ++k) {
       editAtRandom(world, random);
       World anew(world);
-      anew.setFidelity(anew.scene().fidelity);  // takes the census of all
+      anew.setFidelity(anew.scene().fidelity);  // takes the analysis of all
       const std::vector<StageInfo> found = world.pipeline(), wanted = anew.pipeline();
       for (std::size_t row = 0; row < wanted.size(); ++row) {
         ASSERT_EQ(found[row].active, wanted[row].active)
