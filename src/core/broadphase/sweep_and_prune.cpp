@@ -96,15 +96,24 @@ std::uint64_t sweepAlong(const Context& context, int axis, Pairs& found) {
   return tests;
 }
 
-// A plane has no bounds: its distance to a body's bounds is taken instead.
+// A plane has no bounds: its distance to a body's bounds is taken instead. Point x of the bounds is at s =
+// n.(x - p) above a plane through p with the unit normal n. Where the plane moves with (v, w), s falls no
+// faster than
+//   -ds/dt = n.v - (w x n).(x - p) <= |v| + |w| |x - p|,
+// and no faster than n.v where it does not turn.
 void sweepPlanes(const Context& context, Pairs& found) {
   const Bodies& bodies = context.scene.bodies;
+  const double h = context.step.h();
   for (const Index plane : context.scene.lists.planes) {
-    const Vec3 n = bodies.pose[plane].q_WB * Vec3::UnitZ();
-    const double offset = n.dot(bodies.pose[plane].p_WB);
+    const Vec3 n = bodies.pose[plane].q_WB * Vec3::UnitZ(), p = bodies.pose[plane].p_WB;
+    const Twist twist = bodies.traits[plane].is_kinematic() ? bodies.twist[plane] : Twist();
+    const double turn = h * twist.w_WB.norm(), path = h * twist.v_WB.norm();
+    const double rise = turn > 0.0 ? path : std::max(h * n.dot(twist.v_WB), 0.0);
+    const double offset = n.dot(p) + rise;
     for (const Index b : context.scene.lists.collidable) {
       const Vec3 lo = context.step.bounds[b].lo.head<3>(), hi = context.step.bounds[b].hi.head<3>();
-      const double lowest = 0.5 * (n.dot(lo + hi) - n.cwiseAbs().dot(hi - lo));
+      double lowest = 0.5 * (n.dot(lo + hi) - n.cwiseAbs().dot(hi - lo));
+      if (turn > 0.0) lowest -= turn * ((0.5 * (lo + hi) - p).norm() + 0.5 * (hi - lo).norm() + path);
       if (lowest <= offset && mayCollide(bodies.traits[plane], bodies.traits[b])) addPair(plane, b, found);
     }
   }
