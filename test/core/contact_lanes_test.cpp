@@ -95,7 +95,7 @@ void passInOrder(SolverContacts& contacts, bool soft) {
       SolverPoint& point = contacts.points[k];
       const Eigen::Matrix2d S = T.transpose() * responseAt(contacts, block, point) * T;
       const Eigen::Vector2d slip = T.transpose() * contacts.velocityAt(block, point);
-      const double limit = block.mu * point.l_n;
+      const double limit = block.pair.mu * point.l_n;
       Eigen::Vector2d l_t = point.l_t - S.inverse() * slip;
       if (l_t.norm() > limit) {
         l_t = point.l_t - slip / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(S).eigenvalues()[1];
@@ -114,7 +114,7 @@ void passInOrder(SolverContacts& contacts, bool soft) {
         l_n = point.l_n - mass * (u_n + point.open / kSubStep);
       else if (soft)
         l_n = (1.0 - kSoft.impulse) * point.l_n -
-              kSoft.mass * mass * (u_n + std::max(kSoft.bias * point.open, -block.push));
+              kSoft.mass * mass * (u_n + std::max(kSoft.bias * point.open, -block.pair.push));
       l_n = std::max(l_n, 0.0);
       push(contacts, block, point, (l_n - point.l_n) * block.n);
       point.l_n = l_n;
@@ -150,7 +150,7 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
         const SolverPoint &a = contacts.points[k], &b = one_by_one.points[k];
         EXPECT_NEAR(a.l_n, b.l_n, 1e-9) << k;
         EXPECT_LT((a.l_t - b.l_t).norm(), 1e-9) << k;
-        slides += a.l_t.norm() > 0.999 * block.mu * a.l_n && a.l_n > 0.0 && block.mu > 0.0;
+        slides += a.l_t.norm() > 0.999 * block.pair.mu * a.l_n && a.l_n > 0.0 && block.pair.mu > 0.0;
       }
     if (GetParam() > 0.0) EXPECT_GT(slides, 20u) << "both branches of friction are to be taken";
   }

@@ -18,6 +18,11 @@ inline Mat3 crossMatrix(const Vec3& r) {
   return m;
 }
 
+/// Velocity of a point of a body at r from its centre, m/s.
+inline Vec3 velocityAt(const Twist& twist, const Vec3& r) {
+  return twist.v_WB + twist.w_WB.cross(r);
+}
+
 /// exp(theta): the turn by |theta| radians about theta.
 inline Quat rotationBy(const Vec3& theta) {
   const double square = 0.25 * theta.squaredNorm();

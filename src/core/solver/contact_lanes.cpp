@@ -112,8 +112,8 @@ void ContactLanes::takeBlock(Place place) {
     bundle.turns_i[lane] = i.round ? 0.0 : 1.0;
     bundle.turns_j[lane] = j.round ? 0.0 : 1.0;
     bundle.shift[lane] = block.n.dot(block.moved_j - block.moved_i);
-    bundle.mu[lane] = block.mu;
-    bundle.push[lane] = block.push;
+    bundle.mu[lane] = block.pair.mu;
+    bundle.push[lane] = block.pair.push;
     bundle.inv_mass_i[lane] = i.inv_mass;
     bundle.inv_mass_j[lane] = j.inv_mass;
     for (int k = 0; k < size; ++k) {

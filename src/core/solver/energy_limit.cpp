@@ -21,12 +21,11 @@ double kineticEnergy(const Context& context, const SolverBody& s) {
 
 void EnergyLimit::find(const Context& context, const SolverContacts& contacts) {
   const StepStore& step = context.step;
-  const auto& traits = context.scene.bodies.traits;
   std::set<Index> found;  // islands
   for (const SolverBlock& block : contacts.blocks) {
     const auto points = contacts.points.begin() + block.first;
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
-    const double deep = kDeep * std::min(traits[i.body].length, traits[j.body].length);
+    const double deep = kDeep * smallerLength(context.scene.bodies, i.body, j.body);
     if (std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
       found.insert(step.island[i.inv_mass > 0.0 ? i.body : j.body]);
   }
@@ -38,10 +37,13 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts) {
     if (DeepIsland* island = deepIslandOf(context, s)) island->energy += kineticEnergy(context, s);
   for (const SolverBlock& block : contacts.blocks) {
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
-    for (const auto& [led, pushed] : {std::pair(&i, &j), std::pair(&j, &i)})
-      if (DeepIsland* island = led->inv_mass > 0.0 || led->still ? nullptr : deepIslandOf(context, *pushed))
+    for (const auto& [kinematic, pushed, reach] :
+         {std::tuple(&i, &j, block.reach_i), std::tuple(&j, &i, block.reach_j)}) {
+      if (kinematic->inv_mass > 0.0 || kinematic->still) continue;
+      if (DeepIsland* island = deepIslandOf(context, *pushed))
         island->kinematic_speed =
-            std::max(island->kinematic_speed, led->v.norm() + led->reach * led->w.norm());
+            std::max(island->kinematic_speed, kinematic->v.norm() + reach * kinematic->w.norm());
+    }
   }
 }
 

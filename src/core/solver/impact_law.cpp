@@ -23,10 +23,6 @@ struct ImpactPoint {
   Vec3 impulse = Vec3::Zero();  // in the contact frame
 };
 
-Vec3 velocityAt(const ImpactSide& side, const Vec3& r) {
-  return side.twist.v_WB + side.twist.w_WB.cross(r);
-}
-
 void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
   side.twist.v_WB += side.inv_mass * impulse_W;
   side.twist.w_WB += side.inv_inertia_W * r.cross(impulse_W);
@@ -112,10 +108,10 @@ class Impact {
       point.r_i = c.r_a, point.r_j = c.r_b;
       point.frame = frame_;
       point.mu = mu_;
-      Vec3 led_W = Vec3::Zero();
-      if (j == kNone) led_W += velocityAt(b_, c.r_b);
-      if (i == kNone) led_W -= velocityAt(a_, c.r_a);
-      point.drive = frame_.transpose() * led_W;
+      Vec3 prescribed_W = Vec3::Zero();
+      if (j == kNone) prescribed_W += velocityAt(b_.twist, c.r_b);
+      if (i == kNone) prescribed_W -= velocityAt(a_.twist, c.r_a);
+      point.drive = frame_.transpose() * prescribed_W;
       point.drive[2] += e * std::min(c.closing_in, 0.0);
       problem.points.push_back(point);
     }
@@ -133,7 +129,7 @@ class Impact {
   }
 
   Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
-    return frame_.transpose() * (velocityAt(b, c.r_b) - velocityAt(a, c.r_a));
+    return frame_.transpose() * (velocityAt(b.twist, c.r_b) - velocityAt(a.twist, c.r_a));
   }
 
   // Whether no point has changed its velocity by more than this share of those it is the difference of.
@@ -144,7 +140,8 @@ class Impact {
     for (int k = 0; k < size_; ++k) {
       const ImpactPoint& c = points_[k];
       const Vec3 change = db.v_WB + db.w_WB.cross(c.r_b) - da.v_WB - da.w_WB.cross(c.r_a);
-      if (change.norm() > share * (velocityAt(a_, c.r_a).norm() + velocityAt(b_, c.r_b).norm())) return false;
+      if (change.norm() > share * (velocityAt(a_.twist, c.r_a).norm() + velocityAt(b_.twist, c.r_b).norm()))
+        return false;
     }
     return true;
   }
@@ -162,7 +159,7 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
   double fastest = 0.0;
   for (int k = 0; k < manifold.size; ++k) {
     const Vec3& p = manifold.points[k].p_W;
-    const double u_n = manifold.n_W.dot(velocityAt(b, p - b.p_WB) - velocityAt(a, p - a.p_WB));
+    const double u_n = manifold.n_W.dot(velocityAt(b.twist, p - b.p_WB) - velocityAt(a.twist, p - a.p_WB));
     fastest = std::max(fastest, -u_n);
   }
   return fastest;

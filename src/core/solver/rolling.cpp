@@ -14,7 +14,7 @@
 // what it would do without friction. Solved so, a ball stops within a sub-step; with A alone it would take
 // many.
 //
-// The exact step solves it together with the forces (methods/coulomb.h, CoulombCouple).
+// The exact step solves it together with the forces (coulomb/coulomb.h, CoulombCouple).
 #include "solver/rolling.h"
 
 #include "base/algebra.h"
@@ -91,7 +91,7 @@ void Resistance::solveRow(SolverContacts& contacts, Row& row) {
                                  -spin_limit, spin_limit);
   if (block.size == 1) {
     const SolverPoint& point = contacts.points[block.first];
-    if (point.l_t.norm() < block.mu * point.l_n) {
+    if (point.l_t.norm() < block.pair.mu * point.l_n) {
       const Eigen::Matrix<double, 3, 2> B =
           i.inv_inertia_W * crossMatrix(point.r_i) * T + j.inv_inertia_W * crossMatrix(point.r_j) * T;
       const Vec3 slip = j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);

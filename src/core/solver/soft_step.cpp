@@ -42,7 +42,7 @@ double subStep(const Context& context, const std::vector<Edge>& edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];
     const Index i = contact.i, j = contact.j;
-    const double length = std::min(bodies.traits[i].length, bodies.traits[j].length);
+    const double length = smallerLength(bodies, i, j);
     const double load = (step.load[j].a_W - step.load[i].a_W).norm();
     const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + step.h() * load;
     h = std::min(h, kMostTravel * length / speed);

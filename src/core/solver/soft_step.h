@@ -196,9 +196,9 @@ void SoftStep<Kinds...>::reboundPoints() {
     SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts_.points[k];
-      if (-block.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
+      if (-block.pair.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
       const double u_n = block.n.dot(contacts_.velocityAt(block, point));
-      const double impulse = -point.mass_n * (u_n + block.e * point.u_0);
+      const double impulse = -point.mass_n * (u_n + block.pair.e * point.u_0);
       if (impulse <= 0.0) continue;
       point.sum_n += impulse;
       const Vec3 impulse_W = impulse * block.n;

@@ -3,7 +3,6 @@
 
 #include "base/algebra.h"
 #include "base/tolerances.h"
-#include "narrowphase/collide.h"
 #include "solver/residuals.h"
 
 #include <algorithm>
@@ -50,7 +49,6 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.turned_axes = false;
   s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
   s.round = store.traits[i].round;
-  s.reach = s.round || store.traits[i].unbounded ? 0.0 : store.traits[i].bounding_radius;
   s.body = i;
   return s;
 }
@@ -63,21 +61,16 @@ Index SolverContacts::slotOf(Index i) {
   return slots_[i];
 }
 
-// Points that can touch in what is left of the interval, with room to spare.
-double SolverContacts::marginOf(const SolverBlock& block, double left) const {
+// How far the surfaces can approach each other in what is left of the interval, m.
+double SolverContacts::approachIn(const SolverBlock& block, double left) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
-  const std::vector<Traits>& traits = context_.scene.bodies.traits;
-  const double speed = (j.v - i.v).norm() + i.reach * i.w.norm() + j.reach * j.w.norm();
   const Vec3 a = context_.step.load[j.body].a_W - context_.step.load[i.body].a_W;
-  const double length = std::min(traits[i.body].length, traits[j.body].length);
-  return left * (speed + 0.5 * left * a.norm()) + kMargin * length;
+  return approach(left, j.v - i.v, block.reach_i * i.w.norm(), block.reach_j * j.w.norm(), a);
 }
 
 void SolverContacts::find(double now, double left, double h) {
   h_ = h;
-  const Bodies& store = context_.scene.bodies;
-  const double gravity = context_.scene.gravity_W.norm();
   const EffectOverrides& overrides = context_.scene.settings.effects;
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
@@ -87,16 +80,11 @@ void SolverContacts::find(double now, double left, double h) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context_.scene.contacts.active[edge.of];
     if (!contact.state.isSolved()) continue;
-    const Traits& a = store.traits[contact.i];
-    const Traits& b = store.traits[contact.j];
     SolverBlock block;
     block.i = slotOf(contact.i);
     block.j = slotOf(contact.j);
-    block.mu = context_.scene.frictionOf(contact.i, contact.j);
-    block.rough = block.mu > 0.0 || friction_forced;
-    block.e = context_.scene.restitutionOf(contact.i, contact.j);
-    const double load = (context_.step.load[contact.j].a_W - context_.step.load[contact.i].a_W).norm();
-    block.push = fallSpeed(std::max(gravity, load), std::min(a.length, b.length));
+    block.pair = pairConstants(context_, contact.i, contact.j);
+    block.rough = block.pair.mu > 0.0 || friction_forced;
     block.contact = edge.of;
     findPoints(block, now, left);
     for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
@@ -111,11 +99,15 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   const Pose X_i = context_.step.poseAt(store, i.body, now), X_j = context_.step.poseAt(store, j.body, now);
-  const double margin = marginOf(block, left);
-  Manifold manifold = rbs::collide(store.traits[i.body].shape, X_i, store.traits[j.body].shape, X_j, margin);
-  const double length = std::min(store.traits[i.body].length, store.traits[j.body].length);
+  const Traits &a = store.traits[i.body], &b = store.traits[j.body];
+  const Vec3 p_W = X_j.p_WB - X_i.p_WB, u_W = j.v - i.v;
+  block.reach_i = reachOf(a, b, p_W, u_W, left);
+  block.reach_j = reachOf(b, a, p_W, u_W, left);
+  const double length = block.pair.length, room = kMargin * length;
+  const double margin = approachIn(block, left) + room;
+  Manifold manifold = contactManifold(store, i.body, X_i, j.body, X_j, margin);
   if (!context_.step.solver.all_points) {
-    keepWithin(marginOf(block, h_) + kDriftLimit * length, manifold);
+    keepWithin(approachIn(block, h_) + room + kDriftLimit * length, manifold);
     reduceToFour(manifold);
   }
   block.n = manifold.n_W;
@@ -141,15 +133,13 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
-  for (const SolvedPoint& last : context_.scene.contacts.active[block.contact].points) {
-    if (last.feature != point.feature) continue;
-    point.guess_n = last.normal;
-    point.guess_t_W = last.friction_W;
-    point.l_n = last.normal * h;
-    if (block.mu > 0.0)
-      point.l_t = h * Eigen::Vector2d(block.t1.dot(last.friction_W), block.t2.dot(last.friction_W));
-    break;
-  }
+  const SolvedPoint* last = context_.scene.contacts.active[block.contact].pointOf(point.feature);
+  if (last == nullptr) return;
+  point.guess_n = last->normal;
+  point.guess_t_W = last->friction_W;
+  point.l_n = last->normal * h;
+  if (block.pair.mu > 0.0)
+    point.l_t = h * Eigen::Vector2d(block.t1.dot(last->friction_W), block.t2.dot(last->friction_W));
 }
 
 void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_block,
@@ -178,8 +168,8 @@ bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
-  const double turn_i = i.reach * i.reach * (i.turned - block.turned_i).squaredNorm();
-  const double turn_j = j.reach * j.reach * (j.turned - block.turned_j).squaredNorm();
+  const double turn_i = block.reach_i * block.reach_i * (i.turned - block.turned_i).squaredNorm();
+  const double turn_j = block.reach_j * block.reach_j * (j.turned - block.turned_j).squaredNorm();
   // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are decided without a root.
   if (3.0 * (travel + turn_i + turn_j) <= block.drift_limit * block.drift_limit) return false;
   return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.drift_limit;
@@ -258,9 +248,9 @@ void SolverContacts::addResiduals(const SolverBlock& block) const {
       continue;
     }
     solved.signorini = std::max(solved.signorini, std::abs(u_n) / unit);
-    if (block.mu == 0.0) continue;
+    if (block.pair.mu == 0.0) continue;
     const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
-    const double limit = block.mu * point.l_n, friction = point.l_t.norm();
+    const double limit = block.pair.mu * point.l_n, friction = point.l_t.norm();
     const bool sticks = friction < limit * (1.0 - 1e-9);
     const Eigen::Vector2d unopposed = sticks ? u_t : Eigen::Vector2d(u_t + u_t.norm() / friction * point.l_t);
     solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));

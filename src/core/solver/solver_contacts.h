@@ -4,6 +4,7 @@
 #pragma once
 
 #include "narrowphase/manifold.h"
+#include "solver/contact_preparation.h"
 #include "solver/methods.h"
 
 #include <vector>
@@ -20,7 +21,6 @@ struct SolverBody {
   bool turned_axes;  // inv_inertia_W has changed in this sub-step
   bool still;        // nothing moves it: neither impulses nor a motion of its own
   bool round;        // its surface does not turn with it: a sphere
-  double reach;      // of the points that turning moves, m: 0 for a sphere and a plane
   Index body;
 };
 
@@ -49,9 +49,9 @@ struct SolverPoint {
 struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
-  double mu, e;
+  PairConstants pair;
   bool rough;                                 // its friction is solved for
-  double push;                                // largest speed of separation, m/s
+  double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
   double drift_limit;                         // how far the pair may move until its points are found anew, m
@@ -91,7 +91,7 @@ class SolverContacts {
  private:
   SolverBody makeBody(Index i) const;
   Index slotOf(Index i);
-  double marginOf(const SolverBlock& block, double left) const;
+  double approachIn(const SolverBlock& block, double left) const;
   void findPoints(SolverBlock& block, double now, double left);
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;

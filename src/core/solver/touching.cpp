@@ -4,7 +4,7 @@
 #include "base/algebra.h"
 #include "base/tolerances.h"
 #include "effects_built.h"
-#include "narrowphase/collide.h"
+#include "solver/contact_preparation.h"
 #include "solver/rolling.h"
 
 #include <algorithm>
@@ -12,16 +12,6 @@
 namespace rbs {
 
 namespace {
-
-// How fast a point of the surface moves because the body turns.
-double surfaceSpeed(const Bodies& bodies, Index i) {
-  const Traits& t = bodies.traits[i];
-  return t.round || t.unbounded ? 0.0 : t.bounding_radius * bodies.twist[i].w_WB.norm();
-}
-
-Vec3 velocityAt(const Twist& twist, const Vec3& r) {
-  return twist.v_WB + twist.w_WB.cross(r);
-}
 
 // The couple of a contact whose points have just been found, from the `first` on; none where it resists
 // nothing.
@@ -42,10 +32,10 @@ void addCouple(const Context& context, Index contact, std::size_t first, Touchin
   law.frame = point.frame;
   law.roll = a.rolling_resistance + b.rolling_resistance;
   law.spin = a.torsional_resistance + b.torsional_resistance;
-  Vec3 led_W = Vec3::Zero();
-  if (law.j == kNone) led_W += scene.bodies.twist[j].w_WB;
-  if (law.i == kNone) led_W -= scene.bodies.twist[i].w_WB;
-  law.drive = law.radius * (law.frame.transpose() * led_W);
+  Vec3 prescribed_W = Vec3::Zero();
+  if (law.j == kNone) prescribed_W += scene.bodies.twist[j].w_WB;
+  if (law.i == kNone) prescribed_W -= scene.bodies.twist[i].w_WB;
+  law.drive = law.radius * (law.frame.transpose() * prescribed_W);
   out.couples.push_back({contact, law});
 }
 
@@ -55,7 +45,6 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
                       double time, double span, double reach) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  const double gravity = context.scene.gravity_W.norm();
   Touching out;
   out.points.reserve(4 * active.size());
   out.law.reserve(4 * active.size());
@@ -65,10 +54,13 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
     const Index i = contact.i, j = contact.j;
     const Traits &a = bodies.traits[i], &b = bodies.traits[j];
     const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
-    const double length = std::min(a.length, b.length);
-    const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + surfaceSpeed(bodies, i) +
-                         surfaceSpeed(bodies, j) + 0.5 * span * (step.load[j].a_W - step.load[i].a_W).norm();
-    const Manifold manifold = collide(a.shape, X_i, b.shape, X_j, reach * (span * speed + kMargin * length));
+    const Twist &twist_i = bodies.twist[i], &twist_j = bodies.twist[j];
+    const PairConstants pair = pairConstants(context, i, j);
+    const Vec3 p_W = X_j.p_WB - X_i.p_WB, u_W = twist_j.v_WB - twist_i.v_WB;
+    const double near =
+        approach(span, u_W, reachOf(a, b, p_W, u_W, span) * twist_i.w_WB.norm(),
+                 reachOf(b, a, p_W, u_W, span) * twist_j.w_WB.norm(), step.load[j].a_W - step.load[i].a_W);
+    const Manifold manifold = contactManifold(bodies, i, X_i, j, X_j, reach * (near + kMargin * pair.length));
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
@@ -77,13 +69,12 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
       law.i = slots[i], law.j = slots[j];
       law.r_i = found.p_W - X_i.p_WB, law.r_j = found.p_W - X_j.p_WB;
       law.frame << t1, t2, manifold.n_W;
-      law.mu = context.scene.frictionOf(i, j);
-      Vec3 led_W = Vec3::Zero();
-      if (law.j == kNone) led_W += velocityAt(bodies.twist[j], law.r_j);
-      if (law.i == kNone) led_W -= velocityAt(bodies.twist[i], law.r_i);
-      law.drive = law.frame.transpose() * led_W;
-      out.points.push_back(
-          {k, found.feature, found.separation, length, fallSpeed(gravity, length), found.p_W, law.drive});
+      law.mu = pair.mu;
+      Vec3 prescribed_W = Vec3::Zero();
+      if (law.j == kNone) prescribed_W += velocityAt(twist_j, law.r_j);
+      if (law.i == kNone) prescribed_W -= velocityAt(twist_i, law.r_i);
+      law.drive = law.frame.transpose() * prescribed_W;
+      out.points.push_back({k, found.feature, found.separation, pair.length, pair.push, found.p_W});
       out.law.push_back(law);
     }
     if constexpr (built::rolling)
@@ -142,9 +133,8 @@ void expectLastForces(const Contacts& contacts, Touching& touching) {
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
-    for (const SolvedPoint& last : contacts.active[point.contact].points)
-      if (last.feature == point.feature)
-        point.force_W = last.friction_W + (last.normal - n_W.dot(last.friction_W)) * n_W;
+    if (const SolvedPoint* last = contacts.active[point.contact].pointOf(point.feature))
+      point.force_W = last->friction_W + (last->normal - n_W.dot(last->friction_W)) * n_W;
   }
 }
 

@@ -17,15 +17,14 @@ struct TouchingPoint {
   double length;          ///< the smaller one of the pair, m
   double push;            ///< speed at which overlap may be taken away, m/s
   Vec3 p_W;
-  Vec3 led;                     ///< velocity of j against i that led sides add, in the frame of its law, m/s
-  Vec3 force_W{0.0, 0.0, 0.0};  ///< on j, N: what is expected of it next
+  Vec3 force_W{0.0, 0.0, 0.0};    ///< on j, N: what is expected of it next
   Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far
 };
 
 /// What a pair that touches resists turning with.
 struct TouchingCouple {
   Index contact;                ///< in scene.contacts.active
-  CoulombCouple law;            ///< without impulse, and driven by led sides alone
+  CoulombCouple law;            ///< without impulse, and driven by kinematic sides alone
   Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
 };
 
@@ -34,7 +33,8 @@ SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W);
 
 struct Touching {
   std::vector<TouchingPoint> points;  ///< by contact
-  std::vector<CoulombPoint> law;      ///< of the same points, without impulse, and driven by led sides alone
+  std::vector<CoulombPoint>
+      law;  ///< of the same points, without impulse, and driven by kinematic sides alone
   std::vector<TouchingCouple> couples;  ///< by contact
 
   /// The point of the same contact and feature as this one of another instant; kNone when there is none.

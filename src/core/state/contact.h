@@ -63,6 +63,12 @@ struct Contact {
   std::vector<SolvedPoint> earlier;
 
   bool isOf(BodyId body) const { return key.i == body || key.j == body; }
+  /// The point of a feature, as the last solve left it; null when there is none.
+  const SolvedPoint* pointOf(std::uint32_t feature) const {
+    for (const SolvedPoint& point : points)
+      if (point.feature == feature) return &point;
+    return nullptr;
+  }
   /// Adds to `earlier` the impulse of one point.
   void addEarlier(const SolvedPoint& point);
   /// Adds to `earlier` the impulses of all points.

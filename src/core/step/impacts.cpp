@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/time_of_impact.h"
+#include "solver/contact_preparation.h"
 #include "solver/impact_law.h"
 #include "step/overlaps.h"
 
@@ -32,10 +33,6 @@ Motion courseOf(const Context& context, Index i) {
   return course;
 }
 
-double lengthOf(const Bodies& bodies, Index i, Index j) {
-  return std::min(bodies.traits[i].length, bodies.traits[j].length);
-}
-
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const auto in_contact = [&](Index k) {
@@ -43,7 +40,7 @@ double marginOf(const Context& context, Index i, Index j) {
   };
   const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
   const bool exact = free || step.solver.exact;
-  return (exact ? kTight : kWide) * lengthOf(context.scene.bodies, i, j);
+  return (exact ? kTight : kWide) * smallerLength(context.scene.bodies, i, j);
 }
 
 ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double time) {
@@ -63,8 +60,7 @@ struct Meeting {
     const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
     a = sideOf(bodies, i, course_i, time);
     b = sideOf(bodies, j, course_j, time);
-    manifold = collide(bodies.traits[i].shape, course_i.at(time), bodies.traits[j].shape, course_j.at(time),
-                       marginOf(context, i, j));
+    manifold = contactManifold(bodies, i, course_i.at(time), j, course_j.at(time), marginOf(context, i, j));
   }
   ImpactSide a, b;
   Manifold manifold;
@@ -79,24 +75,20 @@ double slowest(const Context& context, Index i, Index j) {
   double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
   const double unseen = context.scene.restitutionOf(i, j) < 1.0
-                            ? step.solver.smallest_gap * lengthOf(context.scene.bodies, i, j) / step.h()
+                            ? step.solver.smallest_gap * smallerLength(context.scene.bodies, i, j) / step.h()
                             : 0.0;
   return std::max(step.solver.slowest_impact * step.h() * a, unseen);
 }
 
-// What two courses can bring the surfaces towards each other from a time until the end of the step, m: by the
-// difference of the centres' velocities and accelerations, and at most |w| r by turning. Infinite for planes
-// that turn.
+// How far two courses bring the surfaces together from a time until the end of the step at most, m.
 double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
                   double from) {
+  const Traits &a = context.scene.bodies.traits[i], &b = context.scene.bodies.traits[j];
   const double left = context.step.t1 - from;
-  double speed = (course_i.velocityAt(from) - course_j.velocityAt(from)).norm();
-  for (const auto& [body, course] : {std::pair(i, &course_i), std::pair(j, &course_j)}) {
-    const Traits& traits = context.scene.bodies.traits[body];
-    const double rate = course->twist.w_WB.norm();
-    if (rate > 0.0 && !traits.round) speed += rate * traits.bounding_radius;
-  }
-  return left * (speed + 0.5 * left * (course_i.a_W - course_j.a_W).norm());
+  const Vec3 p_W = course_i.at(from).p_WB - course_j.at(from).p_WB;
+  const Vec3 u_W = course_i.velocityAt(from) - course_j.velocityAt(from);
+  return approach(left, u_W, reachOf(a, b, p_W, u_W, left) * course_i.twist.w_WB.norm(),
+                  reachOf(b, a, p_W, u_W, left) * course_j.twist.w_WB.norm(), course_i.a_W - course_j.a_W);
 }
 
 }  // namespace
@@ -110,7 +102,7 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
   const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
   const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
-  if (std::isfinite(near) && !areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
+  if (!areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
   const auto touchAt = [&](const Meeting& meeting, double time) {
     Prediction prediction;
     prediction.touches = true;
@@ -129,7 +121,7 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   // What overlaps touches, though nothing closes: contacts are to part it.
   Prediction prediction;
   prediction.touches =
-      gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * lengthOf(bodies, i, j);
+      gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * smallerLength(bodies, i, j);
   return prediction;
 }
 

@@ -4,6 +4,7 @@
 #include "base/text.h"
 #include "base/tolerances.h"
 #include "narrowphase/collide.h"
+#include "solver/contact_preparation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +33,7 @@ double depthOf(const Contact& contact) {
 }
 
 double lengthOf(const Bodies& bodies, const Contact& contact) {
-  return std::min(bodies.traits[contact.i].length, bodies.traits[contact.j].length);
+  return smallerLength(bodies, contact.i, contact.j);
 }
 
 // By how much the balls inscribed in two bodies overlap, m; negative when they are apart.
@@ -115,8 +116,8 @@ void keepDepth(const Bodies& bodies, Contact& contact) {
     point.separation = -inscribedOverlap(bodies, contact);
     point.p_W = 0.5 * (bodies.pose[contact.i].p_WB + bodies.pose[contact.j].p_WB);
   } else {
-    const Manifold manifold = collide(bodies.traits[contact.i].shape, bodies.pose[contact.i],
-                                      bodies.traits[contact.j].shape, bodies.pose[contact.j], 0.0);
+    const Manifold manifold =
+        contactManifold(bodies, contact.i, bodies.pose[contact.i], contact.j, bodies.pose[contact.j], 0.0);
     point.n_W = manifold.n_W;
     for (int p = 0; p < manifold.size; ++p)
       if (manifold.points[p].separation < point.separation)

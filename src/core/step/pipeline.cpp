@@ -3,7 +3,7 @@
 //
 // Each row says when the scene needs it; a row that is not needed is not called. islands.advance hands
 // islands to the methods: flight for bodies that nothing touches, the soft step or the exact step for bodies
-// in contact. What a method does is the second table, methods/inner_step.h; its rows stand below
+// in contact. What a method does is the second table, solver/inner_step.h; its rows stand below
 // islands.advance.
 #include "step/pipeline.h"
 
