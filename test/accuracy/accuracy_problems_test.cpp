@@ -82,7 +82,7 @@ TEST(AccuracyProblems, topsAgreeWithExtrapolatedMidpoints) {
     std::vector<Motion> m = start(p);
     const Vec3 moments = momentsPerMass(p.task.scene.bodies[0].shape);
     const Vec3 l = moments.cwiseProduct(m[0].twist.w_WB);
-    m[0].pose.q_WB = oracle::attitudeOf(oracle::integrated(l, moments, p.duration));
+    m[0].pose.q_WB = oracle::orientationOf(oracle::integrated(l, moments, p.duration));
     expectExact(p, p.duration, m, 1e-12);
   }
 }
