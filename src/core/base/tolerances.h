@@ -7,6 +7,8 @@ namespace rbs {
 /// Share of the smaller length of a pair within which points are kept whatever the speeds, so that resting
 /// contacts do not flicker.
 inline constexpr double kMargin = 0.01;
+/// A gap below this share of the smaller length of its pair is closed in the exact step.
+inline constexpr double kTouch = 1e-7;
 /// Share of the smaller length from which an overlap is deep: no contact makes one, but edits and user forces
 /// do.
 inline constexpr double kDeep = 0.1;

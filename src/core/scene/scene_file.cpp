@@ -105,6 +105,7 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     requireBody(item, "a", contact.a);
     requireBody(item, "b", contact.b);
     contact.exact = readFlag(item, "exact");
+    item.read("normal", contact.n_W);
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();

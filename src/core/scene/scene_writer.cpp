@@ -137,6 +137,7 @@ std::string contactText(const SavedState::Contact& contact) {
   Line line;
   line.add("a", text(contact.a)).add("b", text(contact.b));
   if (contact.exact) line.add("exact", "1");
+  line.add("normal", text(contact.n_W));
   return line.add("points", "[" + points + "]").close();
 }
 

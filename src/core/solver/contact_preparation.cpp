@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact_preparation.h"
 
-#include "narrowphase/collide.h"
-
 #include <algorithm>
 
 namespace rbs {
+
+namespace {
+
+// Share of the smaller length above which a step is one, however soft contacts are.
+constexpr double kMostFlush = 0.05;
+// Share of the weight of the lighter body that makes a force of a contact.
+constexpr double kLoaded = 1e-3;
+// Share of the closing of a contact up to which another normal counts as one along which nothing closes.
+constexpr double kExactClosing = 1e-6, kSoftClosing = 0.1;
+// Share of the speed that a load adds in a step below which a soft contact is at rest.
+constexpr double kSoftRest = 1e-3;
+
+}  // namespace
 
 double smallerLength(const Bodies& bodies, Index i, Index j) {
   return std::min(bodies.traits[i].length, bodies.traits[j].length);
@@ -17,8 +28,11 @@ PairConstants pairConstants(const Context& context, Index i, Index j) {
   pair.length = smallerLength(scene.bodies, i, j);
   pair.mu = scene.frictionOf(i, j);
   pair.e = scene.restitutionOf(i, j);
-  const double load = (context.step.load[j].a_W - context.step.load[i].a_W).norm();
-  pair.push = fallSpeed(std::max(scene.gravity_W.norm(), load), pair.length);
+  pair.load = std::max(scene.gravity_W.norm(), (context.step.load[j].a_W - context.step.load[i].a_W).norm());
+  const double mass = 1.0 / std::max(scene.bodies.inertia[i].inv_mass, scene.bodies.inertia[j].inv_mass);
+  pair.carried = context.step.supported[i] || context.step.supported[j];
+  pair.bears = kLoaded * mass * pair.load;
+  pair.push = fallSpeed(pair.load, pair.length);
   return pair;
 }
 
@@ -28,9 +42,21 @@ double reachOf(const Traits& body, const Traits& other, const Vec3& p_W, const V
   return body.bounding_radius;
 }
 
-Manifold contactManifold(const Bodies& bodies, Index i, const Pose& X_WI, Index j, const Pose& X_WJ,
-                         double margin) {
-  return collide(bodies.traits[i].shape, X_WI, bodies.traits[j].shape, X_WJ, margin);
+LastingLimits exactLimits(const StepStore& step, const PairConstants& pair) {
+  return {kTouch * pair.length, step.solver.tolerance * pair.load * step.h(), kExactClosing};
+}
+
+LastingLimits softLimits(const StepStore& step, const PairConstants& pair, double h) {
+  const double sag = pair.load * (h / kStiffness) * (h / kStiffness);
+  const double sunk = pair.carried ? kMargin * pair.length + 2.0 * sag : kTouch * pair.length;
+  return {std::min(sunk, kMostFlush * pair.length), kSoftRest * pair.load * step.h(), kSoftClosing};
+}
+
+Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
+                         const Motion& course_j, double from, double until, double margin,
+                         const LastingLimits& limits, const Vec3& loaded_W) {
+  return lastingManifold(bodies.traits[i].shape, course_i, bodies.traits[j].shape, course_j, from, until,
+                         margin, limits, loaded_W);
 }
 
 }  // namespace rbs

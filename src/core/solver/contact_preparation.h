@@ -3,7 +3,11 @@
 // have to know of two bodies before a contact law can be applied to them.
 #pragma once
 
+#include "base/algebra.h"
+#include "base/tolerances.h"
+#include "narrowphase/lasting_axis.h"
 #include "narrowphase/manifold.h"
+#include "narrowphase/time_of_impact.h"
 #include "state/context.h"
 
 namespace rbs {
@@ -13,6 +17,10 @@ struct PairConstants {
   double length;  ///< the smaller one of the two bodies, m: the unit of the tolerances of a contact
   double mu;      ///< Coulomb coefficient; 0 when friction is off
   double e;       ///< Newton's coefficient of restitution; 0 when restitution is off
+  double load;    ///< acceleration that presses the pair together, m/s²: gravity, or what acts beside it
+  bool carried;   ///< contacts have carried one of the bodies in the last step; known where impacts are
+                  ///< predicted
+  double bears;   ///< force of a loaded contact, N: solvers leave smaller ones where nothing touches
   /// Speed at which an overlap may be separated, m/s: that of a body after a fall over its own length, or
   /// where other loads than gravity press the pair together, after such a way under these.
   double push;
@@ -33,8 +41,20 @@ inline double approach(double time, const Vec3& u_W, double turning_i, double tu
   return time * (u_W.norm() + turning_i + turning_j + 0.5 * time * a_W.norm());
 }
 
-/// The points of two bodies at these poses whose separation is at most `margin` (m, >= 0).
-Manifold contactManifold(const Bodies& bodies, Index i, const Pose& X_WI, Index j, const Pose& X_WJ,
-                         double margin);
+/// w h of a soft contact in sub-steps of length h. Stiffer sags less, but a stack of ten then never comes to
+/// rest (from 0.45 pi) or gains energy as it lands (from 0.35 pi).
+inline constexpr double kStiffness = 0.3 * kPi;
+
+/// How far two faces may differ in height where a body slides from one to the other, and what counts as rest,
+/// in the exact step: it leaves no overlap above the one, and no velocity above the other.
+LastingLimits exactLimits(const StepStore& step, const PairConstants& pair);
+/// The same in the soft step with sub-steps of length h (s): a body that contacts carry sinks in by load/w^2,
+/// and more may lie on it.
+LastingLimits softLimits(const StepStore& step, const PairConstants& pair, double h);
+
+/// The points of two bodies on their courses for the time until `until` (s), as lastingManifold() finds them.
+Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
+                         const Motion& course_j, double from, double until, double margin,
+                         const LastingLimits& limits, const Vec3& loaded_W);
 
 }  // namespace rbs

@@ -92,9 +92,9 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
 }
 
-Touching Stepper::find(double time) {
+Touching Stepper::find(double time, const LoadedNormals& loaded) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, active_, slots_, time, span_, reach_);
+  Touching found = findTouching(context_, active_, slots_, time, span_, reach_, loaded);
   clock_.charge(kCollide);
   return found;
 }
@@ -145,7 +145,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     kick.bodies = loaded;
     segment.first = solve(kick);
     island_.drift(kick.bodies, tau);
-    segment.touching = find(now_ + tau);
+    segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters = curvatureMatters(kick, segment.touching, tau, curvature);
     const bool deep = segment.first.converged && overlaps(segment.touching);
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;

@@ -3,6 +3,7 @@
 // up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
 #pragma once
 
+#include "base/tolerances.h"
 #include "coulomb/coulomb.h"
 #include "solver/inner_step.h"
 #include "solver/island_motion.h"
@@ -18,9 +19,6 @@
 namespace rbs::exact_step {
 
 using Vec2 = Eigen::Vector2d;
-
-/// A gap below this share of the smaller length of its pair is closed.
-inline constexpr double kTouch = 1e-7;
 
 /// The force to expect of a point when `share` of what was found beyond the one expected lasts; the one
 /// expected to the last bit for none.
@@ -66,7 +64,7 @@ class Stepper : public InnerRows {
   };
   enum class Friction { Free, KeepsDirection };
 
-  Touching find(double time);
+  Touching find(double time, const LoadedNormals& loaded = {});
   bool overlooked(const Touching& later) const;
   void lookFarther();
   bool takeOverlapsAway();

@@ -8,9 +8,6 @@ namespace rbs::soft_step {
 
 namespace {
 
-// w h of a contact. Stiffer sags less, but a stack of ten then never comes to rest (from 0.45 pi) or gains
-// energy as it lands (from 0.35 pi).
-constexpr double kStiffness = 0.3 * kPi;
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
 // against each other, share of their smaller length: farther, and a body is past a wall, or its far end on

@@ -86,15 +86,22 @@ void SolverContacts::find(double now, double left, double h) {
     block.pair = pairConstants(context_, contact.i, contact.j);
     block.rough = block.pair.mu > 0.0 || friction_forced;
     block.contact = edge.of;
-    findPoints(block, now, left);
+    findPoints(block, now, left, contact.loadedNormal(block.pair.bears));
     for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
     blocks.push_back(block);
   }
 }
 
+// The normal of a block whose points push; zero otherwise.
+Vec3 SolverContacts::loadedNormal(const SolverBlock& block) const {
+  for (int k = block.first; k < block.first + block.size; ++k)
+    if (points[k].l_n > h_ * block.pair.bears) return block.n;
+  return Vec3::Zero();
+}
+
 // Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
 // moved that far.
-void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
+void SolverContacts::findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W) {
   const Bodies& store = context_.scene.bodies;
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
@@ -105,7 +112,9 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left) {
   block.reach_j = reachOf(b, a, p_W, u_W, left);
   const double length = block.pair.length, room = kMargin * length;
   const double margin = approachIn(block, left) + room;
-  Manifold manifold = contactManifold(store, i.body, X_i, j.body, X_j, margin);
+  Manifold manifold =
+      contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
+                      margin, softLimits(context_.step, block.pair, h_), loaded_W);
   if (!context_.step.solver.all_points) {
     keepWithin(approachIn(block, h_) + room + kDriftLimit * length, manifold);
     reduceToFour(manifold);
@@ -185,7 +194,7 @@ std::vector<Index> SolverContacts::drifted() const {
 void SolverContacts::refresh(Index which, double now, double left) {
   SolverBlock& block = blocks[which];
   const SolverBlock old = block;
-  findPoints(block, now, left);
+  findPoints(block, now, left, loadedNormal(old));
   for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
   for (int k = old.first; k < old.first + old.size; ++k) {
     const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };

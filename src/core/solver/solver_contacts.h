@@ -92,7 +92,8 @@ class SolverContacts {
   SolverBody makeBody(Index i) const;
   Index slotOf(Index i);
   double approachIn(const SolverBlock& block, double left) const;
-  void findPoints(SolverBlock& block, double now, double left);
+  void findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W);
+  Vec3 loadedNormal(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;

@@ -42,7 +42,7 @@ void addCouple(const Context& context, Index contact, std::size_t first, Touchin
 }  // namespace
 
 Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach) {
+                      double time, double span, double reach, const LoadedNormals& loaded) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   Touching out;
@@ -60,7 +60,9 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
     const double near =
         approach(span, u_W, reachOf(a, b, p_W, u_W, span) * twist_i.w_WB.norm(),
                  reachOf(b, a, p_W, u_W, span) * twist_j.w_WB.norm(), step.load[j].a_W - step.load[i].a_W);
-    const Manifold manifold = contactManifold(bodies, i, X_i, j, X_j, reach * (near + kMargin * pair.length));
+    const Manifold manifold = contactManifold(bodies, i, {time, X_i, twist_i}, j, {time, X_j, twist_j}, time,
+                                              time + span, reach * (near + kMargin * pair.length),
+                                              exactLimits(step, pair), loaded.of(k, contact, pair.bears));
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
@@ -84,17 +86,24 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
 }
 
 Index Touching::matching(const TouchingPoint& other) const {
-  auto p = std::lower_bound(points.begin(), points.end(), other.contact,
-                            [](const TouchingPoint& point, Index k) { return point.contact < k; });
-  for (; p != points.end() && p->contact == other.contact; ++p)
-    if (p->feature == other.feature) return static_cast<Index>(p - points.begin());
+  for (std::size_t p = firstOf(other.contact); p < points.size() && points[p].contact == other.contact; ++p)
+    if (points[p].feature == other.feature) return static_cast<Index>(p);
   return kNone;
 }
 
-bool Touching::has(Index contact) const {
+std::size_t Touching::firstOf(Index contact) const {
   const auto p = std::lower_bound(points.begin(), points.end(), contact,
                                   [](const TouchingPoint& point, Index k) { return point.contact < k; });
-  return p != points.end() && p->contact == contact;
+  return p != points.end() && p->contact == contact ? static_cast<std::size_t>(p - points.begin())
+                                                    : points.size();
+}
+
+Vec3 LoadedNormals::of(Index k, const Contact& contact, double least) const {
+  if (touching == nullptr || !touching->has(k)) return contact.loadedNormal(least);
+  for (std::size_t p = touching->firstOf(k); p < touching->points.size() && touching->points[p].contact == k;
+       ++p)
+    if ((*law)[p].impulse[2] > seconds * least) return (*law)[p].frame.col(2);
+  return Vec3::Zero();
 }
 
 Index Touching::matching(const TouchingCouple& other) const {

@@ -39,7 +39,8 @@ struct Touching {
 
   /// The point of the same contact and feature as this one of another instant; kNone when there is none.
   Index matching(const TouchingPoint& other) const;
-  bool has(Index contact) const;  ///< a point of it
+  bool has(Index contact) const { return firstOf(contact) != points.size(); }  ///< a point of it
+  std::size_t firstOf(Index contact) const;  ///< its first point; points.size() when it has none
   /// The couple of the same contact; kNone when there is none.
   Index matching(const TouchingCouple& other) const;
   /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
@@ -47,11 +48,23 @@ struct Touching {
   void inherit(const Touching& other, PointsOfContacts& opened);
 };
 
+/// The normals along which contacts have just borne a force: those of points and the impulses that a kick
+/// found for them.
+struct LoadedNormals {
+  const Touching* touching = nullptr;              ///< null: nothing has been solved yet in this step
+  const std::vector<CoulombPoint>* law = nullptr;  ///< of these points, with impulses
+  double seconds = 0.0;                            ///< in which the impulses were given
+
+  /// Of a contact; where it is not among the points, of the last step. Zero: it bears no more than `least`,
+  /// N.
+  Vec3 of(Index k, const Contact& contact, double least) const;
+};
+
 /// Finds the points of an island's contacts at a time to which its bodies have been advanced. Points are kept
 /// when they can close within a span, s, at `reach` times the speeds that they have now. `slots` are
 /// the places of bodies in the Coulomb problem; those that forces do not move have none.
 Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach);
+                      double time, double span, double reach, const LoadedNormals& loaded);
 
 /// Takes the forces of the last step for what is expected.
 void expectLastForces(const Contacts& contacts, Touching& touching);

@@ -69,6 +69,12 @@ struct Contact {
       if (point.feature == feature) return &point;
     return nullptr;
   }
+  /// The normal of its points where one bears more than this force, N; zero otherwise.
+  Vec3 loadedNormal(double least) const {
+    for (const SolvedPoint& point : points)
+      if (point.normal > least) return point.n_W;
+    return Vec3::Zero();
+  }
   /// Adds to `earlier` the impulse of one point.
   void addEarlier(const SolvedPoint& point);
   /// Adds to `earlier` the impulses of all points.

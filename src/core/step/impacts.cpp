@@ -60,7 +60,12 @@ struct Meeting {
     const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
     a = sideOf(bodies, i, course_i, time);
     b = sideOf(bodies, j, course_j, time);
-    manifold = contactManifold(bodies, i, course_i.at(time), j, course_j.at(time), marginOf(context, i, j));
+    const PairConstants pair = pairConstants(context, i, j);
+    const StepStore& step = context.step;
+    const LastingLimits limits = step.solver.exact ? exactLimits(step, pair)
+                                                   : softLimits(step, pair, step.h() / step.solver.sub_steps);
+    manifold = contactManifold(bodies, i, course_i, j, course_j, time, time + step.h(),
+                               marginOf(context, i, j), limits, Vec3::Zero());
   }
   ImpactSide a, b;
   Manifold manifold;

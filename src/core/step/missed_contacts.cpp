@@ -4,6 +4,7 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
+#include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
 #include <algorithm>
@@ -28,8 +29,8 @@ Pairs knownPairs(const Contacts& contacts) {
 bool overlap(const Context& context, Index i, Index j) {
   const Bodies& bodies = context.scene.bodies;
   const double t1 = context.step.t1;
-  const Manifold manifold = contactManifold(bodies, i, context.step.poseAt(bodies, i, t1), j,
-                                            context.step.poseAt(bodies, j, t1), 0.0);
+  const Manifold manifold = collide(bodies.traits[i].shape, context.step.poseAt(bodies, i, t1),
+                                    bodies.traits[j].shape, context.step.poseAt(bodies, j, t1), 0.0);
   for (int p = 0; p < manifold.size; ++p)
     if (manifold.points[p].separation < -kMissed * smallerLength(bodies, i, j)) return true;
   return false;

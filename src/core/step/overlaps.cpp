@@ -116,8 +116,8 @@ void keepDepth(const Bodies& bodies, Contact& contact) {
     point.separation = -inscribedOverlap(bodies, contact);
     point.p_W = 0.5 * (bodies.pose[contact.i].p_WB + bodies.pose[contact.j].p_WB);
   } else {
-    const Manifold manifold =
-        contactManifold(bodies, contact.i, bodies.pose[contact.i], contact.j, bodies.pose[contact.j], 0.0);
+    const Manifold manifold = collide(bodies.traits[contact.i].shape, bodies.pose[contact.i],
+                                      bodies.traits[contact.j].shape, bodies.pose[contact.j], 0.0);
     point.n_W = manifold.n_W;
     for (int p = 0; p < manifold.size; ++p)
       if (manifold.points[p].separation < point.separation)

@@ -19,8 +19,11 @@ SavedState captureState(const SceneStore& scene) {
   state.steps = scene.steps;
   for (const Contact* contact : scene.contacts.withPoints()) {
     if (contact->points.empty()) continue;
-    SavedState::Contact saved{
-        scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j), {}, contact->exact};
+    SavedState::Contact saved{scene.bodies.indexOf(contact->key.i),
+                              scene.bodies.indexOf(contact->key.j),
+                              {},
+                              contact->exact,
+                              contact->points.front().n_W};
     for (const SolvedPoint& point : contact->points)
       saved.points.push_back({point.feature, point.normal, point.friction_W});
     state.contacts.push_back(std::move(saved));
@@ -50,6 +53,8 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
       problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
                           "two indices of bodies, the smaller first, and at most " +
                               std::to_string(Manifold::kPoints) + " points"});
+    if (!(std::abs(contact.n_W.norm() - 1.0) < 1e-9))
+      problems.push_back({"state.contacts", text(contact.n_W.norm()), "a normal of length 1"});
     for (const SavedState::Contact::Point& point : contact.points)
       if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
         problems.push_back(
@@ -84,6 +89,7 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
       restored.feature = point.feature;
       restored.normal = point.normal;
       restored.friction_W = point.tangent_W;
+      restored.n_W = known.n_W;
     }
     scene.contacts.active.push_back(std::move(contact));
   }

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Let s_n(t) be the separation of two convex bodies A and B along the unit vector n,
+//   s_n(t) = min over x in B(t) of n.x  -  max over x in A(t) of n.x.
+// They are apart while one direction separates them: s(t) = max over n of s_n(t) > 0. The narrow phase
+// returns the n of the largest s_n at one instant. Where edges or corners meet, several n share that maximum
+// or nearly so, and the n of one instant says nothing about the motion: a box that slides over two flush
+// tiles is separated from the second one by the vertical side of the tile as long as it has not reached it,
+// and by the tops from then on. A contact with the first normal would stop the box at a joint that is none: a
+// ghost collision. By Danskin's theorem (J. M. Danskin, "The theory of max-min", 1966)
+//   ds/dt = max of ds_n/dt over the n that attain the maximum,
+// so the two come together only when the LAST axis stops to separate them, and its n is the normal of their
+// contact. J. Williams, Y. Lu, J. C. Trinkle, "A geometrically exact contact model for polytopes in
+// multirigid- body simulation", J. Comput. Nonlinear Dyn. 12(2), 2017, keep all of these axes in one
+// complementarity problem; here the predicted motion chooses one.
+//
+// The axes compared are the normal of the narrow phase and the normals of the faces that hold a point of its
+// manifold. A face separates for the whole interval where s_n >= -tolerance at both its ends, with the normal
+// of either: s_n is then nearly linear in between. Of several such faces the one that closes least wins.
+// Neither a way in the air counts as closing, nor an overlap that there is already, or the depth to which a
+// soft contact sinks in would. Where no face separates for so long, the two collide, and the normal of the
+// narrow phase stands.
+#include "narrowphase/lasting_axis.h"
+
+#include "base/algebra.h"
+#include "narrowphase/collide.h"
+#include "narrowphase/tolerances.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+namespace rbs {
+
+namespace {
+
+// Cosine of the largest angle between two normals that are taken for one.
+constexpr double kSameNormal = 1.0 - 1e-6;
+// Rounding of a normal, as an angle.
+constexpr double kNormalRounding = 1e-10;
+
+// Outward normals of a shape, in its frame.
+struct Normals {
+  static constexpr int kMost = 16;
+  int size = 0;
+  std::array<Vec3, kMost> normals;
+
+  void add(const Vec3& n) {
+    const auto end = normals.begin() + size;
+    if (size < kMost && std::find(normals.begin(), end, n) == end) normals[size++] = n;
+  }
+};
+
+// The normals of the faces within `room` of a point of the surface. A round side has one where the point is.
+void addFacesAt(const Box& box, const Vec3& point, double room, Normals& found) {
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(point[k]) >= 0.5 * box.size[k] - room)
+      found.add(std::copysign(1.0, point[k]) * Vec3::Unit(k));
+}
+
+void addFacesAt(const Cylinder& cylinder, const Vec3& point, double room, Normals& found) {
+  const double across = std::hypot(point.x(), point.y());
+  if (std::abs(point.z()) >= cylinder.half_length - room)
+    found.add(std::copysign(1.0, point.z()) * Vec3::UnitZ());
+  if (across >= cylinder.radius - room) found.add({point.x() / across, point.y() / across, 0.0});
+}
+
+void addFacesAt(const Cone& cone, const Vec3& point, double room, Normals& found) {
+  if (point.z() <= -0.25 * cone.height + room) found.add(-Vec3::UnitZ());
+  const double across = std::hypot(point.x(), point.y()), side = std::hypot(cone.height, cone.radius);
+  if (across == 0.0) return;
+  const Vec3 n(cone.height / side * point.x() / across, cone.height / side * point.y() / across,
+               cone.radius / side);
+  if (n.z() * (point.z() - 0.75 * cone.height) + cone.height / side * across >= -room) found.add(n);
+}
+
+void addFacesAt(const ConvexHull& hull, const Vec3& point, double room, Normals& found) {
+  for (const Polyhedron::Face& face : hull.polyhedron->faces)
+    if (face.normal.dot(point) >= face.offset - room) found.add(face.normal);
+}
+
+template <class Smooth>
+void addFacesAt(const Smooth& /*shape*/, const Vec3& /*point*/, double /*room*/, Normals& /*found*/) {}
+
+bool hasFaces(const Shape& shape) {
+  const ShapeTraits traits = traitsOf(shape);
+  return traits.edged && !traits.unbounded;
+}
+
+// The normal of a face from A to B, at the two ends of the interval.
+struct FaceAxis {
+  Vec3 n_W, n_then_W;
+};
+
+// The two shapes at one instant.
+struct PlacedPair {
+  const Shape &a, &b;
+  Pose X_WA, X_WB;
+
+  double separation(const Vec3& n_W) const {
+    return n_W.dot(X_WB.p_WB - X_WA.p_WB) - reach(a, X_WA.q_WB.conjugate() * n_W) -
+           reach(b, X_WB.q_WB.conjugate() * -n_W);
+  }
+};
+
+// By how much an axis closes in an interval, m, negative: what brings the two nearer than the tolerance, from
+// a separation s_0 to s_1.
+double closing(double s_0, double s_1, double tolerance) {
+  return s_1 - std::min(s_0, tolerance);
+}
+
+Vec3 relativeVelocity(const Motion& a, const Motion& b, double time, const Vec3& r_a, const Vec3& r_b) {
+  return b.velocityAt(time) + b.twist.w_WB.cross(r_b) - a.velocityAt(time) - a.twist.w_WB.cross(r_a);
+}
+
+// How fast the faces of a shape turn, rad/s: what is round about an axis looks the same as it spins about it.
+double turningOf(const Shape& shape, const Motion& motion) {
+  const ShapeTraits traits = traitsOf(shape);
+  if (traits.round) return 0.0;
+  const Vec3& w_W = motion.twist.w_WB;
+  return traits.revolved ? w_W.cross(motion.pose.q_WB * Vec3::UnitZ()).norm() : w_W.norm();
+}
+
+}  // namespace
+
+Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                         double from, double until, double margin, const LastingLimits& limits,
+                         const Vec3& loaded_W) {
+  const double tolerance = limits.tolerance, time = until - from;
+  const PlacedPair now{a, b, motion_a.at(from), motion_b.at(from)};
+  const Manifold nearest = collide(a, now.X_WA, b, now.X_WB, margin);
+  if (nearest.size == 0 || !(time > 0.0) || !(hasFaces(a) || hasFaces(b))) return nearest;
+  if (std::holds_alternative<Plane>(a) || std::holds_alternative<Plane>(b)) return nearest;
+
+  const double turn = time * (turningOf(a, motion_a) + turningOf(b, motion_b));
+  if (loaded_W.dot(nearest.n_W) > 0.0 && loaded_W.cross(nearest.n_W).norm() <= 2.0 * turn + kNormalRounding)
+    return nearest;
+
+  const double length = std::min(characteristicLength(a), characteristicLength(b));
+  // Along the normal of the narrow phase the solver sees what the points do.
+  double s_0 = std::numeric_limits<double>::infinity(), s_1 = s_0;
+  for (int k = 0; k < nearest.size; ++k) {
+    const ManifoldPoint& point = nearest.points[k];
+    const Vec3 u =
+        relativeVelocity(motion_a, motion_b, from, point.p_W - now.X_WA.p_WB, point.p_W - now.X_WB.p_WB);
+    s_0 = std::min(s_0, point.separation);
+    s_1 = std::min(s_1, point.separation + time * nearest.n_W.dot(u));
+  }
+  const double nearest_closing = closing(s_0, s_1, tolerance);
+  if (nearest_closing >= -limits.slowest * time) return nearest;
+
+  const PlacedPair then{a, b, motion_a.at(until), motion_b.at(until)};
+  Normals of_a, of_b;
+  const double room = tolerance + kChainRounding * length;
+  for (int k = 0; k < nearest.size; ++k) {
+    const ManifoldPoint& point = nearest.points[k];
+    const Vec3 half_W = 0.5 * point.separation * nearest.n_W;
+    const Vec3 on_A = now.X_WA.q_WB.conjugate() * (point.p_W - half_W - now.X_WA.p_WB);
+    const Vec3 on_B = now.X_WB.q_WB.conjugate() * (point.p_W + half_W - now.X_WB.p_WB);
+    std::visit([&](const auto& shape) { addFacesAt(shape, on_A, room, of_a); }, a);
+    std::visit([&](const auto& shape) { addFacesAt(shape, on_B, room, of_b); }, b);
+  }
+  std::array<FaceAxis, 2 * Normals::kMost> axes;
+  int size = 0;
+  const auto add = [&](const FaceAxis& axis) {
+    if (now.separation(axis.n_W) >= -tolerance) axes[size++] = axis;
+  };
+  for (int k = 0; k < of_a.size; ++k)
+    add({now.X_WA.q_WB * of_a.normals[k], then.X_WA.q_WB * of_a.normals[k]});
+  for (int k = 0; k < of_b.size; ++k)
+    add({now.X_WB.q_WB * -of_b.normals[k], then.X_WB.q_WB * -of_b.normals[k]});
+  const FaceAxis* chosen = nullptr;
+  double least_closing = limits.closing * nearest_closing;
+  for (int k = 0; k < size; ++k) {
+    if (axes[k].n_W.cross(nearest.n_W).norm() <= kNormalRounding) continue;
+    const double s_then = then.separation(axes[k].n_then_W);
+    const double closes = closing(now.separation(axes[k].n_W), s_then, tolerance);
+    if (s_then >= -tolerance && closes >= least_closing) least_closing = closes, chosen = &axes[k];
+  }
+  if (chosen == nullptr) return nearest;
+
+  Manifold later = collide(a, then.X_WA, b, then.X_WB, margin);
+  if (later.size == 0 || later.n_W.dot(chosen->n_then_W) < kSameNormal) return Manifold();
+  // Points stay with the body that moves more.
+  const bool on_a = motion_a.velocityAt(from).squaredNorm() > motion_b.velocityAt(from).squaredNorm();
+  const Pose &X_WM = on_a ? now.X_WA : now.X_WB, &X_WM_then = on_a ? then.X_WA : then.X_WB;
+  later.n_W = chosen->n_W;
+  const double least = now.separation(chosen->n_W);  // no two points are nearer along the axis
+  for (int k = 0; k < later.size; ++k) {
+    ManifoldPoint& point = later.points[k];
+    point.p_W = X_WM.p_WB + X_WM.q_WB * (X_WM_then.q_WB.conjugate() * (point.p_W - X_WM_then.p_WB));
+    const Vec3 u =
+        relativeVelocity(motion_a, motion_b, from, point.p_W - now.X_WA.p_WB, point.p_W - now.X_WB.p_WB);
+    point.separation = std::max(point.separation - time * chosen->n_W.dot(u), least);
+  }
+  return later;
+}
+
+}  // namespace rbs

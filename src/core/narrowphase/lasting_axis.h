@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The manifold of two moving shapes, with the normal that matters for their motion.
+#pragma once
+
+#include "narrowphase/manifold.h"
+#include "narrowphase/time_of_impact.h"
+
+namespace rbs {
+
+/// What counts as closing and as separated for lastingManifold().
+struct LastingLimits {
+  double tolerance;  ///< m, >= 0: a face separates while the overlap along its normal is no more than this
+  double slowest;    ///< m/s, >= 0: a pair that closes more slowly is at rest
+  /// Share of the closing along the narrow phase's normal that one along a face may have, 0 to 1. What is
+  /// nearly the same would be decided by noise, anew in each step.
+  double closing;
+};
+
+/// The contact manifold of A and B at `from` for the time until `until` (s): the points whose separation is
+/// at most `margin` (m, >= 0).
+///
+/// Its normal is that of collide(), unless the two close along it while the normal of a face near their
+/// contact separates them for the whole time. Then the points are those of `until`, seen from `from`: their
+/// separation is the one from which the motion leads to that of `until`. Empty where the two pass each other.
+/// A normal along which the pair already bears a force stays: `loaded_W` is that direction, and zero where
+/// there is none.
+///
+/// Costs a collide(), and two support queries where the pair closes. What it costs beyond that is for pairs
+/// at an edge.
+Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
+                         double from, double until, double margin, const LastingLimits& limits,
+                         const Vec3& loaded_W);
+
+}  // namespace rbs
