@@ -107,7 +107,7 @@ TEST(FlushTiles, TheExactSettingsKeepTheVelocity) {
 }
 
 // A soft contact sinks in, and by how much changes where two tiles carry instead of one. Measured: at most
-// 4e-4 m/s.
+// 6e-4 m/s.
 TEST(FlushTiles, InteractiveLosesLittle) {
   for (const Slider& slider : sliders())
     for (const Tiles tiles : {Tiles::Static, Tiles::Kinematic, Tiles::Dynamic})
