@@ -95,7 +95,7 @@ std::string nameOf(Fidelity fidelity, const Slide& slide) {
 // setting. Now: at most 4.7e-8 m/s at accurate, whose tolerance of 1e-6 is 1.6e-7 m/s here, and 2e-9 m/s at
 // reference. The hull falls short of that at accurate: where a corner stands exactly on a joint at the end of
 // a step, the tile behind it bears a force that the tile in front should, and it changes by 5e-6 m/s (over
-// hulls, made in the opposite order; 2e-9 otherwise).
+// hulls, made in the opposite order; below 1e-7 otherwise).
 TEST(FlushTiles, TheExactSettingsKeepTheVelocity) {
   for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
     for (const Slider& slider : sliders()) {
