@@ -94,7 +94,7 @@ class Rviz:
         self.process = subprocess.Popen(['rviz', '-d', self.file], env=env, stdout=self.log, stderr=subprocess.STDOUT)
         try:
             self.window = wait_until(self._find_window, 'the window of RViz is open')
-            self.scene = wait_until(self.find_scene, 'RViz draws its scene')
+            wait_for_alike(lambda: self.scene, 10, 'RViz has laid out its window')
             self.focus()
         except Exception:
             self.__exit__()
@@ -131,8 +131,13 @@ class Rviz:
         match = re.search(r'(0x[0-9a-f]+) "[^"]*- RViz"', self._tree())
         return match and int(match[1], 16)
 
-    def find_scene(self):
-        """The window that Ogre draws in: the largest without a name that has no window inside."""
+    @property
+    def scene(self):
+        """The window that Ogre draws in, where it is now: RViz moves it when its panels come."""
+        return wait_until(self._find_scene, 'RViz draws its scene')
+
+    def _find_scene(self):
+        """The largest window without a name that has no window inside, or None."""
         row = re.compile(r'^( +)(0x[0-9a-f]+) (".*"|\(has no name\)):.*  (\d+)x(\d+)\+-?\d+\+-?\d+  \+(-?\d+)\+(-?\d+)$',
                          re.MULTILINE)
         rows = [match.groups() for match in row.finditer(self._tree())]
@@ -152,9 +157,10 @@ class Rviz:
         up = (-math.sin(pitch) * math.cos(yaw), -math.sin(pitch) * math.sin(yaw), math.cos(pitch))
         from_focus = [p - f for p, f in zip(point, focus)]
         depth = view['Distance'] - dot(from_focus, to_eye)
-        scale = self.scene.height / (2 * math.tan(view['Field of View'] / 2)) / depth
-        return (round(self.scene.x + self.scene.width / 2 + scale * dot(from_focus, right)),
-                round(self.scene.y + self.scene.height / 2 - scale * dot(from_focus, up)))
+        scene = self.scene
+        scale = scene.height / (2 * math.tan(view['Field of View'] / 2)) / depth
+        return (round(scene.x + scene.width / 2 + scale * dot(from_focus, right)),
+                round(scene.y + scene.height / 2 - scale * dot(from_focus, up)))
 
     def drag(self, start, end, steps=12):
         """Drags what lies at pixel `start` to `end`, once it can be dragged. Nothing else may move."""
@@ -168,13 +174,14 @@ class Rviz:
 
     def _takes_drags(self, pixel):
         """Moves the mouse to a pixel. Whether the hints in the status bar become others than those of the sky."""
-        hints = Window(None, 0, self.scene.y + self.scene.height, self.scene.x + self.scene.width // 2, 28)
+        scene = self.scene
+        hints = Window(None, 0, scene.y + scene.height, scene.x + scene.width // 2, 28)
 
         def hints_with_mouse_at(x, y):
             self.screen.xdotool('mousemove', x - 2, y - 2, 'sleep', 0.2, 'mousemove', x, y, 'sleep', 0.5)
             return self.screen.picture(hints)
 
-        of_sky = hints_with_mouse_at(self.scene.x + 20, self.scene.y + 20)
+        of_sky = hints_with_mouse_at(scene.x + 20, scene.y + 20)
         if hints_with_mouse_at(*pixel) != of_sky:
             return True
         time.sleep(5.0)  # for a picture of thousands of bodies
@@ -189,35 +196,40 @@ class Rviz:
 
     def find_color(self, color, least=20):
         """The middle pixel of what is drawn in exactly this colour outside the scene, or None."""
-        picture = self.screen.picture()
+        scene, picture = self.scene, self.screen.picture()
         wanted, found, at = bytes(color), [], -1
         while True:
             at = picture.rgb.find(wanted, at + 1)
             if at < 0:
                 break
             y, x = divmod(at // 3, picture.width)
-            if at % 3 == 0 and not self._in_scene(x, y):
+            if at % 3 == 0 and not contains(scene, x, y):
                 found.append((x, y))
         if len(found) < least:
             return None
         return tuple(sorted(pixel[axis] for pixel in found)[len(found) // 2] for axis in (0, 1))
 
-    def _in_scene(self, x, y):
-        scene = self.scene
-        return scene.x <= x < scene.x + scene.width and scene.y <= y < scene.y + scene.height
-
-    def wait_for_rest(self, alike=4):
+    def wait_for_rest(self):
         """Waits until the scene looks the same several times in a row."""
-        last, count = None, 0
+        wait_for_alike(lambda: self.screen.picture(self.scene), 4, 'the picture is at rest')
 
-        def is_at_rest():
-            nonlocal last, count
-            now = self.screen.picture(self.scene)
-            count = count + 1 if now == last else 1
-            last = now
-            return count >= alike
 
-        wait_until(is_at_rest, 'the picture is at rest', period=0.15)
+def wait_for_alike(seen, times, what):
+    """Waits until seen() has been the same several times in a row, 0.15 s apart."""
+    last, count = None, 0
+
+    def is_alike():
+        nonlocal last, count
+        now = seen()
+        count = count + 1 if now == last else 1
+        last = now
+        return count >= times
+
+    wait_until(is_alike, what, period=0.15)
+
+
+def contains(window, x, y):
+    return window.x <= x < window.x + window.width and window.y <= y < window.y + window.height
 
 
 def crop(window):

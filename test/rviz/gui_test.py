@@ -167,7 +167,8 @@ class GuiTest(unittest.TestCase):
             wait_until(lambda: self.is_drawn_near(name, target), '%s is where the mouse let it go' % name)
 
     def test_a_click_on_nothing_and_escape_drop_the_selection(self):
-        sky = (self.rviz.scene.x + 30, self.rviz.scene.y + 30)
+        scene = self.rviz.scene
+        sky = (scene.x + 30, scene.y + 30)
         for drop in (lambda: self.rviz.click(sky), lambda: self.rviz.click(self.rviz.pixel_of((1.5, -1.5, 0.0))),
                      lambda: self.rviz.key('Escape')):
             self.rviz.click(self.rviz.pixel_of(position('middle')))
@@ -195,12 +196,13 @@ class GuiTest(unittest.TestCase):
 
     def test_no_text_changes_the_window(self):
         wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
+        scene = self.rviz.scene
         said = rospy.Publisher('/sim/interactive_bodies/answer', String, queue_size=1, latch=True)
         for text in ('word ' * 1000, 'x' * 5000):
             before = self.panel()
             said.publish(text)
             wait_until(lambda: self.panel() != before, 'the panel says it')
-            self.assertEqual(self.rviz.find_scene(), self.rviz.scene)
+            self.assertEqual(self.rviz.scene, scene)
         said.unregister()
 
     def test_the_button_runs_and_pauses(self):
