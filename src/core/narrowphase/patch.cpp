@@ -261,7 +261,8 @@ class Patch {
 
   void add(const Vec2& x, const Shadow& on_a, const Shadow& on_b, std::uint32_t name) {
     const double a = on_a.height(x) + facing_.radius_a, b = on_b.height(x) - facing_.radius_b;
-    keep(facing_.middle + R_ * Vec3(x.x(), x.y(), 0.5 * (a + b)), b - a, name);
+    // No two points of the bodies are deeper along n than the bodies are: what is came from the overhang.
+    keep(facing_.middle + R_ * Vec3(x.x(), x.y(), 0.5 * (a + b)), std::max(b - a, facing_.distance), name);
   }
 
   void keep(const Vec3& point, double separation, std::uint32_t name) {
