@@ -69,8 +69,8 @@ struct StageInfo {
 
 /// Trouble at run time, with its remedy.
 struct Warning {
-  /// "non_finite": a body was frozen. "impact_budget": a step has more impacts than it may take. "overlap":
-  /// bodies overlap deeply after an edit.
+  /// "non_finite": a body was frozen. "impact_budget": too many impacts in a step. "overlap": bodies overlap
+  /// deeply after an edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place.
   std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
 };

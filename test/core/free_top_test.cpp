@@ -134,4 +134,28 @@ TEST(FreeTop, IsFiniteHoweverFastTheSpin) {
       }
 }
 
+// At no time does a top turn faster than its bound, nor does its angular velocity change faster. The bounds
+// are not idle: what they are made of is reached within a few turns, but near the separatrix, where that may
+// take for ever.
+TEST(FreeTop, KeepsTheBoundsOfItsSpin) {
+  std::mt19937_64 random(4);
+  for (int round = 0; round < 20; ++round)
+    for (const Case& c : cases(random)) {
+      const Inertia inertia = inertiaOf(c.moments);
+      const SpinBounds bounds = spinBoundsOf(c.l.cwiseQuotient(c.moments), inertia);
+      double spin = 0.0, change = 0.0;
+      for (int k = 0; k <= 2000; ++k) {
+        const double t = 0.02 * k / fastest(c.l, c.moments);
+        const Vec3 l = k == 0 ? c.l : turnFreely(c.l, inertia, t).l_B, w = l.cwiseQuotient(c.moments);
+        spin = std::max(spin, w.norm());
+        change = std::max(change, Vec3(l.cross(w).cwiseQuotient(c.moments)).norm());
+      }
+      EXPECT_LE(spin, bounds.w * (1.0 + 1e-13)) << c.name << ", round " << round;
+      EXPECT_LE(change, bounds.change * (1.0 + 1e-13) + 1e-13 * spin * spin) << c.name << ", round " << round;
+      if (c.name == "any") {
+        EXPECT_GE(spin, bounds.w / std::sqrt(3.0)) << "round " << round;
+      }
+    }
+}
+
 }  // namespace

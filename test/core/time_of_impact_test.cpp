@@ -3,6 +3,7 @@
 #include "narrowphase/time_of_impact.h"
 
 #include "core/narrowphase_oracles.h"
+#include "free_top_oracle.h"
 #include "narrowphase/collide.h"
 
 #include <gtest/gtest.h>
@@ -363,6 +364,71 @@ TEST(TimeOfImpact, TurningPlane) {
   const Motion plane = moving({0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {w, 0, 0});
   EXPECT_NEAR(impact(Sphere{radius}, still({0.4, y, z}), Plane{}, plane, 1.0), truth, 1e-12);
   EXPECT_EQ(impact(Sphere{radius}, still({0.4, y, z}), Plane{}, plane, 0.99 * truth), -1.0);
+}
+
+Inertia inertiaOf(const Shape& shape) {
+  Inertia inertia;
+  inertia.inv_mass = 1.0;
+  inertia.moments = momentsPerMass(shape);
+  inertia.inv_moments = inertia.moments.cwiseInverse();
+  inertia.isotropic = false;
+  inertia.gyroscopic = true;
+  return inertia;
+}
+
+// A box that tumbles freely, its angular velocity changing all the time, above a floor. Its orientation is
+// that of Euler's equations, in long double.
+TEST(TimeOfImpact, TumblingBoxMeetsTheFloor) {
+  Random random(70);
+  int hits = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Box box{{random.uniform(0.05, 0.3), random.uniform(0.3, 0.6), random.uniform(0.6, 1.0)}};
+    const Inertia inertia = inertiaOf(box);
+    Motion motion = moving({0, 0, 1.0}, random.inCube(1.0), kGravity, random.inCube(8.0));
+    motion.pose.q_WB = random.orientation();
+    motion.top = &inertia;
+    const Vec3 l_B = inertia.moments.cwiseProduct(motion.pose.q_WB.conjugate() * motion.twist.w_WB);
+    const auto lowest = [&](Real t) -> Real {
+      const rbs::oracle::TopState top = rbs::oracle::integrated(l_B, inertia.moments, static_cast<double>(t));
+      const Mat R = Eigen::Quaternion<Real>(motion.pose.q_WB.cast<Real>()).normalized().toRotationMatrix() *
+                    Eigen::Quaternion<Real>(top[3], top[0], top[1], top[2]).normalized().toRotationMatrix();
+      return placeAt(motion, t).z() - R.row(2).cwiseAbs().dot((0.5 * box.size).cast<Real>());
+    };
+    const double speed =
+        fastest(motion, 0.0, 1.0) + 0.5 * box.size.norm() * rbs::oracle::fastest(l_B, inertia.moments);
+    const std::string where = "seed 70, box " + std::to_string(k);
+    hits += holds(timeOfImpact(box, motion, Plane{}, still({0, 0, 0}), 0.0, 0.6), lowest, speed, 0.6,
+                  box.size.minCoeff(), 1.0, where);
+  }
+  EXPECT_GT(hits, 40);
+}
+
+// Of tops of all shapes: where they touch the gap is closed, and at no time before is it.
+TEST(TimeOfImpact, TumblingBodiesMeetEachOther) {
+  Random random(71);
+  const std::vector<Shape> shapes{Box{{0.1, 0.3, 0.5}}, Capsule{0.1, 0.2}, Cylinder{0.15, 0.2},
+                                  Cone{0.2, 0.4}};
+  int hits = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Shape &a = shapes[random.below(4)], &b = shapes[random.below(4)];
+    const Inertia inertia_a = inertiaOf(a), inertia_b = inertiaOf(b);
+    Motion motion_a = moving({0, 0, 0}, random.inCube(0.3), kGravity, random.inCube(20.0));
+    Motion motion_b = moving(1.2 * random.direction(), Vec3::Zero(), Vec3::Zero(), random.inCube(20.0));
+    motion_b.twist.v_WB = -4.0 * motion_b.pose.p_WB + random.inCube(0.5);
+    motion_a.pose.q_WB = random.orientation(), motion_b.pose.q_WB = random.orientation();
+    motion_a.top = &inertia_a, motion_b.top = &inertia_b;
+    const double found = impact(a, motion_a, b, motion_b, 0.5);
+    hits += found >= 0.0;
+    const double until = found < 0.0 ? 0.5 : found;
+    for (int i = 0; i < 200; ++i) {
+      const double t = until * i / 200.0;
+      EXPECT_GT(gap(a, motion_a.at(t), b, motion_b.at(t)).distance, -1e-12) << "pair " << k << ", t " << t;
+    }
+    if (found >= 0.0) {
+      EXPECT_NEAR(gap(a, motion_a.at(found), b, motion_b.at(found)).distance, 0.0, 1e-12) << "pair " << k;
+    }
+  }
+  EXPECT_GT(hits, 100);
 }
 
 TEST(TimeOfImpact, CountsFromAnyTime) {

@@ -9,7 +9,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 CORE = ROOT / 'src/core'
 # From the lowest room up; docs/architecture.md says what each holds.
-ROOMS = ['base', 'shapes', 'narrowphase', 'coulomb', 'state', 'broadphase', 'dynamics', 'effects', 'solver', 'step', 'scene', 'world',
+ROOMS = ['base', 'dynamics', 'shapes', 'narrowphase', 'coulomb', 'state', 'broadphase', 'effects', 'solver', 'step', 'scene', 'world',
          'accuracy', 'simulator']
 
 

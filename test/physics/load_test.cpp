@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <tuple>
 
 namespace rbs::test {
 namespace {
@@ -110,6 +112,44 @@ TEST_P(Load, BallsInEachOtherPartThoughTheyFlyAlike) {
   World world(ordered(scene));
   advance(world, 2.0);
   EXPECT_GT((stateOf(world, "two").pose.p_WB - stateOf(world, "one").pose.p_WB).norm(), 0.99);
+}
+
+// Friction holds each of these against a wind that pushes with a part of its weight: the forces of its
+// contacts are those of the air and of gravity, whole, also where the drag of its own motion would be stiff.
+TEST_P(Load, ABodyThatStandsInTheWindFeelsTheWholeDrag) {
+  const double density = 1.2, speed = 10.0;
+  for (const double step : {1.0 / 60.0, 0.1}) {
+    // What sinks in leans with the wind, which then meets another area.
+    if (GetParam() < Fidelity::Accurate && step > 0.05) continue;
+    for (const double heavy : {100.0, 20.0}) {
+      SceneDef scene = onFloor(step, 2.0);
+      scene.fidelity = GetParam();
+      scene.air = Air{density};
+      scene.wind = Wind{{speed, 0.0, 0.0}, 0.0};
+      scene.bodies.push_back(box("box", Vec3::Constant(0.5), {0.0, 0.0, 0.25}));
+      scene.bodies.push_back(body("cylinder", Cylinder{0.3, 0.2}, {0.0, 3.0, 0.2}));
+      for (const int k : {1, 2}) scene.bodies[k].density = heavy, scene.bodies[k].material.friction = 2.0;
+      World world(ordered(scene));
+      for (int k = 0; k < 200; ++k) world.step();
+      const Snapshot now = world.snapshot();
+      for (const auto& [name, area, mass] :
+           {std::tuple("box", 0.25, 0.125 * heavy),
+            std::tuple("cylinder", 0.25 * surfaceArea(Shape(Cylinder{0.3, 0.2})), kPi * 0.036 * heavy)}) {
+        const Vec3 loads(0.5 * density * kEdgedDrag * area * speed * speed, 0.0, -mass * kGravity);
+        Vec3 borne = Vec3::Zero();
+        const BodyId id = world.find(name);
+        for (const ContactPoint& point : now.contacts)
+          if (point.a == id || point.b == id)
+            borne += (point.b == id ? 1.0 : -1.0) / step *
+                     (point.normal_impulse * point.n_W + point.friction_impulse);
+        const double most = GetParam() == Fidelity::Preview       ? 1e-2
+                            : GetParam() == Fidelity::Interactive ? 1e-3
+                                                                  : 1e-9;
+        EXPECT_LE((borne + loads).norm(), most * loads.norm())
+            << name << " of " << heavy << " kg/m³, step " << step << ": " << borne.transpose();
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -140,9 +140,11 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 // rolling and of its spinning, whichever is worse.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
-// between heavy ones feels the last digit of their impulses.
+// between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body
+// no room there is no solution: impulses grow without end, and so would what is forgiven them.
 Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  constexpr double kMostForgiven = 1e-4;
   Eigen::VectorXd rounding = free_.colwise().norm().transpose();
   for (std::size_t k = 0; k < columns(); ++k) {
     const Rows& point = rows(k);
@@ -163,8 +165,9 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     double floor = push.norm() + of.drive.norm();
     if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
     if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
-    worst.beyond_rounding = std::max(worst.beyond_rounding,
-                                     std::max(signorini, std::max(coulomb, dissipation)) - kEpsilon * floor);
+    const double forgiven = std::min(kEpsilon * floor, kMostForgiven);
+    worst.beyond_rounding =
+        std::max(worst.beyond_rounding, std::max(signorini, std::max(coulomb, dissipation)) - forgiven);
   };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];

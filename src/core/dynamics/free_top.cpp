@@ -162,6 +162,22 @@ Mat3 nodeFrame(const Vec3& m, int e, double across_f, double across_g) {
   return T;
 }
 
+// Moments nearer to each other than this, as a fraction, are equal: no more than their own rounding.
+constexpr double kEqual = 4.0 * std::numeric_limits<double>::epsilon();
+
+bool areEqual(double smaller, double larger) {
+  return larger - smaller <= kEqual * larger;
+}
+
+// The axes in the order of their moments.
+std::array<int, 3> byMoment(const Vec3& I) {
+  std::array<int, 3> axes{0, 1, 2};
+  if (I[axes[0]] > I[axes[1]]) std::swap(axes[0], axes[1]);
+  if (I[axes[1]] > I[axes[2]]) std::swap(axes[1], axes[2]);
+  if (I[axes[0]] > I[axes[1]]) std::swap(axes[0], axes[1]);
+  return axes;
+}
+
 // Two equal moments, about the axes other than s: two turns at constant rates, about l and about axis s.
 FreeTurn symmetric(const Vec3& l, const Vec3& a, int s, double dt) {
   const int t = (s + 1) % 3;
@@ -173,15 +189,10 @@ FreeTurn symmetric(const Vec3& l, const Vec3& a, int s, double dt) {
 }  // namespace
 
 FreeTurn turnFreely(const Vec3& l, const Inertia& inertia, double dt) {
-  // Moments nearer to each other than this, as a fraction, are equal: no more than their own rounding.
-  constexpr double kEqual = 4.0 * std::numeric_limits<double>::epsilon();
   const Vec3 &I = inertia.moments, &a = inertia.inv_moments;
-  int p = 0, two = 1, o = 2;
-  if (I[p] > I[two]) std::swap(p, two);
-  if (I[two] > I[o]) std::swap(two, o);
-  if (I[p] > I[two]) std::swap(p, two);
-  if (I[two] - I[p] <= kEqual * I[two]) return symmetric(l, a, o, dt);
-  if (I[o] - I[two] <= kEqual * I[o]) return symmetric(l, a, p, dt);
+  auto [p, two, o] = byMoment(I);
+  if (areEqual(I[p], I[two])) return symmetric(l, a, o, dt);
+  if (areEqual(I[two], I[o])) return symmetric(l, a, p, dt);
 
   const double L = l.norm();
   const Vec3 m = l / L;
@@ -238,6 +249,34 @@ FreeTurn turnFreely(const Vec3& l, const Inertia& inertia, double dt) {
   R_L(1, 0) = phase.imag(), R_L(0, 1) = -phase.imag();
   const Mat3 R_B0B = frame(m, start) * R_L * frame(m_end, end).transpose();
   return {Quat(R_B0B).normalized(), L * m_end};
+}
+
+// The components of l are l_i = L A_i times an elliptic function that is at most 1, or constant where two
+// moments are equal. Euler's equations give dw_i/dt = a_i (I_j - I_k) w_j w_k.
+SpinBounds spinBoundsOf(const Vec3& w, const Inertia& inertia) {
+  const Vec3 &I = inertia.moments, &a = inertia.inv_moments;
+  auto [p, two, o] = byMoment(I);
+  Vec3 most = w.cwiseAbs();
+  const auto circles = [&](int i, int j) { most[i] = most[j] = std::hypot(w[i], w[j]); };
+  if (areEqual(I[p], I[two])) {
+    circles(p, two);
+  } else if (areEqual(I[two], I[o])) {
+    circles(two, o);
+  } else {
+    const Vec3 l = I.cwiseProduct(w);
+    const auto apart = [&](int i, int j) { return std::abs(I[i] - I[j]) * a[i] * a[j]; };
+    if (apart(p, two) * l[p] * l[p] < apart(o, two) * l[o] * l[o]) std::swap(p, o);
+    const double c_p = apart(p, two), c_o = apart(o, two), c = c_p + c_o;
+    most[p] = a[p] * std::hypot(l[p], std::sqrt(c_o / c) * l[two]);
+    most[two] = a[two] * std::hypot(l[two], std::sqrt(c / c_p) * l[o]);
+    most[o] = a[o] * std::hypot(l[o], std::sqrt(c_p / c) * l[two]);
+  }
+  Vec3 change;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    change[i] = a[i] * std::abs(I[j] - I[k]) * most[j] * most[k];
+  }
+  return {most.norm(), change.norm()};
 }
 
 }  // namespace rbs

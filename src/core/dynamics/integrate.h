@@ -2,7 +2,7 @@
 // Motion between contacts: exact flight under constant acceleration, and the free rotation of a body.
 #pragma once
 
-#include "state/bodies.h"
+#include "dynamics/inertia.h"
 
 namespace rbs {
 

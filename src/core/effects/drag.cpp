@@ -18,7 +18,13 @@
 //   (M - h/2 J) dV = h (F(V) + G),   J = dF/dV,   G all other loads.
 // For drag alone, u' = -k |u| u, this is dV = -h k u²/(1 + h k u), so u(h) = u/(1 + k u h): the exact
 // solution, which never overshoots however stiff. Its fixed point is F + G = 0: the exact terminal velocity.
-// In between it is of second order: what boxes and bodies in contact get. Bodies in flight that the air does
+// In between it is of second order: what boxes and bodies in contact get. A body that something carries has
+// the force R of its contacts besides, which is known from the last step:
+//   (M - h/2 J) dV = h (F(V) + G + R),
+// and M dV/h - R is the load that the contact solver gets. A body at rest has dV = 0 and so the load F + G
+// whole: with A = M (M - h/2 J)^-1, whose eigenvalues are in (0, 1], what is missing goes down by I - A a
+// step. (Without R the load would be A (F + G), since the J of a motion that contact prevents would count.)
+// Bodies in flight that the air does
 // not turn are integrated to rounding, by the method of Dormand and Prince (1980) with its own choice of
 // steps.
 #include "base/algebra.h"
@@ -37,8 +43,8 @@ namespace {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-// Acceleration of a sphere over the step h. M - h/2 J is alpha I + beta u u^T, inverted by Sherman and
-// Morrison's formula.
+// Acceleration of a sphere over the step h, where a_W is that of all other forces. M - h/2 J is
+// alpha I + beta u u^T, inverted by Sherman and Morrison's formula.
 Vec3 sphereAcceleration(const Vec3& u, double k, const Vec3& a_W, double h) {
   const double speed = u.norm();
   const Vec3 b = a_W - k * speed * u;
@@ -114,8 +120,42 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
   return sum;
 }
 
+// What the contacts of the last step do to the bodies: force and torque about the centre, by body. A blow is
+// not what carries a body: a force is at most twice the load that it answers to.
+class ContactForces {
+ public:
+  explicit ContactForces(const Context& context) {
+    const Bodies& bodies = context.scene.bodies;
+    for (const Contact& contact : context.scene.contacts.active) {
+      const Index i = bodies.indexOf(contact.key.i), j = bodies.indexOf(contact.key.j);
+      for (const SolvedPoint& point : contact.points) {
+        if (point.normal == 0.0) continue;
+        if (wrenches_.empty()) wrenches_.assign(bodies.size(), Vec6::Zero());
+        const Vec3 force_W = point.normal * point.n_W + point.friction_W;
+        add(bodies, i, point.p_W, -force_W);
+        add(bodies, j, point.p_W, force_W);
+      }
+    }
+  }
+  Vec6 on(Index i, const Vec3& load_W) const {
+    if (wrenches_.empty()) return Vec6::Zero();
+    const Vec6& wrench = wrenches_[i];
+    const double force = wrench.head<3>().norm(), most = 2.0 * load_W.norm();
+    return force <= most ? wrench : Vec6(most / force * wrench);
+  }
+
+ private:
+  void add(const Bodies& bodies, Index i, const Vec3& p_W, const Vec3& force_W) {
+    if (!bodies.traits[i].moved_by_forces()) return;
+    wrenches_[i].head<3>() += force_W;
+    wrenches_[i].tail<3>() += (p_W - bodies.pose[i].p_WB).cross(force_W);
+  }
+
+  std::vector<Vec6> wrenches_;  // empty: nothing is carried
+};
+
 void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h,
-             Load& load) {
+             const ContactForces& contacts, Load& load) {
   const Mat3 R_WB = bodies.R_WB(i);
   const Vec3& w = bodies.twist[i].w_WB;
   const BoxDrag air = boxDrag(box.size, R_WB, u, w, half_rho_C);
@@ -127,9 +167,10 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
   Vec6 rhs = air.wrench;
   rhs.head<3>() += mass * load.a_W;
   rhs.tail<3>() += load.torque_W;
-  const Vec6 rate = (M - 0.5 * h * air.jacobian).partialPivLu().solve(rhs);
-  load.a_W = rate.head<3>();
-  load.torque_W = inertia_W * rate.tail<3>();
+  const Vec6 carried = contacts.on(i, rhs.head<3>());
+  const Vec6 rate = (M - 0.5 * h * air.jacobian).partialPivLu().solve(rhs + carried);
+  load.a_W = rate.head<3>() - carried.head<3>() / mass;
+  load.torque_W = inertia_W * rate.tail<3>() - carried.tail<3>();
 }
 
 }  // namespace
@@ -158,14 +199,18 @@ void run(Context& context) {
   const double h = step.h();
   step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
   step.airless.resize(step.load.size());
+  const ContactForces contacts(context);
   for (const Index i : scene.lists.feelingOf(Effect::Drag)) {
     const Medium medium = mediumOf(context, i);
     const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
     step.airless[i] = step.load[i].a_W;
     if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape)) {
-      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, step.load[i]);
+      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, contacts, step.load[i]);
     } else {
-      step.load[i].a_W = sphereAcceleration(u, dragOf(scene, i, medium), step.load[i].a_W, h);
+      const double k = dragOf(scene, i, medium), mass = scene.bodies.traits[i].mass;
+      const Vec3 alone = step.load[i].a_W - k * u.norm() * u;
+      const Vec3 carried = contacts.on(i, mass * alone).head<3>() / mass;
+      step.load[i].a_W = sphereAcceleration(u, k, step.load[i].a_W + carried, h) - carried;
     }
   }
 }

@@ -15,10 +15,10 @@
 //
 // The axes compared are the normal of the narrow phase and the normals of the faces that hold a point of its
 // manifold. A face separates for the whole interval where s_n >= -tolerance at both its ends, with the normal
-// of either: s_n is then nearly linear in between. Of several such faces the one that closes least wins.
-// Neither a way in the air counts as closing, nor an overlap that there is already, or the depth to which a
-// soft contact sinks in would. Where no face separates for so long, the two collide, and the normal of the
-// narrow phase stands.
+// of either: s_n is then nearly linear in between, if the interval ends before the two have turned far. Of
+// several such faces the one that closes least wins. Neither a way in the air counts as closing, nor an
+// overlap that there is already, or the depth to which a soft contact sinks in would. Where no face separates
+// for so long, the two collide, and the normal of the narrow phase stands.
 #include "narrowphase/lasting_axis.h"
 
 #include "base/algebra.h"
@@ -37,6 +37,8 @@ namespace {
 
 // Cosine of the largest angle between two normals that are taken for one.
 constexpr double kSameNormal = 1.0 - 1e-6;
+// How far faces may turn, rad, until the separation along their normals is no longer nearly linear.
+constexpr double kLinearTurn = 0.01;
 // Rounding of a normal, as an angle.
 constexpr double kNormalRounding = 1e-10;
 
@@ -110,16 +112,12 @@ double closing(double s_0, double s_1, double tolerance) {
   return s_1 - std::min(s_0, tolerance);
 }
 
-Vec3 relativeVelocity(const Motion& a, const Motion& b, double time, const Vec3& r_a, const Vec3& r_b) {
-  return b.velocityAt(time) + b.twist.w_WB.cross(r_b) - a.velocityAt(time) - a.twist.w_WB.cross(r_a);
-}
-
 // How fast the faces of a shape turn, rad/s: what is round about an axis looks the same as it spins about it.
 double turningOf(const Shape& shape, const Motion& motion) {
   const ShapeTraits traits = traitsOf(shape);
   if (traits.round) return 0.0;
-  const Vec3& w_W = motion.twist.w_WB;
-  return traits.revolved ? w_W.cross(motion.pose.q_WB * Vec3::UnitZ()).norm() : w_W.norm();
+  if (!traits.revolved) return motion.spinBounds().w;
+  return motion.twist.w_WB.cross(motion.pose.q_WB * Vec3::UnitZ()).norm();
 }
 
 }  // namespace
@@ -127,30 +125,34 @@ double turningOf(const Shape& shape, const Motion& motion) {
 Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          double from, double until, double margin, const LastingLimits& limits,
                          const Vec3& loaded_W) {
-  const double tolerance = limits.tolerance, time = until - from;
+  const double tolerance = limits.tolerance, turning = turningOf(a, motion_a) + turningOf(b, motion_b);
+  const double time = std::min(until - from, kLinearTurn / turning);
   const PlacedPair now{a, b, motion_a.at(from), motion_b.at(from)};
   const Manifold nearest = collide(a, now.X_WA, b, now.X_WB, margin);
   if (nearest.size == 0 || !(time > 0.0) || !(hasFaces(a) || hasFaces(b))) return nearest;
   if (std::holds_alternative<Plane>(a) || std::holds_alternative<Plane>(b)) return nearest;
 
-  const double turn = time * (turningOf(a, motion_a) + turningOf(b, motion_b));
+  const double turn = time * turning;
   if (loaded_W.dot(nearest.n_W) > 0.0 && loaded_W.cross(nearest.n_W).norm() <= 2.0 * turn + kNormalRounding)
     return nearest;
 
   const double length = std::min(characteristicLength(a), characteristicLength(b));
+  const Twist twist_a = motion_a.twistAt(from), twist_b = motion_b.twistAt(from);
+  const auto relativeVelocity = [&](const Vec3& p_W) -> Vec3 {
+    return velocityAt(twist_b, p_W - now.X_WB.p_WB) - velocityAt(twist_a, p_W - now.X_WA.p_WB);
+  };
   // Along the normal of the narrow phase the solver sees what the points do.
   double s_0 = std::numeric_limits<double>::infinity(), s_1 = s_0;
   for (int k = 0; k < nearest.size; ++k) {
     const ManifoldPoint& point = nearest.points[k];
-    const Vec3 u =
-        relativeVelocity(motion_a, motion_b, from, point.p_W - now.X_WA.p_WB, point.p_W - now.X_WB.p_WB);
+    const Vec3 u = relativeVelocity(point.p_W);
     s_0 = std::min(s_0, point.separation);
     s_1 = std::min(s_1, point.separation + time * nearest.n_W.dot(u));
   }
   const double nearest_closing = closing(s_0, s_1, tolerance);
   if (nearest_closing >= -limits.slowest * time) return nearest;
 
-  const PlacedPair then{a, b, motion_a.at(until), motion_b.at(until)};
+  const PlacedPair then{a, b, motion_a.at(from + time), motion_b.at(from + time)};
   Normals of_a, of_b;
   const double room = tolerance + kChainRounding * length;
   for (int k = 0; k < nearest.size; ++k) {
@@ -183,15 +185,14 @@ Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b,
   Manifold later = collide(a, then.X_WA, b, then.X_WB, margin);
   if (later.size == 0 || later.n_W.dot(chosen->n_then_W) < kSameNormal) return Manifold();
   // Points stay with the body that moves more.
-  const bool on_a = motion_a.velocityAt(from).squaredNorm() > motion_b.velocityAt(from).squaredNorm();
+  const bool on_a = twist_a.v_WB.squaredNorm() > twist_b.v_WB.squaredNorm();
   const Pose &X_WM = on_a ? now.X_WA : now.X_WB, &X_WM_then = on_a ? then.X_WA : then.X_WB;
   later.n_W = chosen->n_W;
   const double least = now.separation(chosen->n_W);  // no two points are nearer along the axis
   for (int k = 0; k < later.size; ++k) {
     ManifoldPoint& point = later.points[k];
     point.p_W = X_WM.p_WB + X_WM.q_WB * (X_WM_then.q_WB.conjugate() * (point.p_W - X_WM_then.p_WB));
-    const Vec3 u =
-        relativeVelocity(motion_a, motion_b, from, point.p_W - now.X_WA.p_WB, point.p_W - now.X_WB.p_WB);
+    const Vec3 u = relativeVelocity(point.p_W);
     point.separation = std::max(point.separation - time * chosen->n_W.dot(u), least);
   }
   return later;

@@ -17,6 +17,11 @@
 //
 // A body of revolution that spins about its axis with w_r looks the same as one that does not: w_X is what
 // turns the axis, of constant length but turning with w_r itself, so that k = (|w_X| + |w_n|)² + |w_r| |w_X|.
+//
+// The w_X of a free top is not constant. With W and W' bounds of |w_X| and of |w_X'| for all times,
+//   k = (W + |w_n|)² + W',
+// and |w_r| |w_X| more where the spin about the axis is left out. What it sweeps is within its bounding
+// sphere.
 #include "narrowphase/safe_step.h"
 
 #include "base/algebra.h"
@@ -26,6 +31,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <type_traits>
 
 namespace rbs {
@@ -36,26 +42,29 @@ bool isPlane(const MovingShape& x) {
   return std::holds_alternative<Plane>(x.shape);
 }
 
-// The spin as far as it moves the surface, and the rate of the rest of it.
+// The spin as far as it moves the surface, with bounds of it for all times, and the rate of the rest of it.
 struct Spin {
   Vec3 w;
+  SpinBounds most;
   double roll = 0.0;
 };
 
 Spin spinOf(const MovingShape& x) {
-  if (std::holds_alternative<Sphere>(x.shape)) return {Vec3::Zero()};
-  if (!traitsOf(x.shape).revolved) return {x.w_W};
+  if (std::holds_alternative<Sphere>(x.shape)) return {Vec3::Zero(), {}};
+  if (!traitsOf(x.shape).revolved) return {x.w_W, x.most};
   const Vec3 axis = x.R_WB.col(2);
   const double roll = axis.dot(x.w_W);
-  return {x.w_W - roll * axis, std::abs(roll)};
+  const Vec3 w = x.w_W - roll * axis;  // of constant length: such a body is symmetric about its axis
+  return {w, {w.norm(), x.most.change}, std::abs(roll)};
 }
 
 double curvature(const Spin& spin, const Vec3& w_n, const Vec3& n) {
-  const double rate = spin.w.norm();
-  if (spin.roll == 0.0 && spin.w == w_n) return 0.0;
-  if (spin.roll == 0.0 && w_n.isZero(0.0)) return rate * spin.w.cross(n).norm();
-  const double sum = rate + w_n.norm();
-  return sum * sum + spin.roll * rate;
+  if (spin.most.change == 0.0 && spin.roll == 0.0) {
+    if (spin.w == w_n) return 0.0;
+    if (w_n.isZero(0.0)) return spin.most.w * spin.w.cross(n).norm();
+  }
+  const double sum = spin.most.w + w_n.norm();
+  return sum * sum + spin.roll * spin.most.w + spin.most.change;
 }
 
 // The ball swept over the core of a shape. Of a plane, only the points below its origin are looked at.
@@ -97,6 +106,7 @@ Reach reachAlong(const MovingShape& x, const Vec3& d, const Vec3& m) {
 double sweptReach(const MovingShape& x, const Vec3& n) {
   const double rate = x.w_W.norm();
   if (rate == 0.0 || isPlane(x)) return reachAlong(x, n, Vec3::Zero()).value + roundingOf(x);
+  if (x.motion.top != nullptr) return boundingRadius(x.shape);
   const Vec3 axis_B = x.R_WB.transpose() * (x.w_W / rate);
   const double along = n.dot(x.w_W) / rate;
   const double across = std::sqrt(std::max(0.0, 1.0 - along * along));
@@ -131,7 +141,7 @@ class ConcaveBound {
       : a_(a), b_(b), n_(n), horizon_(horizon) {
     const Spin spin_a = spinOf(a), spin_b = spinOf(b);
     m_a_ = n.cross(spin_a.w - w_n), m_b_ = n.cross(spin_b.w - w_n);
-    const Vec3 x = b.p_W - a.p_W, v = b.v_W - a.v_W, acceleration = b.a_W - a.a_W;
+    const Vec3 x = b.X_WB.p_WB - a.X_WB.p_WB, v = b.v_W - a.v_W, acceleration = b.a_W - a.a_W;
     const double loss = curvature(spin_a, w_n, n) * coreExtent(a) + curvature(spin_b, w_n, n) * coreExtent(b);
     double bend = n.dot(acceleration);
     if (const double turn = w_n.norm(); turn > 0.0) {
@@ -182,15 +192,18 @@ class ConcaveBound {
 };
 
 MovingShape later(const MovingShape& x, double s) {
-  return {x.shape,
-          rotationBy(s * x.w_W).toRotationMatrix() * x.R_WB,
-          x.p_W + s * (x.v_W + 0.5 * s * x.a_W),
-          x.v_W + s * x.a_W,
-          x.a_W,
-          x.w_W};
+  return {x.shape, x.motion, x.t + s};
 }
 
 }  // namespace
+
+MovingShape::MovingShape(const Shape& moved, const Motion& along, double time)
+    : shape(moved), motion(along), t(time), a_W(along.a_W), most(along.spinBounds()) {
+  Twist twist;
+  std::tie(X_WB, twist) = along.stateAt(time);
+  R_WB = X_WB.q_WB.toRotationMatrix();
+  v_W = twist.v_WB, w_W = twist.w_WB;
+}
 
 double timeApart(const MovingShape& a0, const MovingShape& b0, const Vec3& n_W, const Vec3& turn_W,
                  bool touches, const Levels& levels, double horizon) {
@@ -211,7 +224,7 @@ double timeApart(const MovingShape& a0, const MovingShape& b0, const Vec3& n_W, 
     double step = bound.timeAbove(touches ? levels.floor : 0.0);
     if (touches) {
       if (bound.at(step).slope * step < -levels.free) step *= 0.5;  // what is thrown up turns round half-way
-    } else if (const double gap = n.dot(b.p_W - a.p_W) - swept; gap > 0.0) {
+    } else if (const double gap = n.dot(b.X_WB.p_WB - a.X_WB.p_WB) - swept; gap > 0.0) {
       step = std::max(step, firstFall(gap, n.dot(b.v_W - a.v_W), n.dot(b.a_W - a.a_W)).value_or(horizon));
     }
     if (s + step >= horizon) return horizon;

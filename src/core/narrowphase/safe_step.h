@@ -2,16 +2,22 @@
 // Lower bound of the time that two moving shapes stay separated (conservative advancement).
 #pragma once
 
+#include "dynamics/motion.h"
 #include "rigid_body_sim/shape.h"
-#include "rigid_body_sim/types.h"
 
 namespace rbs {
 
-/// A moving shape at one time, with constant acceleration and constant angular velocity.
+/// A moving shape at one time. It refers to the shape and the motion that it is made of.
 struct MovingShape {
+  MovingShape(const Shape& moved, const Motion& along, double time);
+
   const Shape& shape;
+  const Motion& motion;
+  double t;
+  Pose X_WB;
   Mat3 R_WB;
-  Vec3 p_W, v_W, a_W, w_W;
+  Vec3 v_W, a_W, w_W;
+  SpinBounds most;  ///< of its angular velocity, at any time
 };
 
 /// Separations along a direction that classify a pair, m.

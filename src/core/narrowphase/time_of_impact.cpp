@@ -28,7 +28,6 @@ constexpr int kAdvances = 10000;
 
 // The pair at one time.
 struct Scene {
-  Pose X_WA, X_WB;
   MovingShape a, b;
   Gap gap;
   double closed, touching;  // the gap of a pair that has closed, and of one that touches at `from`, m
@@ -36,23 +35,16 @@ struct Scene {
   /// `kept` is what the looks at one pair hand on from one to the next (collide.h).
   Scene(const Shape& shape_a, const Motion& motion_a, const Shape& shape_b, const Motion& motion_b, double t,
         Simplex& kept)
-      : X_WA(motion_a.at(t)),
-        X_WB(motion_b.at(t)),
-        a(movingShape(shape_a, X_WA, motion_a, t)),
-        b(movingShape(shape_b, X_WB, motion_b, t)),
-        gap(rbs::gap(shape_a, X_WA, shape_b, X_WB, kept)) {
+      : a(shape_a, motion_a, t),
+        b(shape_b, motion_b, t),
+        gap(rbs::gap(shape_a, a.X_WB, shape_b, b.X_WB, kept)) {
     const double length = std::min(characteristicLength(shape_a), characteristicLength(shape_b));
-    double size = X_WA.p_WB.cwiseAbs().maxCoeff() + X_WB.p_WB.cwiseAbs().maxCoeff();
+    double size = a.X_WB.p_WB.cwiseAbs().maxCoeff() + b.X_WB.p_WB.cwiseAbs().maxCoeff();
     for (const Shape* shape : {&shape_a, &shape_b})
       if (!std::holds_alternative<Plane>(*shape)) size += boundingRadius(*shape);
     const double rounding = 4.0 * kEpsilon * size;
     closed = kClosed * length + rounding;
     touching = kTouching * length + rounding;
-  }
-
-  static MovingShape movingShape(const Shape& shape, const Pose& pose, const Motion& motion, double t) {
-    return {
-        shape, pose.q_WB.toRotationMatrix(), pose.p_WB, motion.velocityAt(t), motion.a_W, motion.twist.w_WB};
   }
 };
 
@@ -66,10 +58,10 @@ bool closes(double speed, double speeds, double push, double pushes) {
 // Whether any of the points that touch comes closer. A pair whose manifold is empty counts as closing.
 bool approaches(const Scene& scene) {
   const MovingShape &a = scene.a, &b = scene.b;
-  const Manifold manifold = collide(a.shape, scene.X_WA, b.shape, scene.X_WB, scene.touching);
+  const Manifold manifold = collide(a.shape, a.X_WB, b.shape, b.X_WB, scene.touching);
   const Vec3& n = manifold.n_W;
   for (int k = 0; k < manifold.size; ++k) {
-    const Vec3 arm_a = manifold.points[k].p_W - a.p_W, arm_b = manifold.points[k].p_W - b.p_W;
+    const Vec3 arm_a = manifold.points[k].p_W - a.X_WB.p_WB, arm_b = manifold.points[k].p_W - b.X_WB.p_WB;
     const Vec3 velocity_a = a.v_W + a.w_W.cross(arm_a), velocity_b = b.v_W + b.w_W.cross(arm_b);
     const double speeds =
         a.v_W.norm() + b.v_W.norm() + a.w_W.norm() * arm_a.norm() + b.w_W.norm() * arm_b.norm();
@@ -148,7 +140,7 @@ std::optional<double> within(std::optional<double> s, double from, double to) {
 //   s = c / (-d.v + sqrt(|v|² R² - |d x v|²)),   c = |d|² - R²,
 // the root of the quadratic in the form without cancellation.
 std::optional<double> spheresOnLine(double radii, const Scene& scene) {
-  const Vec3 d = scene.b.p_W - scene.a.p_W, v = scene.b.v_W - scene.a.v_W;
+  const Vec3 d = scene.b.X_WB.p_WB - scene.a.X_WB.p_WB, v = scene.b.v_W - scene.a.v_W;
   const double distance = d.norm(), speed = v.norm(), closing = -d.dot(v);
   if (!(closing > kNoSpeed * distance * (scene.a.v_W.norm() + scene.b.v_W.norm()))) return std::nullopt;
   if (distance - radii <= scene.touching) return 0.0;
@@ -172,7 +164,7 @@ std::optional<double> sphereOverPlane(const Scene& scene) {
 // The path of the centre of sphere A, seen from the box B, which does not turn.
 Parabola pathOverBox(const Scene& scene) {
   const Mat3 R_BW = scene.b.R_WB.transpose();
-  return {R_BW * (scene.a.p_W - scene.b.p_W), R_BW * (scene.a.v_W - scene.b.v_W),
+  return {R_BW * (scene.a.X_WB.p_WB - scene.b.X_WB.p_WB), R_BW * (scene.a.v_W - scene.b.v_W),
           R_BW * (scene.a.a_W - scene.b.a_W)};
 }
 
@@ -184,13 +176,6 @@ std::optional<double> sphereAndBox(double radius, const Vec3& half, const Scene&
 }
 
 }  // namespace
-
-Pose Motion::at(double t) const {
-  const double s = t - t0;
-  if (s == 0.0) return pose;
-  return {pose.p_WB + s * (twist.v_WB + 0.5 * s * a_W),
-          (rotationBy(s * twist.w_WB) * pose.q_WB).normalized()};
-}
 
 std::optional<double> timeOfImpact(const Shape& a, const Motion& motion_a, const Shape& b,
                                    const Motion& motion_b, double from, double to, int* looks) {

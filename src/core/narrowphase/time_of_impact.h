@@ -2,23 +2,12 @@
 // Time-of-impact queries (continuous collision detection): when two moving shapes first touch.
 #pragma once
 
+#include "dynamics/motion.h"
 #include "rigid_body_sim/shape.h"
-#include "rigid_body_sim/types.h"
 
 #include <optional>
 
 namespace rbs {
-
-/// A motion in closed form: p(t) = p + v s + a s²/2 and q(t) = exp(w s) q, with s = t - t0.
-struct Motion {
-  double t0 = 0.0;
-  Pose pose;                ///< at t0
-  Twist twist;              ///< at t0; w_WB stays constant
-  Vec3 a_W = Vec3::Zero();  ///< constant acceleration
-
-  Pose at(double t) const;
-  Vec3 velocityAt(double t) const { return twist.v_WB + (t - t0) * a_W; }
-};
 
 /// The first time in [from, to] at which A and B touch while approaching each other. It is not later than
 /// the truth by more than rounding, nor earlier by more than it takes to close 1e-14 of the smaller length,

@@ -9,15 +9,16 @@
 
 namespace rbs {
 
-namespace {
-
 double kineticEnergy(const Context& context, const SolverBody& s) {
   const Vec3 w_B = context.scene.bodies.pose[s.body].q_WB.conjugate() * s.w;
   return 0.5 * (s.v.squaredNorm() / s.inv_mass +
                 w_B.dot(context.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B)));
 }
 
-}  // namespace
+double loadWork(const Context& context, const SolverBody& s) {
+  const Load& load = context.step.load[s.body];
+  return load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
+}
 
 void EnergyLimit::find(const Context& context, const SolverContacts& contacts) {
   const StepStore& step = context.step;
@@ -62,8 +63,7 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) {
     Vec3 momentum = Vec3::Zero();
     for (const SolverBody& s : contacts.bodies) {
       if (deepIslandOf(context, s) != &island) continue;
-      const Load& load = context.step.load[s.body];
-      island.energy += load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
+      island.energy += loadWork(context, s);
       mass += 1.0 / s.inv_mass, momentum += s.v / s.inv_mass, energy += kineticEnergy(context, s);
     }
     const double most =

@@ -14,6 +14,11 @@
 
 namespace rbs {
 
+/// Of a body as the solver moves it, J.
+double kineticEnergy(const Context& context, const SolverBody& s);
+/// What its load has done on its way since the start, J.
+double loadWork(const Context& context, const SolverBody& s);
+
 class EnergyLimit {
  public:
   /// Finds the islands with deep overlaps and what they may have at the end.

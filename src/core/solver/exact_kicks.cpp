@@ -25,6 +25,9 @@ constexpr double kNoChange = 1e3;
 // body.
 constexpr double kEditOverlap = 1e-2;
 
+// Cosine of the turn of a normal from which it is another one, of which the slip tells nothing.
+constexpr double kSameWay = 0.95;
+
 const char* nameOf(CoulombSolver solver) {
   switch (solver) {
     case CoulombSolver::WarmStart:
@@ -187,19 +190,26 @@ void Stepper::settle() {
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
 }
 
-// What the drift has added to the gaps beyond tau u_n, and whether that is more than the kick allowed for.
+// What the drift has added to the gaps beyond tau u_n, and to the slip across the normal beyond tau u_T; and
+// whether that is more than the kick allowed for.
 bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
-                               std::vector<double>& curvature) const {
+                               std::vector<Vec3>& curvature) const {
   bool matters = false;
+  const CoulombBodies drifted = island_.bodies();
   for (std::size_t k = 0; k < curvature.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const Index m = later.matching(point);
     if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
-    const double allowed = kick.points[k].drive[2] - touching_.law[k].drive[2];
-    const double u_n = velocityAt(kick.bodies, kick.points[k])[2] - allowed;
-    const double c = later.points[m].gap - point.gap - tau * u_n;
-    if (kick.points[k].impulse[2] > 0.0 || later.points[m].gap < 0.0)
-      matters = matters || std::abs(c - curvature[k]) > kCurved * point.length;
+    const CoulombPoint &law = touching_.law[k], &law_later = later.law[m];
+    const Vec3 u = velocityAt(kick.bodies, law);
+    const Vec3 u_later = law.frame.transpose() * (law_later.frame * velocityAt(drifted, law_later));
+    Vec3 c = 0.5 * tau * (u_later - u);
+    if (law.mu == 0.0 || law.frame.col(2).dot(law_later.frame.col(2)) < kSameWay) c.setZero();
+    c[2] = later.points[m].gap - point.gap - tau * u[2];
+    const double enough = kCurved * point.length;
+    const bool pushes = kick.points[k].impulse[2] > 0.0;
+    matters = matters || ((pushes || later.points[m].gap < 0.0) && std::abs(c[2] - curvature[k][2]) > enough);
+    matters = matters || (pushes && (c - curvature[k]).head<2>().norm() > enough);
     curvature[k] = c;
   }
   return matters;

@@ -13,6 +13,11 @@
 // 0, with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
 // prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
 // closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
+// Friction in kick 1 is likewise on the slip that the drift will leave: on the mean of the slip under v_half
+// at x0 and at x1, which differ where a contact moves on its bodies (a disc rolls on its rim, a ball rides on
+// a turntable). With J_mid = (J0 + J1)/2 a body that sticks or rolls obeys  J_mid,T v_half = 0, the midpoint
+// rule for a constraint on velocities, which is of second order where that with J0 is of first (J. Cortes, S.
+// Martinez, "Non-holonomic integrators", Nonlinearity 14, 2001).
 // Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
 //
 // Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the
@@ -48,6 +53,8 @@ constexpr int kMostSegments = 64;
 // setting.
 constexpr double kLeftOverlap = 1e-6;
 constexpr int kMostCorrections = 4;
+// A residual beyond this is no solution that is not quite converged, but none.
+constexpr double kUnsolved = 1e-2;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
@@ -137,11 +144,11 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Segment segment;
-  std::vector<double> curvature(slip.points.size(), 0.0);
+  std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.points.size(); ++k)
-      kick.points[k].drive[2] =
-          touching_.law[k].drive[2] + (std::max(touching_.points[k].gap, 0.0) + curvature[k]) / tau;
+      kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
+                             Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
     kick.bodies = loaded;
     segment.first = solve(kick);
     island_.drift(kick.bodies, tau);
@@ -225,7 +232,9 @@ void Stepper::solve() {
   }
   addResiduals(segment_.first);
   addResiduals(segment_.second);
-  has_failed_ = promoted_ && !islandResiduals().converged;
+  const IslandResiduals& solved = islandResiduals();
+  const double worst = std::max({solved.signorini, solved.coulomb, solved.dissipation});
+  has_failed_ = !solved.converged && (promoted_ || worst > kUnsolved) && !step_.isLate();
 }
 
 // Goes to where the segment ends; back to the start, where another method is to begin.

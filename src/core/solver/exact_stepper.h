@@ -74,7 +74,7 @@ class Stepper : public InnerRows {
   Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
-                        std::vector<double>& curvature) const;
+                        std::vector<Vec3>& curvature) const;
   double lastingShare(const CoulombResult& result, const Touching& touching,
                       const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
                       const CoulombBodies& solved) const;

@@ -27,9 +27,9 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step
 
 namespace exact_step {
-/// Bodies in contact, by Coulomb's law without softness; one island at a time. At a setting that only
-/// promotes islands to it, an island for which its solvers do not converge is left as it was, and the answer
-/// is false.
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. An island that its solvers
+/// find no solution for is left as it was, and the answer is false. At a setting that only promotes islands
+/// to it, so is one for which they do not converge.
 bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step
 

@@ -29,9 +29,6 @@
 // projected back: l_T <- P(l_T - rho u_T). The fixed point of that is u_T against l_T, the direction of
 // maximum dissipation, which the block step alone would miss when the response is not isotropic.
 //
-// Restitution. Impacts that were not resolved at their time (impacts.h) rebound at the end: a point that came
-// at a speed u0 worth a rebound and was pushed leaves at e u0 (Newton's law, a pass over the points).
-//
 // A body that no impulse pushed in a sub-step has moved under its load alone and takes the exact parabola. A
 // push takes that away by degrees, so that none, however small, makes a jump; one of a hundredth of the load
 // does so in full.
@@ -43,6 +40,7 @@
 #include "solver/contact_lanes.h"
 #include "solver/energy_limit.h"
 #include "solver/inner_step.h"
+#include "solver/restitution.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,6 +84,8 @@ class SoftStep : public InnerRows {
     lanes_.take();
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
     energy_.find(context_, contacts_);
+    if constexpr (built::restitution)
+      if (context_.scene.effects[Effect::Restitution]) restitution_.begin(context_, contacts_);
   }
   bool beginSubStep() {
     if (done_ == sub_steps_) return false;
@@ -115,7 +115,8 @@ class SoftStep : public InnerRows {
   }
   void rebound() {
     lanes_.giveBack();
-    if (built::restitution && context_.scene.effects[Effect::Restitution]) reboundPoints();
+    if constexpr (built::restitution)
+      if (context_.scene.effects[Effect::Restitution]) restitution_.apply(context_, contacts_);
     energy_.apply(context_, contacts_);
   }
   void store() { contacts_.store(h_, h_full_); }
@@ -133,7 +134,6 @@ class SoftStep : public InnerRows {
     lanes_.giveBack();
     forKinds([&](auto& kind) { kind.solve(contacts_); });
   }
-  void reboundPoints();
 
   Context& context_;
   const IslandBatch& batch_;
@@ -141,6 +141,7 @@ class SoftStep : public InnerRows {
   ContactLanes lanes_;
   std::tuple<Kinds...> kinds_;
   EnergyLimit energy_;
+  Restitution restitution_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
@@ -186,28 +187,6 @@ inline void SoftStep<Kinds...>::integrate() {
     }
   }
   lanes_.follow();
-}
-
-// Slower than half of what gravity adds in a step, a rebound would be over within it.
-template <class... Kinds>
-void SoftStep<Kinds...>::reboundPoints() {
-  const double slowest = 0.5 * context_.step.h() * context_.scene.gravity_W.norm();
-  for (const SolverBlock& block : contacts_.blocks) {
-    SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
-    for (int k = block.first; k < block.first + block.size; ++k) {
-      SolverPoint& point = contacts_.points[k];
-      if (-block.pair.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
-      const double u_n = block.n.dot(contacts_.velocityAt(block, point));
-      const double impulse = -point.mass_n * (u_n + block.pair.e * point.u_0);
-      if (impulse <= 0.0) continue;
-      point.sum_n += impulse;
-      const Vec3 impulse_W = impulse * block.n;
-      i.v -= i.inv_mass * impulse_W;
-      i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
-      j.v += j.inv_mass * impulse_W;
-      j.w += j.inv_inertia_W * point.r_j.cross(impulse_W);
-    }
-  }
 }
 
 }  // namespace rbs::soft_step

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace rbs::impacts {
 
@@ -21,6 +22,11 @@ constexpr double kTight = 1e-9, kWide = 1e-3;
 // An overlap deeper than this share of the smaller length is more than rounding leaves of an impact.
 constexpr double kSunk = 1e-6;
 
+// Of an elastic pair, at any setting: the closing speed below which an impact is left to the contact solver,
+// as a fraction of what gravity adds in a step, and the gap too small to matter, as one of the smaller
+// length.
+constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
+
 // A body's course from where it has been advanced to. A supported body is predicted to keep its velocity:
 // what carries it cancels its load.
 Motion courseOf(const Context& context, Index i) {
@@ -29,7 +35,9 @@ Motion courseOf(const Context& context, Index i) {
   course.t0 = context.step.timeOf(i);
   course.pose = bodies.pose[i];
   course.twist = bodies.twist[i];
-  if (bodies.traits[i].moved_by_forces() && !context.step.supported[i]) course.a_W = context.step.load[i].a_W;
+  if (!bodies.traits[i].moved_by_forces()) return course;
+  if (!context.step.supported[i]) course.a_W = context.step.load[i].a_W;
+  if (bodies.inertia[i].gyroscopic) course.top = &bodies.inertia[i];
   return course;
 }
 
@@ -45,9 +53,9 @@ double marginOf(const Context& context, Index i, Index j) {
 
 ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double time) {
   ImpactSide side;
-  const Pose pose = course.at(time);
+  Pose pose;
+  std::tie(pose, side.twist) = course.stateAt(time);
   side.p_WB = pose.p_WB;
-  side.twist = {course.velocityAt(time), course.twist.w_WB};
   side.inv_mass = bodies.inertia[i].inv_mass;
   side.inv_inertia_W = bodies.inertia[i].inverseW(pose.q_WB.toRotationMatrix());
   return side;
@@ -71,18 +79,34 @@ struct Meeting {
   Manifold manifold;
 };
 
+// The largest acceleration of a point of body i, m/s²: that of the centre, and that of the turn about it.
+double pointAcceleration(const Context& context, Index i, const Motion& course) {
+  const Traits& traits = context.scene.bodies.traits[i];
+  const double reach = traits.round || traits.unbounded ? 0.0 : traits.bounding_radius;
+  const SpinBounds spin = course.spinBounds();
+  return course.a_W.norm() + reach * (spin.w * spin.w + spin.change);
+}
+
 // The speed below which a rebound is not worth an impact of its own: it would be over within the step,
 // because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share
-// of it at the exact settings); or it would open a gap too small to matter. The second bound makes an end of
-// sequences between three bodies that shrink forever, which only pairs that lose energy have.
+// of it at the exact settings, and for an elastic pair, which would go on to rebound for ever); or it would
+// open a gap d too small to matter. At a speed u a gap is at most
+// u h after a step, and at most u²/(2 a) where an acceleration a closes it again. The first bound makes an
+// end of sequences between three bodies that shrink forever, which only pairs that lose energy have. The
+// second makes an end of those that shrink no more because time of impact is as exact as that gap.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
-  double a = (courseOf(context, i).a_W - courseOf(context, j).a_W).norm();
+  const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
+  double a = (course_i.a_W - course_j.a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
-  const double unseen = context.scene.restitutionOf(i, j) < 1.0
-                            ? step.solver.smallest_gap * smallerLength(context.scene.bodies, i, j) / step.h()
-                            : 0.0;
-  return std::max(step.solver.slowest_impact * step.h() * a, unseen);
+  const bool lossy = context.scene.restitutionOf(i, j) < 1.0;
+  const double gap =
+      (lossy ? step.solver.smallest_gap : kElasticGap) * smallerLength(context.scene.bodies, i, j);
+  const double most_a = pointAcceleration(context, i, course_i) + pointAcceleration(context, j, course_j);
+  const double unseen = std::max(lossy ? gap / step.h() : 0.0, std::sqrt(2.0 * gap * most_a));
+  const double share =
+      lossy ? step.solver.slowest_impact : std::min(step.solver.slowest_impact, kElasticSpeed);
+  return std::max(share * step.h() * a, unseen);
 }
 
 // How far two courses bring the surfaces together from a time until the end of the step at most, m.
@@ -90,17 +114,19 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
                   double from) {
   const Traits &a = context.scene.bodies.traits[i], &b = context.scene.bodies.traits[j];
   const double left = context.step.t1 - from;
-  const Vec3 p_W = course_i.at(from).p_WB - course_j.at(from).p_WB;
-  const Vec3 u_W = course_i.velocityAt(from) - course_j.velocityAt(from);
-  return approach(left, u_W, reachOf(a, b, p_W, u_W, left) * course_i.twist.w_WB.norm(),
-                  reachOf(b, a, p_W, u_W, left) * course_j.twist.w_WB.norm(), course_i.a_W - course_j.a_W);
+  const auto [X_i, twist_i] = course_i.stateAt(from);
+  const auto [X_j, twist_j] = course_j.stateAt(from);
+  const Vec3 p_W = X_i.p_WB - X_j.p_WB, u_W = twist_i.v_WB - twist_j.v_WB;
+  return approach(left, u_W, reachOf(a, b, p_W, u_W, left) * course_i.spinBounds().w,
+                  reachOf(b, a, p_W, u_W, left) * course_j.spinBounds().w, course_i.a_W - course_j.a_W);
 }
 
 }  // namespace
 
-// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now or is
-// left to the contact solver: predicting how a face rocks on another, to find when it comes back, would cost
-// more than it is worth within a step. Of spheres and planes it is known in closed form.
+// Most pairs are too far apart for what is left of the step. A pair that touches already impacts now. Where
+// it does not close, it is left to the contact solver, but for a pair that rebounds and that nothing else
+// touches: another corner may strike before the end of the step, and a contact would give that blow no
+// rebound.
 Prediction predict(const Context& context, Index i, Index j, double from) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
@@ -119,7 +145,11 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
   if (!isSimple(i) || !isSimple(j)) {
     const Meeting now(context, i, j, from);
-    if (now.manifold.size > 0) return touchAt(now, from);
+    const bool rebounds = context.scene.restitutionOf(i, j) > 0.0 && isFree(context, i) && isFree(context, j);
+    if (now.manifold.size > 0) {
+      const Prediction prediction = touchAt(now, from);
+      if (prediction.impact || !rebounds) return prediction;
+    }
   }
   const std::optional<double> time = timeOfImpact(a, course_i, b, course_j, from, step.t1);
   if (time) return touchAt(Meeting(context, i, j, *time), *time);
@@ -130,17 +160,11 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   return prediction;
 }
 
-// Courses are predicted with a constant angular velocity; what torque and gyroscopic torque do to it must not
-// matter.
 bool isFree(const Context& context, Index i) {
-  constexpr double kSlowTurn = 0.02;  // rad in a step
-  const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
-  if (!bodies.traits[i].moved_by_forces()) return true;
+  if (!context.scene.bodies.traits[i].moved_by_forces()) return true;
   if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
-  if (step.island[i] != kNone && step.islands[step.island[i]].touching) return false;
-  return bodies.inertia[i].isotropic || !bodies.inertia[i].gyroscopic ||
-         bodies.twist[i].w_WB.norm() * step.h() <= kSlowTurn;
+  return step.island[i] == kNone || !step.islands[step.island[i]].touching;
 }
 
 void find(Context& context) {

@@ -20,8 +20,7 @@ struct Prediction {
 };
 Prediction predict(const Context& context, Index i, Index j, double from);
 
-/// Whether a body's course is known: nothing carries it now, and its orientation does not change by more than
-/// a turn at constant velocity.
+/// Whether a body's course is known: nothing carries it now, and no torque acts on it.
 bool isFree(const Context& context, Index i);
 
 enum class Outcome {

@@ -10,12 +10,41 @@ namespace rbs {
 
 namespace {
 
+// Contact forces that an exact setting does not find do not exist, as where moving bodies leave another one
+// no room; or they are out of reach of its solvers. The name of a kinematic body in contact tells the first.
+void reportUnsolved(Context& context, const IslandBatch& batch) {
+  const Bodies& bodies = context.scene.bodies;
+  context.step.islands[context.step.island[batch.bodies.front()]].residuals.converged = false;
+  const Contact* squeezes = nullptr;
+  for (const Edge& edge : batch.edges) {
+    if (edge.kind != ConstraintKind::Contact) continue;
+    const Contact& contact = context.scene.contacts.active[edge.of];
+    if (bodies.traits[contact.i].is_kinematic() || bodies.traits[contact.j].is_kinematic())
+      squeezes = &contact;
+  }
+  if (squeezes == nullptr) {
+    context.step.report.warnings.push_back(
+        {"unsolved",
+         "no contact forces hold the group of body '" + bodies.name[batch.bodies.front()] +
+             "' as Coulomb's law asks; soft contacts take it through the step. Shorten the step, or "
+             "move apart what overlaps"});
+    return;
+  }
+  const bool first = bodies.traits[squeezes->i].is_kinematic();
+  context.step.report.warnings.push_back(
+      {"unsolved", "kinematic body '" + bodies.name[first ? squeezes->i : squeezes->j] + "' leaves body '" +
+                       bodies.name[first ? squeezes->j : squeezes->i] +
+                       "' no room, and no contact force can hold both; soft contacts let them overlap. Stop "
+                       "the kinematic body, or make it dynamic"});
+}
+
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
   if (batch.edges.empty()) {
     flight::advance(context, batch, t0, t1);
   } else if (!exact || !exact_step::advance(context, batch, t0, t1)) {
     soft_step::advance(context, batch, t0, t1);
+    if (exact && context.step.solver.exact) reportUnsolved(context, batch);
   }
 }
 

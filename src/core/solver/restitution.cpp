@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/restitution.h"
+
+#include "solver/energy_limit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+
+namespace {
+
+Index islandOf(const Context& context, const SolverContacts& contacts, const SolverBlock& block) {
+  const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
+  return context.step.island[i.inv_mass > 0.0 ? i.body : j.body];
+}
+
+void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point, double impulse) {
+  SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
+  const Vec3 impulse_W = impulse * block.n;
+  i.v -= i.inv_mass * impulse_W;
+  i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
+  j.v += j.inv_mass * impulse_W;
+  j.w += j.inv_inertia_W * point.r_j.cross(impulse_W);
+}
+
+// The largest s in [0, 1] with a s² + b s + c <= 0; a >= 0. 0 where there is none.
+double largestShare(double a, double b, double c) {
+  if (a + b + c <= 0.0) return 1.0;
+  if (c >= 0.0) return 0.0;
+  const double root = std::sqrt(b * b - 4.0 * a * c);
+  return std::clamp(b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a), 0.0, 1.0);
+}
+
+}  // namespace
+
+void Restitution::begin(const Context& context, const SolverContacts& contacts) {
+  for (const SolverBlock& block : contacts.blocks)
+    if (block.pair.e > 0.0) budgets_.push_back({islandOf(context, contacts, block)});
+  if (budgets_.empty()) return;
+  const auto earlier = [](const Budget& a, const Budget& b) { return a.island < b.island; };
+  const auto same = [](const Budget& a, const Budget& b) { return a.island == b.island; };
+  std::sort(budgets_.begin(), budgets_.end(), earlier);
+  budgets_.erase(std::unique(budgets_.begin(), budgets_.end(), same), budgets_.end());
+  for (const SolverBody& s : contacts.bodies)
+    if (const Budget* budget = budgetOf(context, s))
+      budgets_[budget - budgets_.data()].energy += kineticEnergy(context, s);
+  for (const SolverBlock& block : contacts.blocks)
+    for (const auto& [pusher, pushed] : {std::pair(block.i, block.j), std::pair(block.j, block.i)}) {
+      const SolverBody &by = contacts.bodies[pusher], &s = contacts.bodies[pushed];
+      if (by.inv_mass > 0.0 || by.still) continue;
+      if (const Budget* budget = budgetOf(context, s)) budgets_[budget - budgets_.data()].driven = true;
+    }
+}
+
+const Restitution::Budget* Restitution::budgetOf(const Context& context, const SolverBody& s) const {
+  if (s.inv_mass == 0.0) return nullptr;
+  const Index island = context.step.island[s.body];
+  const auto known = std::lower_bound(budgets_.begin(), budgets_.end(), island,
+                                      [](const Budget& budget, Index k) { return budget.island < k; });
+  return known != budgets_.end() && known->island == island ? &*known : nullptr;
+}
+
+// Slower than half of what gravity adds in a step, a rebound would be over within it.
+void Restitution::apply(const Context& context, SolverContacts& contacts) const {
+  const double slowest = 0.5 * context.step.h() * context.scene.gravity_W.norm();
+  struct Rebound {
+    const SolverBlock* block;
+    SolverPoint* point;
+    double impulse;
+  };
+  std::vector<Rebound> rebounds;
+  std::vector<SolverBody> before;
+  for (const SolverBlock& block : contacts.blocks)
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      SolverPoint& point = contacts.points[k];
+      if (-block.pair.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
+      const double u_n = block.n.dot(contacts.velocityAt(block, point));
+      const double impulse = -point.mass_n * (u_n + block.pair.e * point.u_0);
+      if (impulse <= 0.0) continue;
+      if (before.empty()) before = contacts.bodies;
+      push(contacts, block, point, impulse);
+      rebounds.push_back({&block, &point, impulse});
+    }
+  if (rebounds.empty()) return;
+
+  const std::vector<double> shares = sharesOf(context, before, contacts.bodies);
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    SolverBody& s = contacts.bodies[k];
+    const Budget* budget = budgetOf(context, s);
+    if (budget == nullptr) continue;
+    const double share = shares[budget - budgets_.data()];
+    s.v = before[k].v + share * (s.v - before[k].v);
+    s.w = before[k].w + share * (s.w - before[k].w);
+  }
+  for (const Rebound& rebound : rebounds) {
+    const SolverBody &i = contacts.bodies[rebound.block->i], &j = contacts.bodies[rebound.block->j];
+    const Budget* budget = budgetOf(context, i.inv_mass > 0.0 ? i : j);
+    rebound.point->sum_n += shares[budget - budgets_.data()] * rebound.impulse;
+  }
+}
+
+std::vector<double> Restitution::sharesOf(const Context& context, const std::vector<SolverBody>& before,
+                                          const std::vector<SolverBody>& after) const {
+  struct Parabola {
+    double a = 0.0, b = 0.0, c = 0.0;
+  };
+  std::vector<Parabola> gains(budgets_.size());
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const Budget* budget = budgetOf(context, before[k]);
+    if (budget == nullptr) continue;
+    SolverBody change = after[k];
+    change.v -= before[k].v, change.w -= before[k].w;
+    Parabola& gain = gains[budget - budgets_.data()];
+    const double had = kineticEnergy(context, before[k]), added = kineticEnergy(context, change);
+    gain.a += added;
+    gain.b += kineticEnergy(context, after[k]) - had - added;
+    gain.c += had - loadWork(context, before[k]);
+  }
+  std::vector<double> shares(budgets_.size(), 1.0);
+  for (std::size_t k = 0; k < budgets_.size(); ++k)
+    if (!budgets_[k].driven)
+      shares[k] = largestShare(gains[k].a, gains[k].b, gains[k].c - budgets_[k].energy);
+  return shares;
+}
+
+}  // namespace rbs

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a kinematic body carries: it follows the motion of that body over the step, not the velocity at its
+// start.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+namespace rbs::test {
+namespace {
+
+constexpr double kOnePerSecond = 1.0;  // rad/s, of the turntable
+
+// A turntable of 2 m with its top at z = 0, about the z axis.
+SceneDef onTurntable(Fidelity fidelity, double step, const BodyDef& rider) {
+  SceneDef scene;
+  scene.step = step;
+  scene.fidelity = fidelity;
+  BodyDef table = body("table", Cylinder{2.0, 0.1}, {0.0, 0.0, -0.1});
+  table.kind = BodyKind::Kinematic;
+  table.twist.w_WB = {0.0, 0.0, kOnePerSecond};
+  table.material.friction = 0.8;
+  scene.bodies.push_back(table);
+  scene.bodies.push_back(rider);
+  scene.bodies.back().material.friction = 0.8;
+  return scene;
+}
+
+// How far a box has left its circle of 1 m after a turn, m.
+double creep(Fidelity fidelity, double step) {
+  BodyDef rider = box("rider", Vec3::Constant(0.2), {1.0, 0.0, 0.1});
+  rider.twist = {{0.0, kOnePerSecond, 0.0}, {0.0, 0.0, kOnePerSecond}};
+  World world(ordered(onTurntable(fidelity, step, rider)));
+  while (world.time() < 2.0 * kPi) world.step();
+  return std::abs(stateOf(world, "rider").pose.p_WB.head<2>().norm() - 1.0);
+}
+
+// A ball that rolls without slip on a turntable of angular velocity W goes round in a circle at 2/7 W:
+// v' = 2/7 W x v (S. Earnshaw, "Dynamics", 3rd edition, 1844). Returns how far it is from there after a turn
+// of the table.
+double offItsCircle(Fidelity fidelity, double step) {
+  const double radius = 0.25, speed = 0.3;
+  BodyDef rider = ball("rider", radius, {1.0, 0.0, radius});
+  rider.twist = {{0.0, speed, 0.0}, {(kOnePerSecond - speed) / radius, 0.0, 0.0}};
+  World world(ordered(onTurntable(fidelity, step, rider)));
+  while (world.time() < 2.0 * kPi) world.step();
+  const double rate = 2.0 / 7.0 * kOnePerSecond, angle = rate * world.time();
+  const Vec3 expected(1.0 + speed / rate * (std::cos(angle) - 1.0), speed / rate * std::sin(angle), radius);
+  return (stateOf(world, "rider").pose.p_WB - expected).norm();
+}
+
+// With the velocity at the start of the step, a box creeps outwards by 5 % a turn at 60 Hz.
+TEST(Carrier, ABoxOnATurntableStaysOnItsCircle) {
+  EXPECT_LE(creep(Fidelity::Preview, 1.0 / 60.0), 2e-3);
+  EXPECT_LE(creep(Fidelity::Interactive, 1.0 / 60.0), 1e-4);
+  EXPECT_LE(creep(Fidelity::Accurate, 1.0 / 60.0), 1e-5);
+  EXPECT_LE(creep(Fidelity::Reference, 1.0 / 60.0), 1e-9);
+}
+
+TEST(Carrier, ABallOnATurntableRollsInItsCircle) {
+  EXPECT_LE(offItsCircle(Fidelity::Interactive, 1.0 / 60.0), 5e-4);
+  EXPECT_LE(offItsCircle(Fidelity::Accurate, 1.0 / 60.0), 2e-5);
+  const double whole = offItsCircle(Fidelity::Reference, 1.0 / 60.0),
+               half = offItsCircle(Fidelity::Reference, 1.0 / 120.0);
+  EXPECT_LE(whole, 1e-5);
+  EXPECT_NEAR(whole / half, 4.0, 0.5);  // second order
+}
+
+}  // namespace
+}  // namespace rbs::test

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bodies that roll on a round edge: the contact moves on them within a step. Friction does no work while they
+// roll, so that their energy is constant.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace rbs::test {
+namespace {
+
+struct Roller {
+  std::string name;
+  Shape shape;
+  Quat q_WB;
+  Vec3 w_WB;
+};
+
+// The lowest point of a disc of revolution about the z axis of B, seen from its centre.
+Vec3 lowestPoint(const Roller& roller) {
+  const Vec3 axis = roller.q_WB * Vec3::UnitZ();
+  const Vec3 down = (axis.z() * axis - Vec3::UnitZ()).normalized();
+  if (const auto* cylinder = std::get_if<Cylinder>(&roller.shape))
+    return cylinder->radius * down - std::copysign(cylinder->half_length, axis.z()) * axis;
+  const Cone& cone = std::get<Cone>(roller.shape);
+  const Vec3 base = cone.radius * down - 0.25 * cone.height * axis, tip = 0.75 * cone.height * axis;
+  return base.z() < tip.z() ? base : tip;
+}
+
+Quat tilted(double angle) {
+  return Quat(Eigen::AngleAxisd(angle, Vec3::UnitX()));
+}
+
+// Euler's disc, which goes round on its rim with its centre nearly at rest: W² = 4 g/(R sin a) for a thin
+// one.
+Roller eulersDisc() {
+  const double radius = 0.1, angle = 0.4, rate = std::sqrt(4.0 * kGravity / (radius * std::sin(angle)));
+  const Quat q_WB = tilted(angle);
+  return {"Euler's disc", Cylinder{radius, 0.005}, q_WB,
+          rate * (Vec3::UnitZ() - std::cos(angle) * (q_WB * Vec3::UnitZ()))};
+}
+
+Roller coin() {
+  const Quat q_WB = tilted(0.5 * kPi - 0.2);
+  return {"coin", Cylinder{0.1, 0.002}, q_WB, 15.0 * (q_WB * Vec3::UnitZ()) + 3.0 * Vec3::UnitZ()};
+}
+
+Roller cone() {
+  const double radius = 0.1, height = 0.3;
+  Roller roller{"cone", Cone{radius, height},
+                Quat(Eigen::AngleAxisd(0.5 * kPi + std::atan2(radius, height), Vec3::UnitY())), Vec3::Zero()};
+  const Vec3 tip = 0.75 * height * (roller.q_WB * Vec3::UnitZ());
+  const Vec3 axis = roller.q_WB * Vec3::UnitZ(), down = (axis.z() * axis - Vec3::UnitZ()).normalized();
+  roller.w_WB =
+      10.0 * (tip - (radius * down - 0.25 * height * axis)).normalized();  // about the line of contact
+  return roller;
+}
+
+Roller top() {
+  const Quat q_WB = tilted(kPi + 0.3);
+  return {"top", Cone{0.1, 0.2}, q_WB, 150.0 * (q_WB * Vec3::UnitZ())};
+}
+
+// The largest change of the energy in a second, as a share of that at the start.
+double drift(const Roller& roller, Fidelity fidelity, double step) {
+  SceneDef scene = onFloor(step, 0.8);
+  scene.fidelity = fidelity;
+  const Vec3 contact = lowestPoint(roller);
+  BodyDef def = body("body", roller.shape, {0.0, 0.0, -contact.z()});
+  def.pose.q_WB = roller.q_WB;
+  def.twist = {contact.cross(roller.w_WB), roller.w_WB};
+  def.material.friction = 0.8;
+  scene.bodies.push_back(def);
+  World world(ordered(scene));
+  const double first = energy(world);
+  double worst = 0.0;
+  while (world.time() < 1.0) {
+    world.step();
+    worst = std::max(worst, std::abs(energy(world) / first - 1.0));
+  }
+  return worst;
+}
+
+// Before, by the velocity of the point that touches at the start: 0.15, 0.007, 0.014 and 0.0015, and no less
+// than half of it with half the step.
+TEST(Rim, WhatRollsOnItsRimKeepsItsEnergy) {
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference}) {
+    EXPECT_LE(drift(eulersDisc(), fidelity, 1.0 / 60.0), 3e-3) << fidelityName(fidelity);
+    EXPECT_LE(drift(coin(), fidelity, 1.0 / 60.0), 3e-4) << fidelityName(fidelity);
+    EXPECT_LE(drift(cone(), fidelity, 1.0 / 60.0), 1e-6) << fidelityName(fidelity);
+    EXPECT_LE(drift(top(), fidelity, 1.0 / 60.0), 1e-4) << fidelityName(fidelity);
+  }
+}
+
+TEST(Rim, HalfTheStepQuartersTheError) {
+  for (const Roller& roller : {eulersDisc(), coin()}) {
+    const double whole = drift(roller, Fidelity::Reference, 1.0 / 240.0),
+                 half = drift(roller, Fidelity::Reference, 1.0 / 480.0);
+    EXPECT_NEAR(whole / half, 4.0, 0.8) << roller.name << ": " << whole << " and " << half;
+  }
+}
+
+}  // namespace
+}  // namespace rbs::test
