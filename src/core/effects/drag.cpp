@@ -120,38 +120,31 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
   return sum;
 }
 
-// What the contacts of the last step do to the bodies: force and torque about the centre, by body. A blow is
-// not what carries a body: a force is at most twice the load that it answers to.
+// The forces of the contacts of the last step, by body. A blow is not what carries a body: a force is at most
+// twice the load that it answers to.
 class ContactForces {
  public:
   explicit ContactForces(const Context& context) {
     const Bodies& bodies = context.scene.bodies;
-    for (const Contact& contact : context.scene.contacts.active) {
-      const Index i = bodies.indexOf(contact.key.i), j = bodies.indexOf(contact.key.j);
-      for (const SolvedPoint& point : contact.points) {
+    for (const Contact* contact : context.scene.contacts.withPoints()) {
+      const Index i = bodies.indexOf(contact->key.i), j = bodies.indexOf(contact->key.j);
+      for (const SolvedPoint& point : contact->points) {
         if (point.normal == 0.0) continue;
-        if (wrenches_.empty()) wrenches_.assign(bodies.size(), Vec6::Zero());
+        if (forces_W_.empty()) forces_W_.assign(bodies.size(), Vec3::Zero());
         const Vec3 force_W = point.normal * point.n_W + point.friction_W;
-        add(bodies, i, point.p_W, -force_W);
-        add(bodies, j, point.p_W, force_W);
+        forces_W_[i] -= force_W;
+        forces_W_[j] += force_W;
       }
     }
   }
-  Vec6 on(Index i, const Vec3& load_W) const {
-    if (wrenches_.empty()) return Vec6::Zero();
-    const Vec6& wrench = wrenches_[i];
-    const double force = wrench.head<3>().norm(), most = 2.0 * load_W.norm();
-    return force <= most ? wrench : Vec6(most / force * wrench);
+  Vec3 on(Index i, const Vec3& load_W) const {
+    if (forces_W_.empty()) return Vec3::Zero();
+    const double force = forces_W_[i].norm(), most = 2.0 * load_W.norm();
+    return force <= most ? forces_W_[i] : Vec3(most / force * forces_W_[i]);
   }
 
  private:
-  void add(const Bodies& bodies, Index i, const Vec3& p_W, const Vec3& force_W) {
-    if (!bodies.traits[i].moved_by_forces()) return;
-    wrenches_[i].head<3>() += force_W;
-    wrenches_[i].tail<3>() += (p_W - bodies.pose[i].p_WB).cross(force_W);
-  }
-
-  std::vector<Vec6> wrenches_;  // empty: nothing is carried
+  std::vector<Vec3> forces_W_;  // empty: nothing is carried
 };
 
 void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h,
@@ -167,10 +160,11 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
   Vec6 rhs = air.wrench;
   rhs.head<3>() += mass * load.a_W;
   rhs.tail<3>() += load.torque_W;
-  const Vec6 carried = contacts.on(i, rhs.head<3>());
-  const Vec6 rate = (M - 0.5 * h * air.jacobian).partialPivLu().solve(rhs + carried);
-  load.a_W = rate.head<3>() - carried.head<3>() / mass;
-  load.torque_W = inertia_W * rate.tail<3>() - carried.tail<3>();
+  const Vec3 carried = contacts.on(i, rhs.head<3>());
+  rhs.head<3>() += carried;
+  const Vec6 rate = (M - 0.5 * h * air.jacobian).partialPivLu().solve(rhs);
+  load.a_W = rate.head<3>() - carried / mass;
+  load.torque_W = inertia_W * rate.tail<3>();
 }
 
 }  // namespace
@@ -209,7 +203,7 @@ void run(Context& context) {
     } else {
       const double k = dragOf(scene, i, medium), mass = scene.bodies.traits[i].mass;
       const Vec3 alone = step.load[i].a_W - k * u.norm() * u;
-      const Vec3 carried = contacts.on(i, mass * alone).head<3>() / mass;
+      const Vec3 carried = contacts.on(i, mass * alone) / mass;
       step.load[i].a_W = sphereAcceleration(u, k, step.load[i].a_W + carried, h) - carried;
     }
   }

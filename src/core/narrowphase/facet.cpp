@@ -13,8 +13,8 @@ namespace rbs {
 namespace {
 
 constexpr int kRim = 8;
-// Tilt, rad, from which a disc stands on one point of its rim.
-constexpr double kTilted = 1e-2;
+// Tilts, rad, from which a disc stands on one point of its rim, and from which it rolls on it.
+constexpr double kTilted = 0.05, kRolls = 0.1;
 
 // The direction across the z axis in which d points; x where it points along z.
 Eigen::Vector2d acrossAxis(const Vec3& d) {
@@ -23,26 +23,26 @@ Eigen::Vector2d acrossAxis(const Vec3& d) {
 }
 
 // Eight points of a circle about the z axis, anticlockwise seen from +z, or from -z when `up` is false. They
-// stay where they are in the body, so that a disc that lies flat has the same feet in each step. Of a disc
-// that is tilted, the point that is farthest along d takes the place of the two next to it. It rolls along
-// the rim and keeps its number, and no foot that is fixed to the body gets in its way.
-void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_id, const Vec3& d,
-            std::uint32_t farthest_id) {
+// stay where they are in the body, so that a disc has the same feet in each step. Of a disc that is tilted,
+// the point that is farthest along d is one more. It rolls along the rim and keeps its number, also where it
+// comes by one of the eight.
+void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_id, const Vec3& d) {
   static const std::array<Eigen::Vector2d, kRim> kCircle = [] {
     std::array<Eigen::Vector2d, kRim> circle;
     const double h = std::sqrt(0.5);
     circle = {{{1, 0}, {h, h}, {0, 1}, {-h, h}, {-1, 0}, {-h, -h}, {0, -1}, {h, -h}}};
     return circle;
   }();
-  const bool tilted = std::hypot(d.x(), d.y()) > kTilted * std::abs(d.z());
+  const double tilt = std::hypot(d.x(), d.y()) / std::abs(d.z());
   const double eighths = std::atan2(d.y(), d.x()) * (0.5 * kRim / kPi);
   const int before = static_cast<int>(std::floor(eighths) + kRim) % kRim, after = (before + 1) % kRim;
   for (int k = 0; k < kRim; ++k) {
     const int at = up ? k : kRim - 1 - k;
-    const bool next = tilted && (at == before || at == after);
-    if (next && at == (up ? after : before)) continue;
-    const Eigen::Vector2d point = radius * (next ? acrossAxis(d) : kCircle[at]);
-    facet.add({point.x(), point.y(), z}, next ? farthest_id : first_id + at);
+    if (tilt <= kRolls || (at != before && at != after))
+      facet.add({radius * kCircle[at].x(), radius * kCircle[at].y(), z}, first_id + at);
+    if (tilt <= kTilted || at != (up ? before : after)) continue;
+    const Eigen::Vector2d farthest = radius * acrossAxis(d);
+    facet.add({farthest.x(), farthest.y(), z}, kLowest);
   }
 }
 
@@ -78,8 +78,7 @@ Facet facetTowards(const Cylinder& cylinder, const Vec3& d) {
   const double across = std::hypot(d.x(), d.y());
   if (std::abs(d.z()) >= across) {
     const bool up = d.z() > 0.0;
-    addRim(facet, cylinder.radius, up ? cylinder.half_length : -cylinder.half_length, up, up ? 0 : kRim, d,
-           up ? 2 * kRim : 2 * kRim + 1);
+    addRim(facet, cylinder.radius, up ? cylinder.half_length : -cylinder.half_length, up, up ? 0 : kRim, d);
     return facet;
   }
   const Eigen::Vector2d side = cylinder.radius * acrossAxis(d);
@@ -95,7 +94,7 @@ Facet facetTowards(const Cone& cone, const Vec3& d) {
   const double towards_side =
       (cone.height * across + cone.radius * d.z()) / std::hypot(cone.height, cone.radius);
   if (-d.z() >= towards_side) {
-    addRim(facet, cone.radius, -0.25 * cone.height, false, 0, d, kRim + 1);
+    addRim(facet, cone.radius, -0.25 * cone.height, false, 0, d);
     return facet;
   }
   const Eigen::Vector2d side = cone.radius * acrossAxis(d);

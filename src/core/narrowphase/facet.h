@@ -10,6 +10,9 @@
 
 namespace rbs {
 
+/// Number of the point of a rim, or of any surface, that is farthest along a direction, wherever it is.
+inline constexpr std::uint32_t kLowest = 65535;
+
 /// A corner, the two ends of an edge, or a polygon, anticlockwise seen from outside.
 struct Facet {
   /// A face of a hull with more corners is represented by this many, spread evenly.
@@ -25,7 +28,8 @@ struct Facet {
 
 /// The facet of the core of a shape (support.h) whose outward normal is nearest to `d`, of those that hold a
 /// point of the core farthest along d. In the shape's frame; d is a unit vector. The disc of a cylinder or
-/// cone is represented by eight points of its rim, and its round side by one line.
+/// cone is represented by eight points of its rim, and by the farthest one where it is tilted; its round side
+/// by one line.
 Facet facetTowards(const Box& box, const Vec3& d);
 Facet facetTowards(const Capsule& capsule, const Vec3& d);
 Facet facetTowards(const Cylinder& cylinder, const Vec3& d);

@@ -36,7 +36,7 @@ inline Facet feet(const Box& box, const Vec3& /*d*/) {
 }
 
 /// The feet within the margin, and the lowest point where it is none of them. The feature of a foot is its
-/// number; that of another point is 65,536.
+/// number.
 template <class Convex>
 Manifold collidePair(const Convex& a, const Pose& X_WA, const Plane& b, const Pose& X_WB, double margin) {
   const Gap gap = gapPair(a, X_WA, b, X_WB);
@@ -54,7 +54,7 @@ Manifold collidePair(const Convex& a, const Pose& X_WA, const Plane& b, const Po
     manifold.add(point_W - 0.5 * height * up_W, height, facet.ids[k]);
   }
   if (lowest > gap.distance + kCovers * characteristicLength(a))
-    manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, 65536);
+    manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, kLowest);
   return manifold;
 }
 

@@ -14,10 +14,9 @@ namespace rbs::exact_step {
 
 namespace {
 
-// Shares of the smaller length of a pair. A pushed point is taken for closed up to kPushedGap, which is more
-// than the curvature of the drift leaves; an overlap beyond kOverlap is taken away, if it is more than what
+// Shares of the smaller length of a pair. An overlap beyond kOverlap is taken away, if it is more than what
 // kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
-constexpr double kPushedGap = 1e-3, kOverlap = 1e-11, kCurved = 1e-10;
+constexpr double kOverlap = 1e-11, kCurved = 1e-10;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
 // A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
@@ -190,9 +189,10 @@ void Stepper::settle() {
     touching_.points[k].impulse_W += touching.law[k].frame * touching.law[k].impulse;
 }
 
-// What the drift has added to the gaps beyond tau u_n, and to the slip across the normal beyond tau u_T; and
-// whether that is more than the kick allowed for.
-bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+// What the drift has added to the gaps beyond tau u_n, and to the slip of points that were held at the start
+// beyond tau u_T; and whether that is more than the kick allowed for.
+bool Stepper::curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
+                               const std::vector<char>& held, const Touching& later, double tau,
                                std::vector<Vec3>& curvature) const {
   bool matters = false;
   const CoulombBodies drifted = island_.bodies();
@@ -201,13 +201,13 @@ bool Stepper::curvatureMatters(const CoulombProblem& kick, const Touching& later
     const Index m = later.matching(point);
     if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
     const CoulombPoint &law = touching_.law[k], &law_later = later.law[m];
-    const Vec3 u = velocityAt(kick.bodies, law);
+    const Vec3 u = velocityAt(drifting, law);
     const Vec3 u_later = law.frame.transpose() * (law_later.frame * velocityAt(drifted, law_later));
     Vec3 c = 0.5 * tau * (u_later - u);
-    if (law.mu == 0.0 || law.frame.col(2).dot(law_later.frame.col(2)) < kSameWay) c.setZero();
+    if (!held[k] || law.frame.col(2).dot(law_later.frame.col(2)) < kSameWay) c.setZero();
     c[2] = later.points[m].gap - point.gap - tau * u[2];
     const double enough = kCurved * point.length;
-    const bool pushes = kick.points[k].impulse[2] > 0.0;
+    const bool pushes = laws[k].impulse[2] > 0.0;
     matters = matters || ((pushes || later.points[m].gap < 0.0) && std::abs(c[2] - curvature[k][2]) > enough);
     matters = matters || (pushes && (c - curvature[k]).head<2>().norm() > enough);
     curvature[k] = c;

@@ -13,11 +13,13 @@
 // 0, with c what the curvature of the motion adds. c is what the narrow phase finds at x1 beyond the linear
 // prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
 // closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
-// Friction in kick 1 is likewise on the slip that the drift will leave: on the mean of the slip under v_half
-// at x0 and at x1, which differ where a contact moves on its bodies (a disc rolls on its rim, a ball rides on
-// a turntable). With J_mid = (J0 + J1)/2 a body that sticks or rolls obeys  J_mid,T v_half = 0, the midpoint
+//
+// A point that friction holds obeys kick 1 likewise with the slip that the drift will leave: with the mean of
+// the slip under v_half at x0 and at x1, which differ where a contact moves on its bodies (a disc rolls on
+// its rim, a ball rides on a turntable). With J_mid = (J0 + J1)/2 it obeys J_mid,T v_half = 0, the midpoint
 // rule for a constraint on velocities, which is of second order where that with J0 is of first (J. Cortes, S.
 // Martinez, "Non-holonomic integrators", Nonlinearity 14, 2001).
+//
 // Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
 //
 // Friction opposes u_half in the first kick. In the second it keeps that direction, which is the one of the
@@ -46,6 +48,10 @@ constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
 // rest to rounding needs no solve in the next step.
 constexpr double kLoneAim = 1e-12;
+// |w| tau of a body that is not a ball up to which a first guess leaves out the curvature of the motion.
+constexpr double kStraight = 0.01;
+// Sine of the tilt from which a body stands on its rim.
+constexpr double kLeaning = 0.1;
 // |w| tau of a body that is not a ball, and the most segments that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
@@ -143,8 +149,24 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
 
-  Segment segment;
+  // What friction holds now: closed, and not sliding.
+  std::vector<char> held(slip.points.size());
+  for (std::size_t k = 0; k < slip.points.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
+    held[k] = touching_.law[k].mu > 0.0 && closed &&
+              velocityAt(bodies_at_start, touching_.law[k]).head<2>().norm() <= slow_;
+  }
   std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
+  if (island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
+    // The turn of a body tells most of it, where no others push it.
+    island_.drift(bodies_at_start, tau);
+    const Touching ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
+    curvatureMatters(bodies_at_start, kick.points, held, ahead, tau, curvature);
+    island_.restore(start);
+  }
+
+  Segment segment;
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.points.size(); ++k)
       kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
@@ -153,7 +175,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.first = solve(kick);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
-    const bool matters = curvatureMatters(kick, segment.touching, tau, curvature);
+    const bool matters = curvatureMatters(kick.bodies, kick.points, held, segment.touching, tau, curvature);
     const bool deep = segment.first.converged && overlaps(segment.touching);
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;
     island_.restore(start);
@@ -197,12 +219,31 @@ void Stepper::prepare() {
   start_ = island_.save();
   before_solves_ = islandResiduals();
   expectLastForces(context_.scene.contacts, touching_);
-  double turn = 0.0;
-  const Bodies& bodies = context_.scene.bodies;
-  for (const Index i : island_.indices())
-    if (!bodies.traits[i].round) turn = std::max(turn, bodies.twist[i].w_WB.norm() * (end_ - now_));
+  const double turn = turnsBy(end_ - now_);
   longest_ =
       (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
+}
+
+// How far a body that is not a ball turns in some time at most, rad, or a point goes round the rim on which
+// one stands. With a its axis and n the normal there, that point turns about n by |w x a| / |a x n|.
+double Stepper::turnsBy(double seconds) const {
+  const Bodies& bodies = context_.scene.bodies;
+  double rate = 0.0;
+  for (const Index i : island_.indices())
+    if (!bodies.traits[i].round) rate = std::max(rate, bodies.twist[i].w_WB.norm());
+  for (std::size_t k = 0; k < touching_.points.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    if (point.force_W.isZero(0.0)) continue;
+    const Contact& contact = context_.scene.contacts.active[point.contact];
+    for (const Index i : {contact.i, contact.j}) {
+      const Traits& traits = bodies.traits[i];
+      if (!traits.revolved || traits.round || !traits.moved_by_forces()) continue;
+      const Vec3 axis = bodies.pose[i].q_WB * Vec3::UnitZ();
+      const double tilt = axis.cross(touching_.law[k].frame.col(2)).norm();
+      if (tilt > kLeaning) rate = std::max(rate, bodies.twist[i].w_WB.cross(axis).norm() / tilt);
+    }
+  }
+  return rate * seconds;
 }
 
 // A sub-step is a segment.

@@ -27,6 +27,10 @@ inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double sha
   return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
 }
 
+/// Share of the smaller length of a pair up to which a pushed point is taken for closed: more than the
+/// curvature of a drift leaves.
+inline constexpr double kPushedGap = 1e-3;
+
 class Stepper : public InnerRows {
  public:
   Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock);
@@ -73,8 +77,10 @@ class Stepper : public InnerRows {
   Slip slipNow() const;
   Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
-  bool curvatureMatters(const CoulombProblem& kick, const Touching& later, double tau,
+  bool curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
+                        const std::vector<char>& held, const Touching& later, double tau,
                         std::vector<Vec3>& curvature) const;
+  double turnsBy(double seconds) const;
   double lastingShare(const CoulombResult& result, const Touching& touching,
                       const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
                       const CoulombBodies& solved) const;

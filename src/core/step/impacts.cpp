@@ -79,21 +79,21 @@ struct Meeting {
   Manifold manifold;
 };
 
-// The largest acceleration of a point of body i, m/s²: that of the centre, and that of the turn about it.
-double pointAcceleration(const Context& context, Index i, const Motion& course) {
+// The largest acceleration that the turn of body i gives to a point of it, m/s².
+double turningAcceleration(const Context& context, Index i, const Motion& course) {
   const Traits& traits = context.scene.bodies.traits[i];
-  const double reach = traits.round || traits.unbounded ? 0.0 : traits.bounding_radius;
+  if (traits.round || traits.unbounded) return 0.0;
   const SpinBounds spin = course.spinBounds();
-  return course.a_W.norm() + reach * (spin.w * spin.w + spin.change);
+  return traits.bounding_radius * (spin.w * spin.w + spin.change);
 }
 
 // The speed below which a rebound is not worth an impact of its own: it would be over within the step,
 // because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share
 // of it at the exact settings, and for an elastic pair, which would go on to rebound for ever); or it would
-// open a gap d too small to matter. At a speed u a gap is at most
-// u h after a step, and at most u²/(2 a) where an acceleration a closes it again. The first bound makes an
-// end of sequences between three bodies that shrink forever, which only pairs that lose energy have. The
-// second makes an end of those that shrink no more because time of impact is as exact as that gap.
+// open a gap too small to matter. At a speed u a gap is at most u h after a step, and at most u²/(2 a) where
+// an acceleration a closes it again. The first bound makes an end of sequences between three bodies that
+// shrink forever, which only pairs that lose energy have. The second makes an end of those that shrink no
+// more because time of impact is as exact as that gap.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
@@ -102,7 +102,8 @@ double slowest(const Context& context, Index i, Index j) {
   const bool lossy = context.scene.restitutionOf(i, j) < 1.0;
   const double gap =
       (lossy ? step.solver.smallest_gap : kElasticGap) * smallerLength(context.scene.bodies, i, j);
-  const double most_a = pointAcceleration(context, i, course_i) + pointAcceleration(context, j, course_j);
+  const double most_a =
+      a + turningAcceleration(context, i, course_i) + turningAcceleration(context, j, course_j);
   const double unseen = std::max(lossy ? gap / step.h() : 0.0, std::sqrt(2.0 * gap * most_a));
   const double share =
       lossy ? step.solver.slowest_impact : std::min(step.solver.slowest_impact, kElasticSpeed);
