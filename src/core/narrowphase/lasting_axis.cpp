@@ -85,11 +85,6 @@ void addFacesAt(const ConvexHull& hull, const Vec3& point, double room, Normals&
 template <class Smooth>
 void addFacesAt(const Smooth& /*shape*/, const Vec3& /*point*/, double /*room*/, Normals& /*found*/) {}
 
-bool hasFaces(const Shape& shape) {
-  const ShapeTraits traits = traitsOf(shape);
-  return traits.edged && !traits.unbounded;
-}
-
 // The normal of a face from A to B, at the two ends of the interval.
 struct FaceAxis {
   Vec3 n_W, n_then_W;
@@ -125,18 +120,17 @@ double turningOf(const Shape& shape, const Motion& motion) {
 Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          double from, double until, double margin, const LastingLimits& limits,
                          const Vec3& loaded_W) {
-  const double tolerance = limits.tolerance, turning = turningOf(a, motion_a) + turningOf(b, motion_b);
-  const double time = std::min(until - from, kLinearTurn / turning);
   const PlacedPair now{a, b, motion_a.at(from), motion_b.at(from)};
   const Manifold nearest = collide(a, now.X_WA, b, now.X_WB, margin);
-  if (nearest.size == 0 || !(time > 0.0) || !(hasFaces(a) || hasFaces(b))) return nearest;
-  if (std::holds_alternative<Plane>(a) || std::holds_alternative<Plane>(b)) return nearest;
+  if (nearest.size == 0 || !(until > from)) return nearest;
 
-  const double turn = time * turning;
+  const double turning = turningOf(a, motion_a) + turningOf(b, motion_b);
+  const double time = std::min(until - from, kLinearTurn / turning), turn = time * turning;
   if (loaded_W.dot(nearest.n_W) > 0.0 && loaded_W.cross(nearest.n_W).norm() <= 2.0 * turn + kNormalRounding)
     return nearest;
 
-  const double length = std::min(characteristicLength(a), characteristicLength(b));
+  const double length = std::min(characteristicLength(a), characteristicLength(b)),
+               tolerance = limits.tolerance;
   const Twist twist_a = motion_a.twistAt(from), twist_b = motion_b.twistAt(from);
   const auto relativeVelocity = [&](const Vec3& p_W) -> Vec3 {
     return velocityAt(twist_b, p_W - now.X_WB.p_WB) - velocityAt(twist_a, p_W - now.X_WA.p_WB);

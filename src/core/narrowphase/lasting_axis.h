@@ -17,7 +17,7 @@ struct LastingLimits {
 };
 
 /// The contact manifold of A and B at `from` for the time until `until` (s): the points whose separation is
-/// at most `margin` (m, >= 0).
+/// at most `margin` (m, >= 0). Neither may be a plane. Of two shapes without faces it is that of collide().
 ///
 /// Its normal is that of collide(), unless the two close along it while the normal of a face near their
 /// contact separates them for the whole time. Then the points are those of `until`, seen from `from`: their

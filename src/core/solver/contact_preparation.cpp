@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/contact_preparation.h"
 
+#include "narrowphase/collide.h"
+
 #include <algorithm>
 
 namespace rbs {
@@ -55,8 +57,11 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
 Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
                          const Motion& course_j, double from, double until, double margin,
                          const LastingLimits& limits, const Vec3& loaded_W) {
-  return lastingManifold(bodies.traits[i].shape, course_i, bodies.traits[j].shape, course_j, from, until,
-                         margin, limits, loaded_W);
+  const Traits &a = bodies.traits[i], &b = bodies.traits[j];
+  // Only what has faces and an end has joints.
+  if (a.unbounded || b.unbounded || !(a.edged || b.edged))
+    return collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin);
+  return lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits, loaded_W);
 }
 
 }  // namespace rbs

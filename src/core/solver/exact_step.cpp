@@ -158,7 +158,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
               velocityAt(bodies_at_start, touching_.law[k]).head<2>().norm() <= slow_;
   }
   std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
-  if (island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
+  if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.
     island_.drift(bodies_at_start, tau);
     const Touching ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});

@@ -127,31 +127,40 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.first = static_cast<int>(points.size());
   block.size = manifold.size;
   points.resize(points.size() + block.size);
-  const double rate = u_W.norm() + block.reach_i * i.w.norm() + block.reach_j * j.w.norm();
-  const double lasts = std::min(left, h_ * (std::floor(block.drift_limit / (rate * h_)) + 1.0));
   for (int k = 0; k < block.size; ++k)
-    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, lasts, points[block.first + k]);
+    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, points[block.first + k]);
+  const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
+  if (carries(i) || carries(j)) followArc(block, left);
 }
 
-// A kinematic body that turns carries what touches it along an arc. Its velocity is taken at the point where
-// the contact will be half-way to where points are found anew: along the chord of the arc, and not along the
-// tangent at its start, which leads outwards by (w t)²/2 of the radius. The contact moves with the other
-// body, or with the centre of one that is round.
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
-                                  const Vec3& centre_j, double lasts, SolverPoint& point) const {
+                                  const Vec3& centre_j, SolverPoint& point) const {
   point.p_W = found.p_W;
   point.r_i = found.p_W - centre_i;
   point.r_j = found.p_W - centre_j;
   point.gap = point.open = found.separation;
   point.feature = found.feature;
   point.u_0 = block.n.dot(velocityAt(block, point));
+}
+
+// A kinematic body that turns carries what touches it along an arc. Its velocity is taken at the point where
+// the contact will be half-way to where points are found anew: along the chord of the arc, and not along the
+// tangent at its start, which leads outwards by (w t)²/2 of the radius. The contact moves with the other
+// body, or with the centre of one that is round.
+void SolverContacts::followArc(const SolverBlock& block, double left) {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-  const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
+  const double rate = (j.v - i.v).norm() + block.reach_i * i.w.norm() + block.reach_j * j.w.norm();
+  const double lasts = std::min(left, h_ * (std::floor(block.drift_limit / (rate * h_)) + 1.0));
   const auto contactVelocity = [](const SolverBody& s, const Vec3& r) -> Vec3 {
     return s.round ? s.v : Vec3(s.v + s.w.cross(r));
   };
-  if (carries(i)) point.r_i += 0.5 * lasts * (contactVelocity(j, point.r_j) - i.v);
-  if (carries(j)) point.r_j += 0.5 * lasts * (contactVelocity(i, point.r_i) - j.v);
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    SolverPoint& point = points[k];
+    if (i.inv_mass == 0.0)
+      point.r_i += 0.5 * lasts * (contactVelocity(j, point.r_j) - i.v);
+    else
+      point.r_j += 0.5 * lasts * (contactVelocity(i, point.r_i) - j.v);
+  }
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {

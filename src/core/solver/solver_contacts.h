@@ -95,7 +95,8 @@ class SolverContacts {
   void findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W);
   Vec3 loadedNormal(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
-                    const Vec3& centre_j, double lasts, SolverPoint& point) const;
+                    const Vec3& centre_j, SolverPoint& point) const;
+  void followArc(const SolverBlock& block, double left);
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasDrifted(const SolverBlock& block) const;

@@ -27,7 +27,7 @@ constexpr double kSunk = 1e-6;
 // length.
 constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
 
-// A body's course from where it has been advanced to. A supported body is predicted to keep its velocity:
+// A body's course from where it has been advanced to. A supported body is predicted to keep its velocities:
 // what carries it cancels its load.
 Motion courseOf(const Context& context, Index i) {
   const Bodies& bodies = context.scene.bodies;
@@ -35,8 +35,8 @@ Motion courseOf(const Context& context, Index i) {
   course.t0 = context.step.timeOf(i);
   course.pose = bodies.pose[i];
   course.twist = bodies.twist[i];
-  if (!bodies.traits[i].moved_by_forces()) return course;
-  if (!context.step.supported[i]) course.a_W = context.step.load[i].a_W;
+  if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return course;
+  course.a_W = context.step.load[i].a_W;
   if (bodies.inertia[i].gyroscopic) course.top = &bodies.inertia[i];
   return course;
 }

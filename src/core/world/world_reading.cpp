@@ -81,14 +81,24 @@ std::shared_ptr<const std::vector<BodyDescription>> World::bodies() const {
 namespace {
 
 // The points at the end of the step and those that have opened in it, each with all that it has given in the
-// step. What sleeps is held by the forces with which it fell asleep.
+// step. What sleeps is held by the forces with which it fell asleep. Where the lowest point of a rim comes by
+// a foot of it, the two are one.
 std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   std::vector<ContactPoint> points;
   for (const Contact* contact : scene.contacts.withPoints()) {
     std::vector<SolvedPoint> opened = contact->earlier;
+    const auto first = static_cast<std::ptrdiff_t>(points.size());
     const auto add = [&](const SolvedPoint& p) {
-      points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
-                        p.friction_impulse_W});
+      const auto same = std::find_if(points.begin() + first, points.end(), [&](const ContactPoint& point) {
+        return point.p_W == p.p_W && point.n_W == p.n_W;
+      });
+      if (same == points.end()) {
+        points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
+                          p.friction_impulse_W});
+      } else {
+        same->normal_impulse += p.normal_impulse;
+        same->friction_impulse += p.friction_impulse_W;
+      }
     };
     const bool asleep = scene.isAsleep(*contact);
     for (SolvedPoint point : contact->points) {
