@@ -15,6 +15,11 @@ namespace rbs {
 
 namespace {
 
+// Energy, as a share of that of the closing, that the rounding of an impact may add; and the most solves that
+// a smaller restitution is looked for with.
+constexpr double kRoundedGain = 1e-12;
+constexpr int kMostSolves = 60;
+
 struct ImpactPoint {
   Vec3 r_a, r_b;                // from the centres
   Mat3 W;                       // response in the contact frame, 1/kg
@@ -170,12 +175,25 @@ std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, 
   Impact impact(a, b, manifold, friction);
   const double speed = closingSpeed(a, b, manifold);
   const double mass = 1.0 / (a.inv_mass + b.inv_mass);
-  const double rounding = 1e-13 * mass * speed * speed;
-  if (impact.solve(restitution, a, b) <= rounding) return impact.impulses_W();
-  double low = 0.0, high = restitution;
-  for (int k = 0; k < 50; ++k) {
-    const double e = 0.5 * (low + high);
-    (impact.solve(e, a, b) <= rounding ? low : high) = e;
+  const double rounding = kRoundedGain * mass * speed * speed;
+  const double gain = impact.solve(restitution, a, b);
+  if (gain <= rounding) return impact.impulses_W();
+  // The root of gain(e) by false position, where an end that stays counts half as much each time (Illinois
+  // method: M. Dowell, P. Jarratt, BIT 11, 1971).
+  double low = 0.0, high = restitution, at_low = impact.solve(0.0, a, b), at_high = gain;
+  for (int k = 0, side = 0; k < kMostSolves && at_low < 0.0 && high - low > kRoundedGain; ++k) {
+    const double e = std::clamp(low - at_low * (high - low) / (at_high - at_low), low, high);
+    const double at_e = impact.solve(e, a, b);
+    if (at_e <= 0.0) {
+      low = e, at_low = at_e;
+      if (side == -1) at_high *= 0.5;
+      side = -1;
+      if (at_e >= -rounding) break;
+    } else {
+      high = e, at_high = at_e;
+      if (side == 1) at_low *= 0.5;
+      side = 1;
+    }
   }
   impact.solve(low, a, b);
   return impact.impulses_W();

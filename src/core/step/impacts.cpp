@@ -99,7 +99,7 @@ double slowest(const Context& context, Index i, Index j) {
   const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
   double a = (course_i.a_W - course_j.a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
-  const bool lossy = context.scene.restitutionOf(i, j) < 1.0;
+  const bool lossy = losesEnergy(context.scene, i, j);
   const double gap =
       (lossy ? step.solver.smallest_gap : kElasticGap) * smallerLength(context.scene.bodies, i, j);
   const double most_a =
@@ -159,6 +159,10 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   prediction.touches =
       gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * smallerLength(bodies, i, j);
   return prediction;
+}
+
+bool losesEnergy(const SceneStore& scene, Index i, Index j) {
+  return scene.restitutionOf(i, j) < 1.0 || scene.frictionOf(i, j) > 0.0;
 }
 
 bool isFree(const Context& context, Index i) {

@@ -23,6 +23,9 @@ Prediction predict(const Context& context, Index i, Index j, double from);
 /// Whether a body's course is known: nothing carries it now, and no torque acts on it.
 bool isFree(const Context& context, Index i);
 
+/// Whether the impacts of a pair take energy away, by their restitution or by friction.
+bool losesEnergy(const SceneStore& scene, Index i, Index j);
+
 enum class Outcome {
   Rebound,  ///< the bodies part
   Stay,     ///< they stay together: from here on a contact
