@@ -110,6 +110,13 @@ double slowest(const Context& context, Index i, Index j) {
   return std::max(share * step.h() * a, unseen);
 }
 
+// Whether nothing carries a body now.
+bool isAlone(const Context& context, Index i) {
+  const StepStore& step = context.step;
+  if (!context.scene.bodies.traits[i].moved_by_forces()) return true;
+  return !step.supported[i] && (step.island[i] == kNone || !step.islands[step.island[i]].touching);
+}
+
 // How far two courses bring the surfaces together from a time until the end of the step at most, m.
 double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
                   double from) {
@@ -146,7 +153,8 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
   if (!isSimple(i) || !isSimple(j)) {
     const Meeting now(context, i, j, from);
-    const bool rebounds = context.scene.restitutionOf(i, j) > 0.0 && isFree(context, i) && isFree(context, j);
+    const bool rebounds =
+        context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
       const Prediction prediction = touchAt(now, from);
       if (prediction.impact || !rebounds) return prediction;
@@ -166,10 +174,13 @@ bool losesEnergy(const SceneStore& scene, Index i, Index j) {
 }
 
 bool isFree(const Context& context, Index i) {
+  if (!isAlone(context, i)) return false;
+  const Traits& traits = context.scene.bodies.traits[i];
   const StepStore& step = context.step;
-  if (!context.scene.bodies.traits[i].moved_by_forces()) return true;
-  if (step.supported[i] || !step.load[i].torque_W.isZero(0.0)) return false;
-  return step.island[i] == kNone || !step.islands[step.island[i]].touching;
+  if (!traits.moved_by_forces() || step.load[i].torque_W.isZero(0.0)) return true;
+  const double turn = step.h() * step.h() * step.load[i].torque_W.norm() *
+                      context.scene.bodies.inertia[i].inv_moments.maxCoeff();
+  return !step.solver.exact && turn * traits.bounding_radius <= kWide * traits.length;
 }
 
 void find(Context& context) {

@@ -20,7 +20,7 @@ struct Prediction {
 };
 Prediction predict(const Context& context, Index i, Index j, double from);
 
-/// Whether a body's course is known: nothing carries it now, and no torque acts on it.
+/// Whether a body's course is known: nothing carries it now, and no torque turns it by more than matters.
 bool isFree(const Context& context, Index i);
 
 /// Whether the impacts of a pair take energy away, by their restitution or by friction.
