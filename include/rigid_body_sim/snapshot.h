@@ -93,7 +93,7 @@ struct IslandResiduals {
   double signorini = 0.0;    ///< closing speed at closed points, and normal speed at loaded ones
   double coulomb = 0.0;      ///< friction beyond the cone, as the speed that it makes
   double dissipation = 0.0;  ///< slip that friction does not oppose, or slip where it sticks
-  bool converged = true;     ///< the exact solvers reached their tolerance; always true for the soft step
+  bool converged = true;  ///< exact solvers reached their tolerance; true for the soft step of fast settings
   double deepest_penetration = 0.0;  ///< largest penetration depth, m, >= 0
   double energy_change = 0.0;        ///< change of kinetic and potential energy over h, J
   double turn = 0.0;                 ///< largest |w| h of its bodies, rad

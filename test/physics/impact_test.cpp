@@ -210,4 +210,20 @@ TEST(InelasticCollapse, EndsAfterAFewMeetingsOfEachPair) {
     }
 }
 
+// A box of three different moments that an override keeps from turning: its spin is constant all the same.
+TEST_P(Impact, ABodyThatMayNotTurnMeetsTheFloor) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double e : {0.0, 0.5}) {
+      SceneDef scene = onFloor(GetParam(), 0.6);
+      scene.fidelity = fidelity;
+      scene.effects[Effect::Rotation] = false;
+      scene.bodies.push_back(box("box", {0.2, 0.3, 1.0}, {0.0, 0.0, 1.0}));
+      scene.bodies.back().twist = {{0.0, 0.0, -2.0}, {1.0, 2.0, 3.0}};
+      scene.bodies.back().material.restitution = e;
+      World world(ordered(scene));
+      advance(world, 2.0);
+      EXPECT_NEAR(stateOf(world, "box").pose.p_WB.z(), 0.5, 2e-3) << fidelityName(fidelity) << ", e " << e;
+    }
+}
+
 }  // namespace

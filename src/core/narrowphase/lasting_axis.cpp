@@ -177,7 +177,8 @@ Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b,
   if (chosen == nullptr) return nearest;
 
   Manifold later = collide(a, then.X_WA, b, then.X_WB, margin);
-  if (later.size == 0 || later.n_W.dot(chosen->n_then_W) < kSameNormal) return Manifold();
+  if (later.size == 0 || later.n_W.dot(chosen->n_then_W) < kSameNormal)
+    return from + time < until ? nearest : Manifold();  // what turns on may not pass
   // Points stay with the body that moves more.
   const bool on_a = twist_a.v_WB.squaredNorm() > twist_b.v_WB.squaredNorm();
   const Pose &X_WM = on_a ? now.X_WA : now.X_WB, &X_WM_then = on_a ? then.X_WA : then.X_WB;

@@ -20,10 +20,10 @@ struct LastingLimits {
 /// at most `margin` (m, >= 0). Neither may be a plane. Of two shapes without faces it is that of collide().
 ///
 /// Its normal is that of collide(), unless the two close along it while the normal of a face near their
-/// contact separates them for the whole time. Then the points are those of `until`, seen from `from`: their
-/// separation is the one from which the motion leads to that of `until`. Empty where the two pass each other.
-/// A normal along which the pair already bears a force stays: `loaded_W` is that direction, and zero where
-/// there is none.
+/// contact separates them for the whole time, or until they have turned by 0.01 rad. Then the points are
+/// those of the end of that time, seen from `from`: their separation is the one from which the motion leads
+/// there. Empty where the two pass each other. A normal along which the pair already bears a force stays:
+/// `loaded_W` is that direction, and zero where there is none.
 ///
 /// Costs a collide(), and two support queries where the pair closes. What it costs beyond that is for pairs
 /// at an edge.

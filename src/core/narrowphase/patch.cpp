@@ -113,6 +113,7 @@ Facet highestEdge(const Facet& polygon, const Vec3& n) {
   int best = 0;
   double most = -std::numeric_limits<double>::infinity();
   for (int k = 0; k < polygon.size; ++k) {
+    if (polygon.corners[k] == polygon.corners[after(k)]) continue;
     const double lower = std::min(n.dot(polygon.corners[k]), n.dot(polygon.corners[after(k)]));
     if (lower > most) most = lower, best = k;
   }

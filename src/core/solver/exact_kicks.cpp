@@ -78,7 +78,7 @@ IslandResiduals& Stepper::islandResiduals() const {
 }
 
 // Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
-void Stepper::addResiduals(const CoulombResult& result) const {
+void Stepper::addResiduals(const CoulombResult& result) {
   IslandResiduals solved;
   solved.method = nameOf(result.solver);
   solved.signorini = result.signorini;
@@ -86,6 +86,7 @@ void Stepper::addResiduals(const CoulombResult& result) const {
   solved.dissipation = result.dissipation;
   solved.converged = result.converged;
   residuals::add(islandResiduals(), solved);
+  residuals::add(own_, solved);
 }
 
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without

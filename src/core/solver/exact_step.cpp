@@ -273,9 +273,8 @@ void Stepper::solve() {
   }
   addResiduals(segment_.first);
   addResiduals(segment_.second);
-  const IslandResiduals& solved = islandResiduals();
-  const double worst = std::max({solved.signorini, solved.coulomb, solved.dissipation});
-  has_failed_ = !solved.converged && (promoted_ || worst > kUnsolved) && !step_.isLate();
+  const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
+  has_failed_ = !own_.converged && (promoted_ || (worst > kUnsolved && !step_.isLate()));
 }
 
 // Goes to where the segment ends; back to the start, where another method is to begin.

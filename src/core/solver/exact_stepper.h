@@ -41,7 +41,8 @@ class Stepper : public InnerRows {
   void solve();
   void integrate();
   void store();
-  /// Its solvers did not converge, at a setting that has another method: the island is as it was.
+  /// Its solvers found no solution, or did not converge at a setting that has another method: the island is
+  /// as it was.
   bool hasFailed() const { return has_failed_; }
 
  private:
@@ -96,7 +97,7 @@ class Stepper : public InnerRows {
 
   CoulombResult solve(CoulombProblem& problem) const;
   IslandResiduals& islandResiduals() const;
-  void addResiduals(const CoulombResult& result) const;
+  void addResiduals(const CoulombResult& result);
 
   Context& context_;
   StepStore& step_;
@@ -114,9 +115,9 @@ class Stepper : public InnerRows {
   PointsOfContacts opened_;  // so far
   std::vector<Stop> stops_;  // at which segments have been cut
   std::vector<BodyMotion> start_;
-  IslandResiduals before_solves_;
-  double longest_ = 0.0, tau_ = 0.0;  // a segment: at most, and this one, s
-  Segment segment_;                   // this one
+  IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
+  double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
+  Segment segment_;                      // this one
   bool has_failed_ = false;
 };
 

@@ -37,7 +37,7 @@ Motion courseOf(const Context& context, Index i) {
   course.twist = bodies.twist[i];
   if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return course;
   course.a_W = context.step.load[i].a_W;
-  if (bodies.inertia[i].gyroscopic) course.top = &bodies.inertia[i];
+  if (bodies.inertia[i].gyroscopic && !bodies.inertia[i].steady) course.top = &bodies.inertia[i];
   return course;
 }
 

@@ -5,6 +5,7 @@
 #include "solver/methods.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace rbs {
 
@@ -16,11 +17,13 @@ void reportUnsolved(Context& context, const IslandBatch& batch) {
   const Bodies& bodies = context.scene.bodies;
   context.step.islands[context.step.island[batch.bodies.front()]].residuals.converged = false;
   const Contact* squeezes = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
   for (const Edge& edge : batch.edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];
-    if (bodies.traits[contact.i].is_kinematic() || bodies.traits[contact.j].is_kinematic())
-      squeezes = &contact;
+    if (!bodies.traits[contact.i].is_kinematic() && !bodies.traits[contact.j].is_kinematic()) continue;
+    for (const SolvedPoint& point : contact.points)
+      if (point.separation < nearest) nearest = point.separation, squeezes = &contact;
   }
   if (squeezes == nullptr) {
     context.step.report.warnings.push_back(

@@ -3,6 +3,7 @@
 #include "world/world_parts.h"
 
 #include "effects/effects.h"
+#include "narrowphase/facet.h"
 #include "world/saved_state.h"
 #include "world/state_hash.h"
 
@@ -87,18 +88,20 @@ std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   std::vector<ContactPoint> points;
   for (const Contact* contact : scene.contacts.withPoints()) {
     std::vector<SolvedPoint> opened = contact->earlier;
-    const auto first = static_cast<std::ptrdiff_t>(points.size());
+    const std::size_t first = points.size();
+    std::vector<std::uint32_t> features;  // of those from `first` on
     const auto add = [&](const SolvedPoint& p) {
-      const auto same = std::find_if(points.begin() + first, points.end(), [&](const ContactPoint& point) {
-        return point.p_W == p.p_W && point.n_W == p.n_W;
-      });
-      if (same == points.end()) {
-        points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
-                          p.friction_impulse_W});
-      } else {
-        same->normal_impulse += p.normal_impulse;
-        same->friction_impulse += p.friction_impulse_W;
+      for (std::size_t k = 0; k < features.size(); ++k) {
+        ContactPoint& point = points[first + k];
+        if ((features[k] != kLowest && p.feature != kLowest) || point.p_W != p.p_W || point.n_W != p.n_W)
+          continue;
+        point.normal_impulse += p.normal_impulse;
+        point.friction_impulse += p.friction_impulse_W;
+        return;
       }
+      features.push_back(p.feature);
+      points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
+                        p.friction_impulse_W});
     };
     const bool asleep = scene.isAsleep(*contact);
     for (SolvedPoint point : contact->points) {
