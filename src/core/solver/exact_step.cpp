@@ -149,12 +149,13 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
 
-  // What friction holds now: closed, and not sliding.
+  // What friction holds now: closed, and not sliding. Where pairs resist rolling besides, `reference` would
+  // not always reach its tolerance with the slip of the drift.
   std::vector<char> held(slip.points.size());
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
-    held[k] = touching_.law[k].mu > 0.0 && closed &&
+    held[k] = touching_.couples.empty() && touching_.law[k].mu > 0.0 && closed &&
               velocityAt(bodies_at_start, touching_.law[k]).head<2>().norm() <= slow_;
   }
   std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
