@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "broadphase/bounds.h"
 
-#include "dynamics/free_top.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -47,14 +45,6 @@ Reach reachOf(const Bodies& bodies, Index i) {
   return far;
 }
 
-// The largest |w| of a body that no torque acts on.
-double mostSpin(const Bodies& bodies, Index i) {
-  const Vec3& w_WB = bodies.twist[i].w_WB;
-  const Inertia& inertia = bodies.inertia[i];
-  if (!inertia.gyroscopic || inertia.steady || w_WB.isZero(0.0)) return w_WB.norm();
-  return spinBoundsOf(bodies.pose[i].q_WB.conjugate() * w_WB, inertia).w;
-}
-
 // A point at distance r from the centre strays at most |w| dt r from where it would be without rotation,
 // and never leaves the bounding ball.
 Array4 drifted(const Array4& reach, const Traits& t, double turn) {
@@ -71,7 +61,7 @@ Bounds sweptBounds(const Bodies& bodies, const Load& load, Index i, double dt) {
   const Array4 centre = alongAxes(bodies.pose[i].p_WB);
   const Array4 path = alongAxes(dt * (twist.v_WB + 0.5 * dt * load.a_W));
   const double slack = 0.125 * dt * dt * load.a_W.norm() + kSkin * t.length;
-  const double turn = dt * mostSpin(bodies, i);
+  const double turn = dt * twist.w_WB.norm();
   const Reach far = reachOf(bodies, i);
   return {centre + path.min(0.0) - drifted(far.behind, t, turn) - slack,
           centre + path.max(0.0) + drifted(far.ahead, t, turn) + slack};
