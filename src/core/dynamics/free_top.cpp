@@ -190,7 +190,9 @@ FreeTurn symmetric(const Vec3& l, const Vec3& a, int s, double dt) {
 
 FreeTurn turnFreely(const Vec3& l, const Inertia& inertia, double dt) {
   const Vec3 &I = inertia.moments, &a = inertia.inv_moments;
-  auto [p, two, o] = byMoment(I);
+  const std::array<int, 3> axes = byMoment(I);
+  int p = axes[0], o = axes[2];
+  const int two = axes[1];
   if (areEqual(I[p], I[two])) return symmetric(l, a, o, dt);
   if (areEqual(I[two], I[o])) return symmetric(l, a, p, dt);
 
@@ -255,7 +257,9 @@ FreeTurn turnFreely(const Vec3& l, const Inertia& inertia, double dt) {
 // moments are equal. Euler's equations give dw_i/dt = a_i (I_j - I_k) w_j w_k.
 SpinBounds spinBoundsOf(const Vec3& w, const Inertia& inertia) {
   const Vec3 &I = inertia.moments, &a = inertia.inv_moments;
-  auto [p, two, o] = byMoment(I);
+  const std::array<int, 3> axes = byMoment(I);
+  int p = axes[0], o = axes[2];
+  const int two = axes[1];
   Vec3 most = w.cwiseAbs();
   const auto circles = [&](int i, int j) { most[i] = most[j] = std::hypot(w[i], w[j]); };
   if (areEqual(I[p], I[two])) {

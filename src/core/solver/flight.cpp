@@ -21,11 +21,12 @@ class Flight : public InnerRows {
   bool beginSubStep() { return !std::exchange(begun_, true); }
   void integrate() {
     Bodies& bodies = context_.scene.bodies;
+    [[maybe_unused]] const bool in_air = !context_.step.airless.empty();
     for (const Index i : batch_.bodies) {
       const Load& load = context_.step.load[i];
       std::optional<Course> course;
       if constexpr (built::drag)
-        course = drag::fly(context_, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, seconds_);
+        if (in_air) course = drag::fly(context_, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, seconds_);
       fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, seconds_);
       if (course) bodies.pose[i].p_WB = course->p_WB, bodies.twist[i].v_WB = course->v_WB;
     }
