@@ -36,8 +36,8 @@ Quat tilted(double angle) {
 
 // Euler's disc, which goes round on its rim with its centre nearly at rest: W² = 4 g/(R sin a) for a thin
 // one.
-Roller eulersDisc() {
-  const double radius = 0.1, angle = 0.4, rate = std::sqrt(4.0 * kGravity / (radius * std::sin(angle)));
+Roller eulersDisc(double angle = 0.4) {
+  const double radius = 0.1, rate = std::sqrt(4.0 * kGravity / (radius * std::sin(angle)));
   const Quat q_WB = tilted(angle);
   return {"Euler's disc", Cylinder{radius, 0.005}, q_WB,
           rate * (Vec3::UnitZ() - std::cos(angle) * (q_WB * Vec3::UnitZ()))};
@@ -64,9 +64,15 @@ Roller top() {
   return {"top", Cone{0.1, 0.2}, q_WB, 150.0 * (q_WB * Vec3::UnitZ())};
 }
 
+enum class Floor { Plane, Box };
+
 // The largest change of the energy in a second, as a share of that at the start.
-double drift(const Roller& roller, Fidelity fidelity, double step) {
+double drift(const Roller& roller, Fidelity fidelity, double step, Floor floor = Floor::Plane) {
   SceneDef scene = onFloor(step, 0.8);
+  if (floor == Floor::Box) {
+    scene.bodies[0].shape = Box{{4.0, 4.0, 1.0}};
+    scene.bodies[0].pose.p_WB.z() = -0.5;
+  }
   scene.fidelity = fidelity;
   const Vec3 contact = lowestPoint(roller);
   BodyDef def = body("body", roller.shape, {0.0, 0.0, -contact.z()});
@@ -93,6 +99,19 @@ TEST(Rim, WhatRollsOnItsRimKeepsItsEnergy) {
     EXPECT_LE(drift(cone(), fidelity, 1.0 / 60.0), 1e-6) << fidelityName(fidelity);
     EXPECT_LE(drift(top(), fidelity, 1.0 / 60.0), 1e-4) << fidelityName(fidelity);
   }
+}
+
+// The disc touches with a facet of its rim up to a tilt of 45 degrees and with its side from there on. At
+// 0.78 and 0.8 rad `accurate` lost 2 % when a slip of 1e-7 of a speed unit, left by a solve, counted as
+// sliding.
+TEST(Rim, ADiscKeepsItsEnergyAtAnyTiltOnEachKindOfFloor) {
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
+    for (const double tilt : {0.2, 0.4, 0.6, 0.78, 0.8, 1.0})
+      for (const Floor floor : {Floor::Plane, Floor::Box}) {
+        const double change = drift(eulersDisc(tilt), fidelity, 1.0 / 60.0, floor);
+        EXPECT_LE(change, 2e-3) << fidelityName(fidelity) << ", tilt " << tilt << ", on a "
+                                << (floor == Floor::Box ? "box" : "plane");
+      }
 }
 
 TEST(Rim, HalfTheStepQuartersTheError) {

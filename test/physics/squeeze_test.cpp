@@ -63,7 +63,7 @@ TEST(Squeeze, NoBodyIsThrownOutFasterThanItCouldFall) {
           }
         }
       }
-      EXPECT_LE(fastest, kDown + 2.0 * std::sqrt(kGravity * 0.5)) << where;
+      EXPECT_LE(fastest, kDown + std::sqrt(kGravity * 0.5)) << where;
       EXPECT_EQ(warned, fidelity >= Fidelity::Accurate) << where;
     }
 }

@@ -18,15 +18,16 @@
 //   (M - h/2 J) dV = h (F(V) + G),   J = dF/dV,   G all other loads.
 // For drag alone, u' = -k |u| u, this is dV = -h k u²/(1 + h k u), so u(h) = u/(1 + k u h): the exact
 // solution, which never overshoots however stiff. Its fixed point is F + G = 0: the exact terminal velocity.
-// In between it is of second order: what boxes and bodies in contact get. A body that something carries has
-// the force R of its contacts besides, which is known from the last step:
+// In between it is of second order. Boxes and bodies in contact get it.
+//
+// On a body in contact the force R of its contacts acts too. It is known from the last step:
 //   (M - h/2 J) dV = h (F(V) + G + R),
-// and M dV/h - R is the load that the contact solver gets. A body at rest has dV = 0 and so the load F + G
-// whole: with A = M (M - h/2 J)^-1, whose eigenvalues are in (0, 1], what is missing goes down by I - A a
-// step. (Without R the load would be A (F + G), since the J of a motion that contact prevents would count.)
-// Bodies in flight that the air does
-// not turn are integrated to rounding, by the method of Dormand and Prince (1980) with its own choice of
-// steps.
+// and the contact solver gets the load M dV/h - R. A body at rest has dV = 0 and so the whole load F + G.
+// Without R its load would be A (F + G) with A = M (M - h/2 J)^-1, whose eigenvalues are in (0, 1]. With R
+// what is missing from the load is multiplied by I - A in each step.
+//
+// Bodies in flight that the air does not turn are integrated to rounding, by the method of Dormand and Prince
+// (1980) with its own choice of steps.
 #include "base/algebra.h"
 #include "base/text.h"
 #include "effects/effects.h"
@@ -120,8 +121,8 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
   return sum;
 }
 
-// The forces of the contacts of the last step, by body. A blow is not what carries a body: a force is at most
-// twice the load that it answers to.
+// The forces of the contacts of the last step, by body. An impact does not last: a force counts up to twice
+// the load that it answers to.
 class ContactForces {
  public:
   explicit ContactForces(const Context& context) {

@@ -23,10 +23,12 @@ Eigen::Vector2d acrossAxis(const Vec3& d) {
 }
 
 // Eight points of a circle about the z axis, anticlockwise seen from +z, or from -z when `up` is false. They
-// stay where they are in the body, so that a disc has the same feet in each step. Of a disc that is tilted,
-// the point that is farthest along d is one more. It rolls along the rim and keeps its number, also where it
-// comes by one of the eight.
-void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_id, const Vec3& d) {
+// are fixed to the body, so that a disc has the same feet in each step. A disc that is tilted also has the
+// point farthest along d, which rolls along the rim and keeps its number. A disc that is tilted further lacks
+// the two feet next to that point: they would stop it as it rolls over them.
+void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_id, const Vec3& d,
+            std::uint32_t farthest_id) {
+  facet.farthest_id = farthest_id;
   static const std::array<Eigen::Vector2d, kRim> kCircle = [] {
     std::array<Eigen::Vector2d, kRim> circle;
     const double h = std::sqrt(0.5);
@@ -42,7 +44,7 @@ void addRim(Facet& facet, double radius, double z, bool up, std::uint32_t first_
       facet.add({radius * kCircle[at].x(), radius * kCircle[at].y(), z}, first_id + at);
     if (tilt <= kTilted || at != (up ? before : after)) continue;
     const Eigen::Vector2d farthest = radius * acrossAxis(d);
-    facet.add({farthest.x(), farthest.y(), z}, kLowest);
+    facet.add({farthest.x(), farthest.y(), z}, farthest_id);
   }
 }
 
@@ -78,7 +80,8 @@ Facet facetTowards(const Cylinder& cylinder, const Vec3& d) {
   const double across = std::hypot(d.x(), d.y());
   if (std::abs(d.z()) >= across) {
     const bool up = d.z() > 0.0;
-    addRim(facet, cylinder.radius, up ? cylinder.half_length : -cylinder.half_length, up, up ? 0 : kRim, d);
+    addRim(facet, cylinder.radius, up ? cylinder.half_length : -cylinder.half_length, up, up ? 0 : kRim, d,
+           up ? 2 * kRim : 2 * kRim + 1);
     return facet;
   }
   const Eigen::Vector2d side = cylinder.radius * acrossAxis(d);
@@ -94,7 +97,7 @@ Facet facetTowards(const Cone& cone, const Vec3& d) {
   const double towards_side =
       (cone.height * across + cone.radius * d.z()) / std::hypot(cone.height, cone.radius);
   if (-d.z() >= towards_side) {
-    addRim(facet, cone.radius, -0.25 * cone.height, false, 0, d);
+    addRim(facet, cone.radius, -0.25 * cone.height, false, 0, d, kRim + 1);
     return facet;
   }
   const Eigen::Vector2d side = cone.radius * acrossAxis(d);

@@ -10,15 +10,14 @@
 
 namespace rbs {
 
-/// Number of the point of a rim, or of any surface, that is farthest along a direction, wherever it is.
-inline constexpr std::uint32_t kLowest = 65535;
-
 /// A corner, the two ends of an edge, or a polygon, anticlockwise seen from outside.
 struct Facet {
   /// A face of a hull with more corners is represented by this many, spread evenly.
   static constexpr int kCorners = 16;
 
   int size = 0;
+  /// Number of the point of the shape that is farthest along the direction, where it is none of the corners.
+  std::uint32_t farthest_id = 65535;
   std::array<Vec3, kCorners> corners;
   std::array<std::uint32_t, kCorners>
       ids;  ///< numbers of the corners, below 65,536; a corner has one number in all facets of the shape

@@ -54,7 +54,7 @@ Manifold collidePair(const Convex& a, const Pose& X_WA, const Plane& b, const Po
     manifold.add(point_W - 0.5 * height * up_W, height, facet.ids[k]);
   }
   if (lowest > gap.distance + kCovers * characteristicLength(a))
-    manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, kLowest);
+    manifold.add(0.5 * (gap.p_WA + gap.p_WB), gap.distance, facet.farthest_id);
   return manifold;
 }
 

@@ -4,37 +4,23 @@
 // Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v /
 // sin(alpha) to part from both at v, if their sides are alpha from parallel (a light body between heavy ones
 // left at 2 km/s), and in a chain or a crowd the speeds of the pairs add up. So an island in which bodies
-// overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what bodies that
-// are led may give it.
+// overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
+// bodies may give it.
 #pragma once
 
-#include "solver/solver_contacts.h"
-
-#include <vector>
+#include "solver/island_energy.h"
 
 namespace rbs {
-
-/// Of a body as the solver moves it, J.
-double kineticEnergy(const Context& context, const SolverBody& s);
-/// What its load has done on its way since the start, J.
-double loadWork(const Context& context, const SolverBody& s);
 
 class EnergyLimit {
  public:
   /// Finds the islands with deep overlaps and what they may have at the end.
   void find(const Context& context, const SolverContacts& contacts);
   /// Takes away from the velocities what an island has gained beyond that.
-  void apply(const Context& context, SolverContacts& contacts);
+  void apply(const Context& context, SolverContacts& contacts) const;
 
  private:
-  struct DeepIsland {
-    Index island;
-    double energy;                 // kinetic, at the start of the step, J
-    double kinematic_speed = 0.0;  // of the fastest led body that pushes it, m/s
-  };
-  DeepIsland* deepIslandOf(const Context& context, const SolverBody& s);
-
-  std::vector<DeepIsland> islands_;  // by island
+  IslandEnergies islands_;
 };
 
 }  // namespace rbs

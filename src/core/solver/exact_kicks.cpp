@@ -246,8 +246,8 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
   double wrong = 0.0, mended = 0.0;
   for (const CoulombPoint& law : laws) {
     if (!(law.impulse[2] > 0.0)) continue;
-    const bool sticks = law.impulse.head<2>().norm() < law.mu * law.impulse[2] * (1.0 - 1e-6);
-    const Vec3 seen(sticks ? 1.0 : 0.0, sticks ? 1.0 : 0.0, 1.0);
+    const double sticks = isWithinCone(law.impulse, law.mu) ? 1.0 : 0.0;
+    const Vec3 seen(sticks, sticks, 1.0);
     const Vec3 u_guess = velocityAt(guessed, law).cwiseProduct(seen);
     const Vec3 mend = u_guess - velocityAt(solved, law).cwiseProduct(seen);
     wrong += mend.dot(u_guess - velocityAt(start, law).cwiseProduct(seen));

@@ -14,11 +14,11 @@
 // prediction; where it matters the kick is solved again with it. An overlap that is there already counts as
 // closed (d+ = 0), so that it adds no speed; it is taken away by a displacement alone.
 //
-// A point that friction holds obeys kick 1 likewise with the slip that the drift will leave: with the mean of
-// the slip under v_half at x0 and at x1, which differ where a contact moves on its bodies (a disc rolls on
-// its rim, a ball rides on a turntable). With J_mid = (J0 + J1)/2 it obeys J_mid,T v_half = 0, the midpoint
-// rule for a constraint on velocities, which is of second order where that with J0 is of first (J. Cortes, S.
-// Martinez, "Non-holonomic integrators", Nonlinearity 14, 2001).
+// At a point that friction holds, kick 1 stops the mean of the slip at x0 and the slip at x1, both under
+// v_half. The two differ where a contact moves on its bodies: a disc rolls on its rim, a ball rides on a
+// turntable. With J_mid = (J0 + J1)/2 this is J_mid,T v_half = 0, the midpoint rule for a constraint on
+// velocities. It is of second order; J0,T v_half = 0 is of first (J. Cortes, S. Martinez, "Non-holonomic
+// integrators", Nonlinearity 14, 2001).
 //
 // Kick 2 sees the points that touch at x1: those pushed by the first kick, or closed to rounding.
 //
@@ -128,6 +128,23 @@ void Stepper::lookFarther() {
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
+// By point: whether friction holds it. It is closed, and it does not slide: its slip is none, or its force is
+// within the cone, and the slip is what a solve has left. None is held in groups in which pairs resist
+// rolling: there `reference` does not always reach its tolerance with the mean slip of a drift.
+std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
+  std::vector<char> held(touching_.points.size());
+  if (!touching_.couples.empty()) return held;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
+    const CoulombPoint& law = touching_.law[k];
+    if (!closed || law.mu == 0.0) continue;
+    held[k] = velocityAt(bodies, law).head<2>().norm() <= slow_ ||
+              isWithinCone(law.frame.transpose() * point.force_W, law.mu);
+  }
+  return held;
+}
+
 Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
   const Slip slip = slipNow();
@@ -149,15 +166,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
 
-  // What friction holds now: closed, and not sliding. Where pairs resist rolling besides, `reference` would
-  // not always reach its tolerance with the slip of the drift.
-  std::vector<char> held(slip.points.size());
-  for (std::size_t k = 0; k < slip.points.size(); ++k) {
-    const TouchingPoint& point = touching_.points[k];
-    const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
-    held[k] = touching_.couples.empty() && touching_.law[k].mu > 0.0 && closed &&
-              velocityAt(bodies_at_start, touching_.law[k]).head<2>().norm() <= slow_;
-  }
+  const std::vector<char> held = heldPoints(bodies_at_start);
   std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
   if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.

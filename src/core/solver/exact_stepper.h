@@ -27,6 +27,11 @@ inline Vec3 expectedNext(const Vec3& expected_W, const Vec3& found_W, double sha
   return share == 1.0 ? found_W : Vec3(expected_W + share * (found_W - expected_W));
 }
 
+/// Whether a force or impulse in a contact frame is less than friction may be: its point sticks.
+inline bool isWithinCone(const Vec3& force, double mu) {
+  return force.head<2>().norm() < mu * force[2] * (1.0 - 1e-6);
+}
+
 /// Share of the smaller length of a pair up to which a pushed point is taken for closed: more than the
 /// curvature of a drift leaves.
 inline constexpr double kPushedGap = 1e-3;
@@ -81,6 +86,7 @@ class Stepper : public InnerRows {
   bool curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
                         const std::vector<char>& held, const Touching& later, double tau,
                         std::vector<Vec3>& curvature) const;
+  std::vector<char> heldPoints(const CoulombBodies& bodies) const;
   double turnsBy(double seconds) const;
   double lastingShare(const CoulombResult& result, const Touching& touching,
                       const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,

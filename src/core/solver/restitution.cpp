@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "solver/restitution.h"
 
-#include "solver/energy_limit.h"
-
 #include <algorithm>
 #include <cmath>
 
 namespace rbs {
 
 namespace {
-
-Index islandOf(const Context& context, const SolverContacts& contacts, const SolverBlock& block) {
-  const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
-  return context.step.island[i.inv_mass > 0.0 ? i.body : j.body];
-}
 
 void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point, double impulse) {
   SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
@@ -35,30 +28,10 @@ double largestShare(double a, double b, double c) {
 }  // namespace
 
 void Restitution::begin(const Context& context, const SolverContacts& contacts) {
+  std::vector<Index> found;
   for (const SolverBlock& block : contacts.blocks)
-    if (block.pair.e > 0.0) budgets_.push_back({islandOf(context, contacts, block)});
-  if (budgets_.empty()) return;
-  const auto earlier = [](const Budget& a, const Budget& b) { return a.island < b.island; };
-  const auto same = [](const Budget& a, const Budget& b) { return a.island == b.island; };
-  std::sort(budgets_.begin(), budgets_.end(), earlier);
-  budgets_.erase(std::unique(budgets_.begin(), budgets_.end(), same), budgets_.end());
-  for (const SolverBody& s : contacts.bodies)
-    if (const Budget* budget = budgetOf(context, s))
-      budgets_[budget - budgets_.data()].energy += kineticEnergy(context, s);
-  for (const SolverBlock& block : contacts.blocks)
-    for (const auto& [pusher, pushed] : {std::pair(block.i, block.j), std::pair(block.j, block.i)}) {
-      const SolverBody &by = contacts.bodies[pusher], &s = contacts.bodies[pushed];
-      if (by.inv_mass > 0.0 || by.still) continue;
-      if (const Budget* budget = budgetOf(context, s)) budgets_[budget - budgets_.data()].driven = true;
-    }
-}
-
-const Restitution::Budget* Restitution::budgetOf(const Context& context, const SolverBody& s) const {
-  if (s.inv_mass == 0.0) return nullptr;
-  const Index island = context.step.island[s.body];
-  const auto known = std::lower_bound(budgets_.begin(), budgets_.end(), island,
-                                      [](const Budget& budget, Index k) { return budget.island < k; });
-  return known != budgets_.end() && known->island == island ? &*known : nullptr;
+    if (block.pair.e > 0.0) found.push_back(islandOf(context, contacts, block));
+  islands_.begin(context, contacts, std::move(found));
 }
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
@@ -87,16 +60,14 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
   const std::vector<double> shares = sharesOf(context, before, contacts.bodies);
   for (std::size_t k = 0; k < before.size(); ++k) {
     SolverBody& s = contacts.bodies[k];
-    const Budget* budget = budgetOf(context, s);
-    if (budget == nullptr) continue;
-    const double share = shares[budget - budgets_.data()];
-    s.v = before[k].v + share * (s.v - before[k].v);
-    s.w = before[k].w + share * (s.w - before[k].w);
+    const Index place = islands_.placeOf(context, s);
+    if (place == kNone) continue;
+    s.v = before[k].v + shares[place] * (s.v - before[k].v);
+    s.w = before[k].w + shares[place] * (s.w - before[k].w);
   }
   for (const Rebound& rebound : rebounds) {
     const SolverBody &i = contacts.bodies[rebound.block->i], &j = contacts.bodies[rebound.block->j];
-    const Budget* budget = budgetOf(context, i.inv_mass > 0.0 ? i : j);
-    rebound.point->sum_n += shares[budget - budgets_.data()] * rebound.impulse;
+    rebound.point->sum_n += shares[islands_.placeOf(context, i.inv_mass > 0.0 ? i : j)] * rebound.impulse;
   }
 }
 
@@ -105,22 +76,21 @@ std::vector<double> Restitution::sharesOf(const Context& context, const std::vec
   struct Parabola {
     double a = 0.0, b = 0.0, c = 0.0;
   };
-  std::vector<Parabola> gains(budgets_.size());
+  std::vector<Parabola> gains(islands_.size());
   for (std::size_t k = 0; k < before.size(); ++k) {
-    const Budget* budget = budgetOf(context, before[k]);
-    if (budget == nullptr) continue;
+    const Index place = islands_.placeOf(context, before[k]);
+    if (place == kNone) continue;
     SolverBody change = after[k];
     change.v -= before[k].v, change.w -= before[k].w;
-    Parabola& gain = gains[budget - budgets_.data()];
     const double had = kineticEnergy(context, before[k]), added = kineticEnergy(context, change);
-    gain.a += added;
-    gain.b += kineticEnergy(context, after[k]) - had - added;
-    gain.c += had - loadWork(context, before[k]);
+    gains[place].a += added;
+    gains[place].b += kineticEnergy(context, after[k]) - had - added;
+    gains[place].c += had - loadWork(context, before[k]);
   }
-  std::vector<double> shares(budgets_.size(), 1.0);
-  for (std::size_t k = 0; k < budgets_.size(); ++k)
-    if (!budgets_[k].driven)
-      shares[k] = largestShare(gains[k].a, gains[k].b, gains[k].c - budgets_[k].energy);
+  std::vector<double> shares(islands_.size(), 1.0);
+  for (Index k = 0; k < islands_.size(); ++k)
+    if (islands_[k].kinematic_speed == 0.0)
+      shares[k] = largestShare(gains[k].a, gains[k].b, gains[k].c - islands_[k].energy);
   return shares;
 }
 

@@ -12,7 +12,7 @@
 // moving kinematic body pushes may gain energy, so it is left as it is.
 #pragma once
 
-#include "solver/solver_contacts.h"
+#include "solver/island_energy.h"
 
 #include <vector>
 
@@ -26,17 +26,11 @@ class Restitution {
   void apply(const Context& context, SolverContacts& contacts) const;
 
  private:
-  struct Budget {
-    Index island;
-    bool driven = false;  // by a kinematic body that moves
-    double energy = 0.0;  // kinetic, J
-  };
-  const Budget* budgetOf(const Context& context, const SolverBody& s) const;
-  /// By budget: the share of the change from `before` to `after` that leaves an island with what it may have.
+  /// By island: the share of the change from `before` to `after` that leaves it with what it may have.
   std::vector<double> sharesOf(const Context& context, const std::vector<SolverBody>& before,
                                const std::vector<SolverBody>& after) const;
 
-  std::vector<Budget> budgets_;  // by island
+  IslandEnergies islands_;
 };
 
 }  // namespace rbs

@@ -3,7 +3,6 @@
 #include "world/world_parts.h"
 
 #include "effects/effects.h"
-#include "narrowphase/facet.h"
 #include "world/saved_state.h"
 #include "world/state_hash.h"
 
@@ -82,26 +81,24 @@ std::shared_ptr<const std::vector<BodyDescription>> World::bodies() const {
 namespace {
 
 // The points at the end of the step and those that have opened in it, each with all that it has given in the
-// step. What sleeps is held by the forces with which it fell asleep. Where the lowest point of a rim comes by
-// a foot of it, the two are one.
+// step. What sleeps is held by the forces with which it fell asleep. Two points in one place are one, as
+// where the lowest point of a rim passes a foot of it. Points of a loaded state have no places.
 std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   std::vector<ContactPoint> points;
   for (const Contact* contact : scene.contacts.withPoints()) {
     std::vector<SolvedPoint> opened = contact->earlier;
-    const std::size_t first = points.size();
-    std::vector<std::uint32_t> features;  // of those from `first` on
+    const auto first = static_cast<std::ptrdiff_t>(points.size());
     const auto add = [&](const SolvedPoint& p) {
-      for (std::size_t k = 0; k < features.size(); ++k) {
-        ContactPoint& point = points[first + k];
-        if ((features[k] != kLowest && p.feature != kLowest) || point.p_W != p.p_W || point.n_W != p.n_W)
-          continue;
-        point.normal_impulse += p.normal_impulse;
-        point.friction_impulse += p.friction_impulse_W;
-        return;
+      const auto same = std::find_if(points.begin() + first, points.end(), [&](const ContactPoint& point) {
+        return point.p_W == p.p_W && point.n_W == p.n_W && !p.p_W.isZero(0.0);
+      });
+      if (same == points.end()) {
+        points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
+                          p.friction_impulse_W});
+      } else {
+        same->normal_impulse += p.normal_impulse;
+        same->friction_impulse += p.friction_impulse_W;
       }
-      features.push_back(p.feature);
-      points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
-                        p.friction_impulse_W});
     };
     const bool asleep = scene.isAsleep(*contact);
     for (SolvedPoint point : contact->points) {

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The energy of islands over a soft step: what they began with, what their loads do, and which are driven.
+#pragma once
+
+#include "solver/solver_contacts.h"
+
+#include <vector>
+
+namespace rbs {
+
+/// Kinetic energy of a body as the solver moves it, J.
+double kineticEnergy(const Context& context, const SolverBody& s);
+/// Work of its load since the start of the soft step, J.
+double loadWork(const Context& context, const SolverBody& s);
+
+/// The island of the dynamic bodies of a block.
+Index islandOf(const Context& context, const SolverContacts& contacts, const SolverBlock& block);
+
+struct IslandEnergy {
+  Index island;
+  double energy = 0.0;           ///< kinetic, at the start, J
+  double kinematic_speed = 0.0;  ///< of the fastest moving kinematic body in contact, m/s; 0: there is none
+};
+
+/// The islands that an energy bound is kept for.
+class IslandEnergies {
+ public:
+  /// At the start: takes the energies of these islands, in any order; one may be listed several times.
+  void begin(const Context& context, const SolverContacts& contacts, std::vector<Index> islands);
+  bool empty() const { return islands_.empty(); }
+  std::size_t size() const { return islands_.size(); }
+  const IslandEnergy& operator[](std::size_t k) const { return islands_[k]; }
+  /// The place of the island of a body; kNone when no bound is kept for it.
+  Index placeOf(const Context& context, const SolverBody& s) const;
+
+ private:
+  std::vector<IslandEnergy> islands_;  // by island
+};
+
+}  // namespace rbs
