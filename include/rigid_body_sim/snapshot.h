@@ -41,7 +41,8 @@ struct BodyState {
 ///
 /// Points are those at the end of the step, and those that have opened in it after they had pushed. Impulses
 /// are over the whole step, impacts included: a body's momentum changes by its loads and by these, to
-/// rounding. Bodies that overlap deeply are the exception: depenetration keeps them from gaining speed.
+/// rounding. The exceptions are bodies that overlap deeply, and at the fast settings those that turn by more
+/// than 128 rad in a step or travel 128 times their size: they are kept from gaining energy.
 /// `normal_impulse n_W + friction_impulse` is the whole impulse from a to b at the point, also where the
 /// normal has turned within the step. A contact of sleeping bodies reports the forces with which they fell
 /// asleep, times the step.
@@ -69,8 +70,9 @@ struct StageInfo {
 
 /// Trouble at run time, with its remedy.
 struct Warning {
-  /// "non_finite": a body was frozen. "impact_budget": too many impacts in a step. "overlap": bodies overlap
-  /// deeply after an edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place.
+  /// "non_finite": a body was frozen. "too_fast": a body was slowed down to Limits::max_speed or
+  /// Limits::max_spin. "impact_budget": too many impacts in a step. "overlap": bodies overlap deeply after an
+  /// edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place.
   std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
 };

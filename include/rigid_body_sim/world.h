@@ -63,6 +63,9 @@ struct SavedState {
     std::vector<Point> points;  ///< at most 32
     bool exact = false;  ///< solved by the exact step, which Fidelity::Interactive then keeps for longer
     Vec3 n_W = Vec3::UnitZ();  ///< its normal, unit, in W, from a to b
+    /// Largest penetration depth of its points when last found, m, >= 0. It decides whether depenetration
+    /// parts the two in the next step.
+    double depth = 0.0;
   };
   std::vector<Contact> contacts;  ///< pairs that had contact points in the last step
   /// Orientation of a body at an earlier time. Where nothing can change the angular velocity of a body, its

@@ -132,6 +132,31 @@ TEST(Wrench, OfAnOddTimeGivesItsWholeImpulse) {
   EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), 0.21, 1e-12);
 }
 
+// A body that is only too fast goes on, at the limit: in flight and beside others.
+TEST(Bounds, ABodyThatIsOnlyTooFastIsSlowedDown) {
+  for (const bool alone : {true, false}) {
+    SceneDef scene = emptySpace(0.01);
+    scene.gravity = {0.0, 0.0, -1e6};
+    scene.bodies.push_back(ball("stone", 0.5, Vec3::Zero()));
+    scene.bodies.back().twist.v_WB = {0.0, 0.0, -0.995 * Limits::max_speed};
+    if (!alone) {
+      scene.bodies.push_back(box("shelf", {1.0, 1.0, 1.0}, {1e6, 0.0, 0.0}));
+      scene.bodies.back().kind = BodyKind::Static;
+    }
+    World world(scene);
+    int told = 0;
+    for (int step = 0; step < 5; ++step)
+      for (const Warning& warning : world.step().warnings)
+        told += warning.kind == "too_fast" && warning.text.find("'stone'") != std::string::npos;
+    EXPECT_EQ(told, 5) << "alone: " << alone;
+    const BodyState stone = stateOf(world, "stone");
+    EXPECT_NEAR(stone.twist.v_WB.z(), -Limits::max_speed, 1e-5);
+    EXPECT_NEAR(stone.pose.p_WB.z(), -0.05 * Limits::max_speed, 0.05 * 0.02 * Limits::max_speed);
+    EXPECT_FALSE((*world.snapshot().bodies)[0].frozen);
+    EXPECT_NO_THROW(World(world.capture(), world.captureState()));
+  }
+}
+
 TEST(Bounds, ABodyThatLeavesAllBoundsIsFrozenReportedAndNeverSeen) {
   SceneDef scene = emptySpace(1.0);
   scene.bodies.push_back(ball("mote", 1e-6, Vec3(1.0, 2.0, 3.0)));

@@ -41,4 +41,25 @@ TEST_P(Overlap, APyramidPartsWhateverTheOrderOfItsBoxes) {
   }
 }
 
+// A heavy block falls on a ball that lies on a plane, at up to 600 m/s. What gets between the two is pushed
+// into the plane by half of its size at most.
+TEST_P(Overlap, NothingGoesThroughAPlaneByMoreThanHalfItsSize) {
+  for (const double speed : {10.0, 100.0, 600.0})
+    for (const double step : {1.0 / 1000.0, 1.0 / 60.0, 0.1}) {
+      SceneDef scene = onFloor(step, 0.3);
+      scene.fidelity = GetParam();
+      scene.bodies.push_back(ball("ball", 0.05, {0.0, 0.0, 0.05}));
+      scene.bodies.push_back(box("block", {2.0, 2.0, 2.0}, {0.1, 0.0, 1.1001}));
+      scene.bodies.back().density = 1e5;
+      scene.bodies.back().twist = {{0.0, 0.0, -speed}, {speed, 0.5 * speed, 0.0}};
+      World world(ordered(scene));
+      double lowest = 0.0;
+      for (int k = 0; k < 20; ++k) {
+        world.step();
+        lowest = std::min(lowest, stateOf(world, "ball").pose.p_WB.z() - 0.05);
+      }
+      EXPECT_GE(lowest, -0.05 * (1.0 + 1e-9)) << speed << " m/s, steps of " << step << " s";
+    }
+}
+
 }  // namespace

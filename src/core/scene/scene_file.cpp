@@ -106,6 +106,7 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     requireBody(item, "b", contact.b);
     contact.exact = readFlag(item, "exact");
     item.read("normal", contact.n_W);
+    item.read("depth", contact.depth);
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();

@@ -138,6 +138,7 @@ std::string contactText(const SavedState::Contact& contact) {
   line.add("a", text(contact.a)).add("b", text(contact.b));
   if (contact.exact) line.add("exact", "1");
   line.add("normal", text(contact.n_W));
+  if (contact.depth > 0.0) line.add("depth", text(contact.depth));
   return line.add("points", "[" + points + "]").close();
 }
 

@@ -8,14 +8,14 @@
 
 namespace rbs {
 
-void EnergyLimit::find(const Context& context, const SolverContacts& contacts) {
+void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all) {
   const StepStore& step = context.step;
   std::vector<Index> found;  // islands
   for (const SolverBlock& block : contacts.blocks) {
     const auto points = contacts.points.begin() + block.first;
     const double deep = kDeep * smallerLength(context.scene.bodies, contacts.bodies[block.i].body,
                                               contacts.bodies[block.j].body);
-    if (std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
+    if (all || std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
       found.push_back(islandOf(context, contacts, block));
   }
   for (const SolverBody& s : contacts.bodies)

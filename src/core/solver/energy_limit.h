@@ -5,7 +5,9 @@
 // sin(alpha) to part from both at v, if their sides are alpha from parallel (a light body between heavy ones
 // left at 2 km/s), and in a chain or a crowd the speeds of the pairs add up. So an island in which bodies
 // overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
-// bodies may give it.
+// bodies may give it. Nor does one whose bodies turn or travel too fast for the most sub-steps: no contact
+// can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to
+// it.
 #pragma once
 
 #include "solver/island_energy.h"
@@ -14,8 +16,8 @@ namespace rbs {
 
 class EnergyLimit {
  public:
-  /// Finds the islands with deep overlaps and what they may have at the end.
-  void find(const Context& context, const SolverContacts& contacts);
+  /// Finds the islands with deep overlaps, or all of them, and what they may have at the end.
+  void find(const Context& context, const SolverContacts& contacts, bool all);
   /// Takes away from the velocities what an island has gained beyond that.
   void apply(const Context& context, SolverContacts& contacts) const;
 

@@ -58,9 +58,13 @@ constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
 // setting.
 constexpr double kLeftOverlap = 1e-6;
-constexpr int kMostCorrections = 4;
+constexpr int kMostCorrections = 12;
 // A residual beyond this is no solution that is not quite converged, but none.
 constexpr double kUnsolved = 1e-2;
+// Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same,
+// and the feature of one that was elsewhere before.
+constexpr double kJump = 0.5;
+constexpr std::uint32_t kPassed = 0xfffffffe;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
@@ -128,6 +132,60 @@ void Stepper::lookFarther() {
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
+// Adds the points that overlap after a drift and that the pair did not have before it: a hull rolls over onto
+// another face, a rim comes round. The narrow phase shows the points of one facet only, however far it looks.
+// Each is taken back with the material of its two bodies: what is apart by d and moves rigidly is apart by
+// n.(p_j - p_i) at the start, where n is its normal after the drift. What the normal turns meanwhile is in
+// the curvature. Whether there are any.
+bool Stepper::addUnforeseen(const Segment& segment, double tau) {
+  const Bodies& bodies = context_.scene.bodies;
+  const auto takenBack = [&](Index i, Index slot, const Vec3& p_W) {
+    const Pose end = slot == kNone ? step_.poseAt(bodies, i, now_ + tau) : segment.end[slot].pose;
+    const Pose start = step_.poseAt(bodies, i, now_);
+    return Vec3(start.p_WB + start.q_WB * (end.q_WB.conjugate() * (p_W - end.p_WB)));
+  };
+  bool any = false;
+  for (std::size_t m = 0; m < segment.touching.points.size(); ++m) {
+    TouchingPoint point = segment.touching.points[m];
+    CoulombPoint law = segment.touching.law[m];
+    if (point.gap >= -kLeftOverlap * point.length || !touching_.has(point.contact)) continue;
+    const Index known = touching_.matching(point);
+    const Contact& contact = context_.scene.contacts.active[point.contact];
+    const Vec3 n_W = law.frame.col(2);
+    const Vec3 p_i = takenBack(contact.i, law.i, point.p_W - 0.5 * point.gap * n_W);
+    const Vec3 p_j = takenBack(contact.j, law.j, point.p_W + 0.5 * point.gap * n_W);
+    point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
+    point.force_W.setZero(), point.impulse_W.setZero();
+    if (known != kNone) {
+      const Vec3& p_W = touching_.points[known].p_W;
+      const double jump = kJump * std::min(bodies.traits[contact.i].bounding_radius,
+                                           bodies.traits[contact.j].bounding_radius);
+      if (std::min((p_i - p_W).norm(), (p_j - p_W).norm()) <= jump) continue;
+      touching_.points[known].feature = kPassed;
+    }
+    law.r_i = point.p_W - step_.poseAt(bodies, contact.i, now_).p_WB;
+    law.r_j = point.p_W - step_.poseAt(bodies, contact.j, now_).p_WB;
+    law.impulse.setZero(), law.slide.setZero();
+    touching_.add(point, law);
+    any = true;
+  }
+  return any;
+}
+
+// Kinetic energy of the island, and its potential energy in the field of the loads, J.
+double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
+  const Bodies& bodies = context_.scene.bodies;
+  double energy = 0.0;
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const Index i = island_.indices()[k];
+    const auto& [pose, twist] = motions[k];
+    const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
+    energy += bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - step_.load[i].a_W.dot(pose.p_WB)) +
+              0.5 * w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B));
+  }
+  return energy;
+}
+
 // By point: whether friction holds it. It is closed, and it does not slide: its slip is none, or its force is
 // within the cone, and the slip is what a solve has left. None is held in groups in which pairs resist
 // rolling: there `reference` does not always reach its tolerance with the mean slip of a drift.
@@ -280,6 +338,18 @@ void Stepper::solve() {
     cuts_ -= points;
     stops_.push_back(segment_.slip_left.of);
     cutAtStop(tau_, segment_);
+  }
+  for (int more = 0; more < kMostCorrections && segment_.first.converged; ++more) {
+    const Touching foreseen = touching_;
+    if (!addUnforeseen(segment_, tau_)) break;
+    Segment next = attempt(tau_, Friction::Free);
+    // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
+    const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
+    if (!next.first.converged || energyOf(next.end) > most) {
+      touching_ = foreseen;
+      break;
+    }
+    segment_ = std::move(next);
   }
   addResiduals(segment_.first);
   addResiduals(segment_.second);

@@ -77,6 +77,8 @@ class Stepper : public InnerRows {
   Touching find(double time, const LoadedNormals& loaded = {});
   bool overlooked(const Touching& later) const;
   void lookFarther();
+  bool addUnforeseen(const Segment& segment, double tau);
+  double energyOf(const std::vector<BodyMotion>& motions) const;
   bool takeOverlapsAway();
   void settle();
   Segment attempt(double tau, Friction friction);

@@ -76,7 +76,7 @@ void run(Context& context) {
   for (const std::vector<Index>* list : {&context.scene.lists.in_islands, &context.scene.lists.kinematic})
     for (const Index i : *list)
       if (!withinLimits(bodies.pose[i], bodies.twist[i]))
-        freeze(context, i, step.before[i], step.twist_before[i]);
+        bringBack(context, i, step.before[i], step.twist_before[i]);
 
   for (const Contact& contact : context.scene.contacts.active) {
     if (!contact.solved) continue;

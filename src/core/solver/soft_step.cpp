@@ -11,10 +11,8 @@ namespace {
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
 // against each other, share of their smaller length: farther, and a body is past a wall, or its far end on
-// the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one. No
-// step is cut into more than so many sub-steps.
+// the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
-constexpr double kMostSubSteps = 256.0;
 
 template <class Method>
 void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
@@ -47,7 +45,7 @@ double subStep(const Context& context, const std::vector<Edge>& edges) {
     for (const Index one : {i, j})
       if (!bodies.traits[one].round) h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
   }
-  return std::max(h, step.h() / kMostSubSteps);
+  return h;
 }
 
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {

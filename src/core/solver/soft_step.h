@@ -2,7 +2,8 @@
 // Soft step: sequential impulses with sub-steps, soft contacts and a relaxing pass.
 //
 // The interval [t0, t1] is cut into n sub-steps of length h, which the setting says; into more of them where
-// bodies turn or travel further in one than contact points found at its start can follow.
+// bodies turn or travel further in one than contact points found at its start can follow, up to 256. Where
+// even these are too few, no sub-step may add energy (energy_limit.h).
 // The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
 // its size; in between the gap s of a contact point follows the motion of its bodies. A sub-step
 //   1. adds the loads to the velocities, and last sub-step's impulses (warm start);
@@ -53,6 +54,9 @@ inline constexpr double kPushedShare = 0.01;
 /// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 inline constexpr double kSteadyTurn = 1e-6;
 
+/// Most sub-steps of a step.
+inline constexpr double kMostSubSteps = 256.0;
+
 /// The softness of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
 Softness softness(double h, double h_full);
 
@@ -73,7 +77,9 @@ class SoftStep : public InnerRows {
         lanes_(contacts_),
         t0_(t0),
         dt_(t1 - t0) {
-    h_full_ = subStep(context, batch.edges);
+    const double wanted = subStep(context, batch.edges), shortest = context.step.h() / kMostSubSteps;
+    too_fast_ = wanted < shortest;
+    h_full_ = std::max(wanted, shortest);
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
     soft_ = softness(h_, h_full_);
@@ -83,7 +89,7 @@ class SoftStep : public InnerRows {
   void prepare() {
     lanes_.take();
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
-    energy_.find(context_, contacts_);
+    energy_.find(context_, contacts_, too_fast_);
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.begin(context_, contacts_);
   }
@@ -112,6 +118,7 @@ class SoftStep : public InnerRows {
     }
     lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
     lanes_.addUp();
+    if (too_fast_) energy_.apply(context_, contacts_);
   }
   void rebound() {
     lanes_.giveBack();
@@ -145,6 +152,7 @@ class SoftStep : public InnerRows {
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
+  bool too_fast_;  // for the most sub-steps: no contact can be followed, and no energy may be gained
   Softness soft_;
 };
 

@@ -98,6 +98,18 @@ std::size_t Touching::firstOf(Index contact) const {
                                                     : points.size();
 }
 
+void Touching::add(const TouchingPoint& point, const CoulombPoint& its_law) {
+  auto place = static_cast<std::ptrdiff_t>(firstOf(point.contact));
+  while (place < static_cast<std::ptrdiff_t>(points.size()) && points[place].contact == point.contact)
+    ++place;
+  points.insert(points.begin() + place, point);
+  law.insert(law.begin() + place, its_law);
+  for (TouchingCouple& couple : couples) {
+    if (couple.contact == point.contact) ++couple.law.size;
+    if (couple.contact > point.contact) ++couple.law.first;
+  }
+}
+
 Vec3 LoadedNormals::of(Index k, const Contact& contact, double least) const {
   if (touching == nullptr || !touching->has(k)) return contact.loadedNormal(least);
   for (std::size_t p = touching->firstOf(k); p < touching->points.size() && touching->points[p].contact == k;

@@ -43,6 +43,8 @@ struct Touching {
   std::size_t firstOf(Index contact) const;  ///< its first point; points.size() when it has none
   /// The couple of the same contact; kNone when there is none.
   Index matching(const TouchingCouple& other) const;
+  /// Adds a point to a contact that has some.
+  void add(const TouchingPoint& point, const CoulombPoint& its_law);
   /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
   /// opened ones.
   void inherit(const Touching& other, PointsOfContacts& opened);

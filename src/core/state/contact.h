@@ -9,6 +9,7 @@
 #include "state/bodies.h"
 #include "state/pair_state.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <tuple>
@@ -74,6 +75,12 @@ struct Contact {
     for (const SolvedPoint& point : points)
       if (point.normal > least) return point.n_W;
     return Vec3::Zero();
+  }
+  /// Largest penetration depth of its points, m; 0 where none overlaps.
+  double depth() const {
+    double depth = 0.0;
+    for (const SolvedPoint& point : points) depth = std::max(depth, -point.separation);
+    return depth;
   }
   /// Adds to `earlier` the impulse of one point.
   void addEarlier(const SolvedPoint& point);

@@ -76,7 +76,7 @@ void run(Context& context) {
   }
   for (const Index i : scene.lists.tumbling)
     rotateFreely(bodies.pose[i].q_WB, bodies.twist[i].w_WB, bodies.inertia[i], h);
-  for (const OutOfBounds& lost : leaving) freeze(context, lost.body, lost.pose, lost.twist);
+  for (const OutOfBounds& lost : leaving) bringBack(context, lost.body, lost.pose, lost.twist);
   context.step.report.flying += static_cast<std::uint32_t>(scene.lists.ballistic.size());
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "base/tolerances.h"
+#include "broadphase/sweep_and_prune.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
@@ -23,14 +24,10 @@ constexpr Index kFew = 3;
 // half has 18, and parts best so; what is left of a crowd of 200 boxes has hundreds, and took 12 to 22 s a
 // step.
 constexpr Index kFewToSolve = 32;
+// Share of its smallest extent by which a body may go through a plane.
+constexpr double kThroughPlane = 0.5;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
-
-double depthOf(const Contact& contact) {
-  double depth = 0.0;
-  for (const SolvedPoint& point : contact.points) depth = std::max(depth, -point.separation);
-  return depth;
-}
 
 double lengthOf(const Bodies& bodies, const Contact& contact) {
   return smallerLength(bodies, contact.i, contact.j);
@@ -128,11 +125,38 @@ void keepDepth(const Bodies& bodies, Contact& contact) {
   if (point.separation < 0.0) contact.points.push_back(point);
 }
 
+// How far a body reaches below a plane at these poses, m; negative above it.
+double depthBelow(const Traits& body, const Pose& X_WB, const Pose& X_WP) {
+  const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
+  const double height = up_W.dot(X_WB.p_WB - X_WP.p_WB);
+  if (height > body.bounding_radius) return -height;
+  return reach(body.shape, X_WB.q_WB.conjugate() * -up_W) - height;
+}
+
+// A light body between a heavy fast one and a plane leaves the two with more speed than a step can follow. So
+// the plane itself stops a body at half of its smallest extent, or where it was at the start of the step: it
+// is lifted up to there, and goes no deeper.
+void liftAbovePlane(Context& context, Index plane, Index i) {
+  Bodies& bodies = context.scene.bodies;
+  const StepStore& step = context.step;
+  const Traits& body = bodies.traits[i];
+  const Pose X_WP = step.poseAt(bodies, plane, step.t1);
+  const double most = kThroughPlane * body.length, below = depthBelow(body, bodies.pose[i], X_WP);
+  if (below <= most) return;
+  const double before = depthBelow(body, step.before[i], step.poseAt(bodies, plane, step.t0));
+  const double lift = below - std::max(most, before);
+  if (lift <= 0.0) return;
+  const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
+  bodies.pose[i].p_WB += lift * up_W;
+  Vec3& v_W = bodies.twist[i].v_WB;
+  v_W += std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W)) * up_W;
+}
+
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   std::vector<Index> deep;
   for (const Contact& contact : context.scene.contacts.active)
-    if (contact.solved && depthOf(contact) > kDeep * lengthOf(bodies, contact))
+    if (contact.solved && contact.depth() > kDeep * lengthOf(bodies, contact))
       for (const Index i : {contact.i, contact.j})
         if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
   std::sort(deep.begin(), deep.end());
@@ -149,7 +173,7 @@ void warn(Context& context) {
 
 bool isDeep(const Context& context, const Contact& contact) {
   const Bodies& bodies = context.scene.bodies;
-  return shareACentre(bodies, contact) || depthOf(contact) > kDeep * lengthOf(bodies, contact);
+  return shareACentre(bodies, contact) || contact.depth() > kDeep * lengthOf(bodies, contact);
 }
 
 Need need(const SceneAnalysis& c) {
@@ -194,6 +218,10 @@ void part(Context& context) {
     for (const Index i : context.scene.lists.in_islands) context.scene.bodies.pose[i].p_WB += ways[i];
     for (Contact* contact : crowded) keepDepth(context.scene.bodies, *contact);
   }
+  for (const Index plane : context.scene.lists.planes)
+    for (const Index i : context.scene.lists.in_islands)
+      if (sweep_and_prune::mayCollide(context.scene.bodies.traits[plane], context.scene.bodies.traits[i]))
+        liftAbovePlane(context, plane, i);
   if (context.scene.just_edited) warn(context);
   context.scene.just_edited = false;
 }

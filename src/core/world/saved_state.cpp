@@ -23,7 +23,8 @@ SavedState captureState(const SceneStore& scene) {
                               scene.bodies.indexOf(contact->key.j),
                               {},
                               contact->exact,
-                              contact->points.front().n_W};
+                              contact->points.front().n_W,
+                              contact->depth()};
     for (const SolvedPoint& point : contact->points)
       saved.points.push_back({point.feature, point.normal, point.friction_W});
     state.contacts.push_back(std::move(saved));
@@ -55,6 +56,8 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
                               std::to_string(Manifold::kPoints) + " points"});
     if (!(std::abs(contact.n_W.norm() - 1.0) < 1e-9))
       problems.push_back({"state.contacts", text(contact.n_W.norm()), "a normal of length 1"});
+    if (!(std::isfinite(contact.depth) && contact.depth >= 0.0))
+      problems.push_back({"state.contacts", text(contact.depth), "a depth that is finite and not negative"});
     for (const SavedState::Contact::Point& point : contact.points)
       if (!std::isfinite(point.normal) || point.normal < 0.0 || !point.tangent_W.allFinite())
         problems.push_back(
@@ -90,6 +93,7 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
       restored.normal = point.normal;
       restored.friction_W = point.tangent_W;
       restored.n_W = known.n_W;
+      restored.separation = -known.depth;
     }
     scene.contacts.active.push_back(std::move(contact));
   }

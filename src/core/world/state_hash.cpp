@@ -106,7 +106,7 @@ std::uint64_t stateHash(const SceneStore& scene) {
   for (const Contact* contact : scene.contacts.withPoints()) {
     if (contact->points.empty()) continue;
     hash.add(scene.bodies.indexOf(contact->key.i)), hash.add(scene.bodies.indexOf(contact->key.j));
-    hash.add(contact->exact), hash.add(contact->points.front().n_W);
+    hash.add(contact->exact), hash.add(contact->points.front().n_W), hash.add(contact->depth());
     for (const SolvedPoint& point : contact->points)
       hash.add(point.feature), hash.add(point.normal), hash.add(point.friction_W);
   }
