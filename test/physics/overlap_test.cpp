@@ -62,4 +62,30 @@ TEST_P(Overlap, NothingGoesThroughAPlaneByMoreThanHalfItsSize) {
     }
 }
 
+// A needle that turns by 240 rad in a step meets a plate: no sub-step can follow it, and it left with 10^15
+// rad/s.
+TEST_P(Overlap, WhatTurnsTooFastForSubStepsGainsNoEnergy) {
+  for (const double spin : {1e3, 1e4, 1e5})
+    for (const double tilt : {0.1, 0.3, 0.5, 0.8, 1.0, 1.3}) {
+      SceneDef scene = emptySpace(0.03);
+      scene.fidelity = GetParam();
+      scene.bodies.push_back(box("plate", {8.0, 8.0, 0.5}, {0.0, 0.0, -0.25}));
+      scene.bodies.back().kind = BodyKind::Static;
+      scene.bodies.push_back(body("needle", Cylinder{0.0023, 0.136}, {0.0, 0.0, 1.0}));
+      scene.bodies.back().mass = 0.01;
+      scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(tilt, Vec3::UnitX()));
+      scene.bodies.back().twist = {{-500.0, 150.0, -630.0}, spin * Vec3(0.97, 0.1, 0.2)};
+      World world(ordered(scene));
+      const double first = energy(world), fastest = std::sqrt(2.0 * first / 0.01);
+      for (int k = 0; k < 10; ++k) {
+        const Vec3 before = stateOf(world, "needle").pose.p_WB;
+        world.step();
+        const std::string where =
+            std::to_string(spin) + " rad/s, tilt " + std::to_string(tilt) + ", step " + std::to_string(k);
+        ASSERT_LE(energy(world), first * (1.0 + 1e-2)) << where;
+        ASSERT_LE((stateOf(world, "needle").pose.p_WB - before).norm(), fastest * scene.step) << where;
+      }
+    }
+}
+
 }  // namespace
