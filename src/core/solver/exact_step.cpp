@@ -105,6 +105,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
+  promoted_ = settings.promotes;
   slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
 }
 
@@ -353,7 +354,7 @@ void Stepper::solve() {
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
-  has_failed_ = !own_.converged && worst > kUnsolved && !step_.isLate();
+  has_failed_ = !own_.converged && (promoted_ || (worst > kUnsolved && !step_.isLate()));
 }
 
 // Goes to where the segment ends; back to the start, where another method is to begin.

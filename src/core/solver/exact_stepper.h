@@ -46,7 +46,8 @@ class Stepper : public InnerRows {
   void solve();
   void integrate();
   void store();
-  /// Its solvers found no solution: the island is as it was.
+  /// Its solvers found no solution, or did not converge at a setting that has another method: the island is
+  /// as it was.
   bool hasFailed() const { return has_failed_; }
 
  private:
@@ -116,6 +117,7 @@ class Stepper : public InnerRows {
   double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, aim_;
   int corrections_, cuts_;
+  bool promoted_;            // by a setting that has another method for it
   double slow_;              // a slip below is none
   Touching touching_;        // now
   PointsOfContacts opened_;  // so far

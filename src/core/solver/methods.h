@@ -28,7 +28,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 
 namespace exact_step {
 /// Bodies in contact, by Coulomb's law without softness; one island at a time. An island that its solvers
-/// find no solution for is left as it was, and the answer is false.
+/// find no solution for is left as it was, and the answer is false. At a setting that only promotes islands
+/// to it, so is one for which they do not converge.
 bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step
 

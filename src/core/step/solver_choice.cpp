@@ -7,7 +7,7 @@
 //
 // It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of
 // the soft step do not show. So only islands are promoted in which nothing moves faster than what gravity
-// adds in a step or two, but for small ones whose masses differ by far.
+// adds in a step or two.
 #include "step/solver_choice.h"
 
 #include "step/overlaps.h"
@@ -29,10 +29,6 @@ struct Stiffness {
   double speed;  // of its bodies' surfaces, share of g h
 };
 constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
-// Islands of few pairs whose masses differ this much are exact at any speed: soft contacts squirt what is
-// light out from between what is heavy.
-constexpr std::size_t kFewPairs = 30;
-constexpr double kExtremeRatio = 100.0;
 
 // The most contacts on the shortest way from a body to something that forces do not move.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
@@ -80,12 +76,11 @@ bool isPromoted(const Context& context, const Island& island) {
   if (touching.empty()) touching = contacts;  // nothing is known yet of bodies that have just been made
   if (island.edges.size() > bounds.pairs) return false;
   const double gravity = context.scene.gravity_W.norm();
-  const bool fast = std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) {
-    const double turning = bodies.traits[i].bounding_radius * bodies.twist[i].w_WB.norm();
-    return bodies.twist[i].v_WB.norm() + turning > bounds.speed * gravity * context.step.h();
-  });
-  const bool few = island.edges.size() <= kFewPairs;
-  if (fast && !few) return false;
+  for (const Index i : island.bodies) {
+    const Traits& t = bodies.traits[i];
+    const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();
+    if (speed > bounds.speed * gravity * context.step.h()) return false;
+  }
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : touching) {
@@ -95,8 +90,6 @@ bool isPromoted(const Context& context, const Island& island) {
     for (const Traits* t : {&a, &b})
       if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
   }
-  if (few && mass_ratio >= (was_exact ? 0.5 : 1.0) * kExtremeRatio) return true;
-  if (fast) return false;
   return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness ||
          (touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height);
 }
