@@ -58,7 +58,7 @@ constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
 // setting.
 constexpr double kLeftOverlap = 1e-6;
-constexpr int kMostCorrections = 12;
+constexpr int kMostCorrections = 6;
 // A residual beyond this is no solution that is not quite converged, but none.
 constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same,
@@ -345,7 +345,7 @@ void Stepper::solve() {
     Segment next = attempt(tau_, Friction::Free);
     // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
     const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
-    if (!next.first.converged || energyOf(next.end) > most) {
+    if (!next.first.converged || !next.second.converged || energyOf(next.end) > most) {
       touching_ = foreseen;
       break;
     }
