@@ -345,7 +345,7 @@ void Stepper::solve() {
     Segment next = attempt(tau_, Friction::Free);
     // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
     const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
-    if (!next.first.converged || !next.second.converged || energyOf(next.end) > most) {
+    if (!next.first.converged || energyOf(next.end) > most) {
       touching_ = foreseen;
       break;
     }
