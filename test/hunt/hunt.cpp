@@ -48,16 +48,16 @@ int main(int argc, char** argv) {
   };
   std::map<std::string, int> found;
   int scenes = 0, findings = 0;
-  double told = 0.0;
+  double shown_at = 0.0;
   for (std::uint64_t seed = first; elapsed() < seconds; seed += stride, ++scenes) {
     const rbs::SceneDef scene = rbs::hunt::randomScene(seed);
     if (const auto broken = rbs::hunt::firstBroken(scene, kDemands)) {
       ++findings, ++found[broken->invariant];
       report(seed, scene, *broken, argv[4]);
     }
-    if (elapsed() > told + kProgress) {
-      told = elapsed();
-      std::printf("%.0f s of %.0f: seed %llu, %d scenes, %d findings\n", told, seconds,
+    if (elapsed() > shown_at + kProgress) {
+      shown_at = elapsed();
+      std::printf("%.0f s of %.0f: seed %llu, %d scenes, %d findings\n", shown_at, seconds,
                   static_cast<unsigned long long>(seed), scenes + 1, findings);
     }
     std::fflush(stdout);

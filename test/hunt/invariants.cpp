@@ -165,11 +165,11 @@ class Run {
       if (body.kind != BodyKind::Dynamic) continue;
       const Vec3 &v0 = before_.states[i].twist.v_WB, &v1 = after.states[i].twist.v_WB;
       const Vec3 given = body.mass * (v1 - v0 - scene_.gravity * scene_.step);
-      const Vec3 told = sum.count(body.id) ? sum[body.id] : Vec3::Zero();
+      const Vec3 reported = sum.count(body.id) ? sum[body.id] : Vec3::Zero();
       const double scale =
           size[body.id] + body.mass * (scene_.gravity.norm() * scene_.step + v0.norm() + v1.norm());
-      if ((told - given).norm() > kBalance * scale)
-        return Finding{"balance", (told - given).norm() / scale, kBalance, k_, body.name};
+      if ((reported - given).norm() > kBalance * scale)
+        return Finding{"balance", (reported - given).norm() / scale, kBalance, k_, body.name};
     }
     return {};
   }

@@ -80,7 +80,7 @@ Shape anyShape(Draw& draw, double size) {
 struct Habit {
   double size = 0.4;          // m
   double sizes = 1.0;         // the largest over the smallest
-  double densities = 1.0;     // likewise
+  double densities = 1.0;     // the densest over the least dense
   double speed = 1.0;         // m/s, at most
   double spin = 3.0;          // rad/s, at most
   Material material;          // of all bodies, or

@@ -64,6 +64,10 @@ constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same,
 // and the feature of one that was elsewhere before.
 constexpr double kJump = 0.5;
+// An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
+// many times in a step.
+constexpr double kMostSunk = 1e-3;
+constexpr int kMostHalvings = 4;
 constexpr std::uint32_t kPassed = 0xfffffffe;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
@@ -81,9 +85,11 @@ std::vector<Index> sorted(std::vector<Index> list) {
   return list;
 }
 
-bool overlaps(const Touching& touching) {
-  return std::any_of(touching.points.begin(), touching.points.end(),
-                     [](const TouchingPoint& point) { return point.gap < -kLeftOverlap * point.length; });
+// The deepest overlap, as a share of the smaller length of its pair; 0 for none.
+double deepestShare(const Touching& touching) {
+  double deepest = 0.0;
+  for (const TouchingPoint& point : touching.points) deepest = std::max(deepest, -point.gap / point.length);
+  return deepest;
 }
 
 }  // namespace
@@ -105,6 +111,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
   corrections_ = settings.corrections;
   cuts_ = settings.cuts;
+  halvings_ = kMostHalvings;
   promoted_ = settings.promotes;
   slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
 }
@@ -131,45 +138,44 @@ void Stepper::lookFarther() {
   touching_.inherit(before, opened_);
 }
 
-// Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
-// Adds the points that overlap after a drift and that the pair did not have before it: a hull rolls over onto
-// another face, a rim comes round. The narrow phase shows the points of one facet only, however far it looks.
-// Each is taken back with the material of its two bodies: what is apart by d and moves rigidly is apart by
-// n.(p_j - p_i) at the start, where n is its normal after the drift. What the normal turns meanwhile is in
-// the curvature. Whether there are any.
-bool Stepper::addUnforeseen(const Segment& segment, double tau) {
+// The points of now and those that overlap after a drift and that the pair did not have before it: a hull
+// rolls over onto another face, a rim comes round. The narrow phase shows the points of one facet only,
+// however far it looks. Each is taken back with the material of its two bodies: what is apart by d and moves
+// rigidly is apart by n.(p_j - p_i) at the start, where n is its normal after the drift. What the normal
+// turns meanwhile is in the curvature. Nothing if there are none.
+std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double tau) const {
   const Bodies& bodies = context_.scene.bodies;
   const auto takenBack = [&](Index i, Index slot, const Vec3& p_W) {
     const Pose end = slot == kNone ? step_.poseAt(bodies, i, now_ + tau) : segment.end[slot].pose;
     const Pose start = step_.poseAt(bodies, i, now_);
     return Vec3(start.p_WB + start.q_WB * (end.q_WB.conjugate() * (p_W - end.p_WB)));
   };
-  bool any = false;
+  std::optional<Touching> all;
   for (std::size_t m = 0; m < segment.touching.points.size(); ++m) {
     TouchingPoint point = segment.touching.points[m];
     CoulombPoint law = segment.touching.law[m];
     if (point.gap >= -kLeftOverlap * point.length || !touching_.has(point.contact)) continue;
-    const Index known = touching_.matching(point);
     const Contact& contact = context_.scene.contacts.active[point.contact];
     const Vec3 n_W = law.frame.col(2);
     const Vec3 p_i = takenBack(contact.i, law.i, point.p_W - 0.5 * point.gap * n_W);
     const Vec3 p_j = takenBack(contact.j, law.j, point.p_W + 0.5 * point.gap * n_W);
-    point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
-    point.force_W.setZero(), point.impulse_W.setZero();
+    const Index known = touching_.matching(point);
     if (known != kNone) {
       const Vec3& p_W = touching_.points[known].p_W;
       const double jump = kJump * std::min(bodies.traits[contact.i].bounding_radius,
                                            bodies.traits[contact.j].bounding_radius);
       if (std::min((p_i - p_W).norm(), (p_j - p_W).norm()) <= jump) continue;
-      touching_.points[known].feature = kPassed;
     }
+    if (!all) all = touching_;
+    if (known != kNone) all->points[all->matching(point)].feature = kPassed;
+    point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
+    point.force_W.setZero(), point.impulse_W.setZero();
     law.r_i = point.p_W - step_.poseAt(bodies, contact.i, now_).p_WB;
     law.r_j = point.p_W - step_.poseAt(bodies, contact.j, now_).p_WB;
     law.impulse.setZero(), law.slide.setZero();
-    touching_.add(point, law);
-    any = true;
+    all->add(point, law);
   }
-  return any;
+  return all;
 }
 
 // Kinetic energy of the island, and its potential energy in the field of the loads, J.
@@ -203,6 +209,7 @@ std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
   return held;
 }
 
+// Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
 Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
   const Slip slip = slipNow();
@@ -244,7 +251,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters = curvatureMatters(kick.bodies, kick.points, held, segment.touching, tau, curvature);
-    const bool deep = segment.first.converged && overlaps(segment.touching);
+    const bool deep = segment.first.converged && deepestShare(segment.touching) > kLeftOverlap;
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;
     island_.restore(start);
   }
@@ -301,7 +308,7 @@ double Stepper::turnsBy(double seconds) const {
     if (!bodies.traits[i].round) rate = std::max(rate, bodies.twist[i].w_WB.norm());
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
-    if (point.force_W.isZero(0.0)) continue;
+    if (point.force_W.isZero(0.0) && point.gap > kTouch * point.length) continue;
     const Contact& contact = context_.scene.contacts.active[point.contact];
     for (const Index i : {contact.i, contact.j}) {
       const Traits& traits = bodies.traits[i];
@@ -319,6 +326,52 @@ bool Stepper::beginSubStep() {
   return !has_failed_ && end_ - now_ > 1e-12 * step_.h();
 }
 
+// Goes over the segment again with the points that it met and that were not among those of now.
+void Stepper::addUnforeseen() {
+  for (int more = 0; more < kMostCorrections && segment_.first.converged; ++more) {
+    std::optional<Touching> other = withUnforeseen(segment_, tau_);
+    if (!other) return;
+    std::swap(touching_, *other);
+    Segment next = attempt(tau_, Friction::Free);
+    // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
+    const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
+    if (!next.first.converged || energyOf(next.end) > most) {
+      std::swap(touching_, *other);
+      return;
+    }
+    segment_ = std::move(next);
+  }
+}
+
+// The next segment. It is halved while bodies end deeper in each other than they began.
+void Stepper::goOver() {
+  const double deepest = deepestShare(touching_);
+  for (;; --halvings_) {
+    const double left = end_ - now_;
+    tau_ = left > 1.5 * longest_ ? longest_ : left;
+    segment_ = attempt(tau_, Friction::Free);
+    while (reach_ < kFarthest && segment_.first.converged && overlooked(segment_.touching)) {
+      lookFarther();
+      segment_ = attempt(tau_, Friction::Free);
+    }
+    const Touching foreseen = touching_;
+    const std::size_t stops = stops_.size();
+    const double uncut = tau_;
+    const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
+    if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
+      cuts_ -= points;
+      stops_.push_back(segment_.slip_left.of);
+      cutAtStop(tau_, segment_);
+    }
+    addUnforeseen();
+    const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + kMostSunk;
+    if (!sunk || halvings_ == 0 || step_.isLate()) return;
+    touching_ = foreseen;
+    stops_.resize(stops);
+    longest_ = 0.5 * uncut;
+  }
+}
+
 void Stepper::solve() {
   if (takeOverlapsAway()) {
     const Touching before = std::move(touching_);
@@ -326,31 +379,7 @@ void Stepper::solve() {
     touching_.inherit(before, opened_);
   }
   settle();
-  const double left = end_ - now_;
-  tau_ = left > 1.5 * longest_ ? longest_ : left;
-  segment_ = attempt(tau_, Friction::Free);
-  while (reach_ < kFarthest && segment_.first.converged && overlooked(segment_.touching)) {
-    lookFarther();
-    segment_ = attempt(tau_, Friction::Free);
-  }
-  const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
-  if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
-    cuts_ -= points;
-    stops_.push_back(segment_.slip_left.of);
-    cutAtStop(tau_, segment_);
-  }
-  for (int more = 0; more < kMostCorrections && segment_.first.converged; ++more) {
-    const Touching foreseen = touching_;
-    if (!addUnforeseen(segment_, tau_)) break;
-    Segment next = attempt(tau_, Friction::Free);
-    // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
-    const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
-    if (!next.first.converged || energyOf(next.end) > most) {
-      touching_ = foreseen;
-      break;
-    }
-    segment_ = std::move(next);
-  }
+  goOver();
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});

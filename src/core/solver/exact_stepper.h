@@ -77,10 +77,12 @@ class Stepper : public InnerRows {
   Touching find(double time, const LoadedNormals& loaded = {});
   bool overlooked(const Touching& later) const;
   void lookFarther();
-  bool addUnforeseen(const Segment& segment, double tau);
+  std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
   bool takeOverlapsAway();
   void settle();
+  void addUnforeseen();
+  void goOver();
   Segment attempt(double tau, Friction friction);
   Slip slipNow() const;
   Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
@@ -125,6 +127,7 @@ class Stepper : public InnerRows {
   std::vector<BodyMotion> start_;
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
+  int halvings_;                         // of it, left
   Segment segment_;                      // this one
   bool has_failed_ = false;
 };
