@@ -72,7 +72,9 @@ struct StageInfo {
 struct Warning {
   /// "non_finite": a body was frozen. "too_fast": a body was slowed down to Limits::max_speed or
   /// Limits::max_spin. "impact_budget": too many impacts in a step. "overlap": bodies overlap deeply after an
-  /// edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place.
+  /// edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place. "solve_budget":
+  /// the exact solves of an island take more work than a step may, and it ends by the best impulses found, or
+  /// by soft contacts. The work is counted and not timed, so equal worlds stay equal.
   std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
 };

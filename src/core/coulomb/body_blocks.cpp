@@ -11,6 +11,9 @@ namespace rbs::coulomb {
 
 namespace {
 
+// Multiplications by point in an iteration that factors: its blocks, and what the method does at each point.
+constexpr std::int64_t kPointWork = 2000;
+
 // The inverse, by Gauss with partial pivoting; not finite where there is none. Eigen's own is made for large
 // matrices, and four times as dear. The order of the sums is the same: rows are solved for in groups of four
 // and two.
@@ -60,6 +63,13 @@ BodyBlocks::BodyBlocks(const System& system) : system_(system) {
     }
     slot_.push_back(slot);
   }
+  constexpr std::int64_t kBlock = 6 * 6 * 6, kColumn = 6 * 6;
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const std::int64_t later = begin_[k + 1] - begin_[k];
+    factor_work_ += kBlock * (1 + later + later * later);
+    solve_work_ += kColumn * (1 + 2 * later);
+  }
+  factor_work_ += kPointWork * static_cast<std::int64_t>(system.columns());
 }
 
 void BodyBlocks::order() {
@@ -145,6 +155,7 @@ void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g
 }
 
 bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
+  system_.spend(factor_work_);
   assemble(D, g);
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
     const Mat6 inverse = inverseOf(diagonal_[k]);
@@ -167,6 +178,7 @@ bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) 
 }
 
 Velocities BodyBlocks::solve(const Velocities& y) const {
+  system_.spend(solve_work_);
   Velocities x(6, y.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) x.col(k) = y.col(order_[k]);
   for (std::size_t k = 0; k < order_.size(); ++k) {

@@ -28,7 +28,7 @@ class BodyBlocks {
   explicit BodyBlocks(const System& system);
 
   /// Factors 1 + J^T D J, D by column of impulses, with g by couple. False where a block on the diagonal is
-  /// singular or not finite.
+  /// singular or not finite. What it costs is taken from the budget of the system, and so is that of solve().
   bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
   /// (1 + J^T D J)^-1 y, from the factors.
   Velocities solve(const Velocities& y) const;
@@ -41,12 +41,13 @@ class BodyBlocks {
   void addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot);
 
   const System& system_;
-  std::vector<Index> order_, place_;  // body by place in the order, and the inverse
-  std::vector<std::uint32_t> begin_;  // by place: the start of its part of rows_, lower_, upper_
-  std::vector<Index> rows_;           // places of the later neighbours, ascending
-  std::vector<std::uint32_t> slot_;   // by point: where its pair is in rows_
-  std::vector<Mat6> diagonal_;        // A_kk, then its inverse
-  std::vector<Mat6> lower_, upper_;   // A_ak, then T_a; and A_ka
+  std::vector<Index> order_, place_;               // body by place in the order, and the inverse
+  std::vector<std::uint32_t> begin_;               // by place: the start of its part of rows_, lower_, upper_
+  std::vector<Index> rows_;                        // places of the later neighbours, ascending
+  std::vector<std::uint32_t> slot_;                // by point: where its pair is in rows_
+  std::int64_t factor_work_ = 0, solve_work_ = 0;  // multiplications
+  std::vector<Mat6> diagonal_;                     // A_kk, then its inverse
+  std::vector<Mat6> lower_, upper_;                // A_ak, then T_a; and A_ka
 };
 
 }  // namespace rbs::coulomb

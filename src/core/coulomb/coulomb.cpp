@@ -131,8 +131,8 @@ constexpr Attempt kAttempts[] = {
      [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::tolerance,
      &Case::target, 200, 0},
     // Bodies are not to fall through, even where time is over.
-    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isLate(); }, &Case::tolerance,
-     &Case::tolerance, 10, 0},
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isBudgetSpent(); },
+     &Case::tolerance, &Case::tolerance, 10, 0},
 };
 
 }  // namespace

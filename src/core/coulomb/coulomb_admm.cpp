@@ -57,7 +57,7 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     return matrix.factor(D, g);
   };
   if (!factor()) return best;
-  while (best.iterations < cap && !system.isLate()) {
+  while (best.iterations < cap && !system.isBudgetSpent()) {
     const int step = ++best.iterations;
     Velocities right = system.free();
     for (std::size_t k = 0; k < columns; ++k) {

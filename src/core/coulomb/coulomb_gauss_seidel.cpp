@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kMostPoints = 4;
 constexpr int kLeastSweeps = 10;  // also where time is over
+// Multiplications by point or couple in a sweep, with its residuals.
+constexpr std::int64_t kSweepWork = 500;
 
 // The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
 Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
@@ -57,6 +59,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
   Velocities y = system.free();
   while (answer.iterations < cap) {
     ++answer.iterations;
+    system.spend(kSweepWork * static_cast<std::int64_t>(system.columns()));
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Vec3 old = answer.r.col(k);
       const Vec3 q = system.velocity(points[k], y) - W[k] * old;
@@ -70,7 +73,7 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
       System::push(couple, answer.r.col(points.size() + k) - old, y);
     }
     answer.residuals = system.residuals(answer.r);
-    if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isLate())) break;
+    if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isBudgetSpent())) break;
   }
   return answer;
 }

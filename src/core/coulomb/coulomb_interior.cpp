@@ -26,7 +26,7 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
   Answer best;
   best.r = Impulses::Zero(3, system.columns());
   best.residuals = system.residuals(best.r);
-  for (int short_steps = 0; best.iterations < cap && short_steps < kShortSteps && !system.isLate();) {
+  for (int short_steps = 0; best.iterations < cap && short_steps < kShortSteps && !system.isBudgetSpent();) {
     ++best.iterations;
     if (!path.linearise() || !path.step(0.0, 0.0, nullptr, predictor)) break;
     const double left = 1.0 - std::min(1.0, path.room(predictor));

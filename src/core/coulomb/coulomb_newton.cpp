@@ -112,11 +112,12 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
   Answer best{start.r, start.residuals, 0};
   Impulses r = start.r, u = system.relativeVelocities(r);
   double last = best.residuals.beyond_rounding;
-  while (best.iterations < cap && stiffness >= kLeastStiffness && !system.isLate()) {
+  while (best.iterations < cap && stiffness >= kLeastStiffness && !system.isBudgetSpent()) {
     const Round round(system, r, u);
     Round::State state = round.at(Velocities::Zero(6, system.free().cols()), stiffness);
     bool found = false;
-    for (int step = 0; step < kMostSteps && best.iterations < cap && !found && !system.isLate(); ++step) {
+    for (int step = 0; step < kMostSteps && best.iterations < cap && !found && !system.isBudgetSpent();
+         ++step) {
       ++best.iterations;
       if (!matrix.factor(state.D, state.g)) break;
       const Velocities dx = matrix.solve(state.F);

@@ -54,7 +54,7 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
   std::deque<Mark> marks;
   double length = 1.0;
   int ahead_since = kFurtherBack;  // steps ahead since one was taken back
-  for (int corrections = 0; best.iterations < cap && !system.isLate();) {
+  for (int corrections = 0; best.iterations < cap && !system.isBudgetSpent();) {
     ++best.iterations;
     const double t = std::exp(now.log_t), share = std::exp(now.log_t - first_log_t);
     if (!path.linearise() || !path.tangent(t, share, tangent) || !path.step(t, share, nullptr, correction))

@@ -15,10 +15,9 @@
 #pragma once
 
 #include "base/index.h"
+#include "base/solve_budget.h"
 #include "rigid_body_sim/types.h"
 
-#include <chrono>
-#include <optional>
 #include <vector>
 
 namespace rbs {
@@ -73,8 +72,7 @@ struct CoulombProblem {
   /// What velocities are measured against, m/s, > 0: g h, or what stands in for it where g = 0. The unit of
   /// impulse is the mass of all bodies times this.
   double speed_unit;
-  /// When the solvers are to end with the best they have; empty: when they are done.
-  std::optional<std::chrono::steady_clock::time_point> until = std::nullopt;
+  SolveBudget* budget = nullptr;  ///< null: the solvers end when they are done
   std::vector<CoulombCouple> couples{};
 };
 

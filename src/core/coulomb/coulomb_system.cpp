@@ -47,7 +47,7 @@ System::System(const CoulombProblem& problem) {
   double total_mass = 0.0;
   for (const CoulombBody& body : problem.bodies) total_mass += body.mass;
   speed_ = problem.speed_unit;
-  until_ = problem.until;
+  budget_ = problem.budget;
   impulse_ = total_mass * speed_;
 
   free_.resize(6, problem.bodies.size());

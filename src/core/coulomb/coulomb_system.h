@@ -99,7 +99,11 @@ class System {
   }
 
   /// Whether the solvers are to end.
-  bool isLate() const { return until_ && std::chrono::steady_clock::now() >= *until_; }
+  bool isBudgetSpent() const { return budget_ && budget_->isSpent(); }
+  /// Takes so many multiplications from the budget.
+  void spend(std::int64_t work) const {
+    if (budget_) budget_->work -= work;
+  }
 
   Impulses guess(const CoulombProblem& problem) const;
   /// Writes impulses, and the velocities they make, with units.
@@ -115,7 +119,7 @@ class System {
   std::vector<Point> points_;
   std::vector<Couple> couples_;
   Velocities free_;
-  std::optional<std::chrono::steady_clock::time_point> until_;
+  SolveBudget* budget_;
 };
 
 }  // namespace rbs::coulomb

@@ -67,7 +67,7 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     for (CoulombCouple& law : problem.couples) law.impulse.setZero();
     return {CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, true};
   }
-  problem.until = step_.solve_until;
+  problem.budget = &budget_;
   const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
   islandResiduals().iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
@@ -105,7 +105,7 @@ bool Stepper::takeOverlapsAway() {
       problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
-  problem.until = step_.solve_until;
+  problem.budget = &budget_;
   solveCoulomb(problem, 1e-6);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();

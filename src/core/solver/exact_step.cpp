@@ -68,6 +68,8 @@ constexpr double kJump = 0.5;
 // many times in a step.
 constexpr double kMostSunk = 1e-3;
 constexpr int kMostHalvings = 4;
+// What it costs to find the points of a pair, in multiplications.
+constexpr std::int64_t kPairWork = 5000;
 constexpr std::uint32_t kPassed = 0xfffffffe;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
@@ -94,12 +96,14 @@ double deepestShare(const Touching& touching) {
 
 }  // namespace
 
-Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock)
+Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
+                 InnerClock& clock)
     : context_(context),
       step_(context.step),
       active_(contactsOf(batch.edges)),
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
+      budget_(budget),
       clock_(clock),
       now_(t0),
       end_(t1),
@@ -120,6 +124,7 @@ Touching Stepper::find(double time, const LoadedNormals& loaded) {
   clock_.charge(kSolve);
   Touching found = findTouching(context_, active_, slots_, time, span_, reach_, loaded);
   clock_.charge(kCollide);
+  budget_.work -= kPairWork * static_cast<std::int64_t>(active_.size());
   return found;
 }
 
@@ -252,7 +257,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters = curvatureMatters(kick.bodies, kick.points, held, segment.touching, tau, curvature);
     const bool deep = segment.first.converged && deepestShare(segment.touching) > kLeftOverlap;
-    if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || step_.isLate()) break;
+    if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);
   }
 
@@ -321,9 +326,19 @@ double Stepper::turnsBy(double seconds) const {
   return rate * seconds;
 }
 
+// Goes back to the start, where another method is to begin.
+void Stepper::giveUp(Outcome why) {
+  outcome_ = why;
+  island_.restore(start_);
+  islandResiduals() = before_solves_;
+}
+
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
-  return !has_failed_ && end_ - now_ > 1e-12 * step_.h();
+  if (outcome_ != Outcome::Done || end_ - now_ <= 1e-12 * step_.h()) return false;
+  if (budget_.work > 0) return true;
+  giveUp(Outcome::TooDear);
+  return false;
 }
 
 // Goes over the segment again with the points that it met and that were not among those of now.
@@ -358,14 +373,14 @@ void Stepper::goOver() {
     const std::size_t stops = stops_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
-    if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !step_.isLate()) {
+    if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !budget_.isSpent()) {
       cuts_ -= points;
       stops_.push_back(segment_.slip_left.of);
       cutAtStop(tau_, segment_);
     }
     addUnforeseen();
     const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + kMostSunk;
-    if (!sunk || halvings_ == 0 || step_.isLate()) return;
+    if (!sunk || halvings_ == 0 || budget_.isSpent()) return;
     touching_ = foreseen;
     stops_.resize(stops);
     longest_ = 0.5 * uncut;
@@ -383,16 +398,13 @@ void Stepper::solve() {
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
-  has_failed_ = !own_.converged && (promoted_ || (worst > kUnsolved && !step_.isLate()));
+  if (!own_.converged && (promoted_ || (worst > kUnsolved && !budget_.isLate())))
+    giveUp(budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear);
 }
 
-// Goes to where the segment ends; back to the start, where another method is to begin.
+// Goes to where the segment ends.
 void Stepper::integrate() {
-  if (has_failed_) {
-    island_.restore(start_);
-    islandResiduals() = before_solves_;
-    return;
-  }
+  if (outcome_ != Outcome::Done) return;
   island_.restore(segment_.end);
   touching_ = std::move(segment_.touching);
   opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
@@ -401,15 +413,23 @@ void Stepper::integrate() {
 }
 
 void Stepper::store() {
-  if (!has_failed_) storeTouching(touching_, opened_, active_, context_.scene.contacts);
+  if (outcome_ == Outcome::Done) storeTouching(touching_, opened_, active_, context_.scene.contacts);
 }
 
-bool advance(Context& context, const IslandBatch& batch, double t0, double t1) {
-  if (!(t1 > t0)) return true;
-  InnerClock clock(context.step);
-  Stepper method(context, batch, t0, t1, clock);
+Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+  if (!(t1 > t0)) return Outcome::Done;
+  StepStore& step = context.step;
+  std::int64_t& own = step.islands[step.island[batch.bodies.front()]].work;
+  std::int64_t& common = step.solve_budget.work;
+  const std::int64_t all = own + common;
+  SolveBudget budget{all, step.solve_budget.until};
+  InnerClock clock(step);
+  Stepper method(context, batch, t0, t1, budget, clock);
   runInnerStep(method, clock);
-  return !method.hasFailed();
+  const std::int64_t spent = std::min(all - budget.work, all), of_own = std::min(spent, own);
+  own -= of_own;
+  common -= spent - of_own;
+  return method.outcome();
 }
 
 }  // namespace rbs::exact_step

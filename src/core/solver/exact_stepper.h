@@ -38,7 +38,8 @@ inline constexpr double kPushedGap = 1e-3;
 
 class Stepper : public InnerRows {
  public:
-  Stepper(Context& context, const IslandBatch& batch, double t0, double t1, InnerClock& clock);
+  Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
+          InnerClock& clock);
 
   void collide();
   void prepare();
@@ -46,9 +47,8 @@ class Stepper : public InnerRows {
   void solve();
   void integrate();
   void store();
-  /// Its solvers found no solution, or did not converge at a setting that has another method: the island is
-  /// as it was.
-  bool hasFailed() const { return has_failed_; }
+  /// Anything but Done leaves the island as it was.
+  Outcome outcome() const { return outcome_; }
 
  private:
   // How fast closed points slide, and couples turn, in their frames; zero where they do not.
@@ -79,6 +79,7 @@ class Stepper : public InnerRows {
   void lookFarther();
   std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
+  void giveUp(Outcome why);
   bool takeOverlapsAway();
   void settle();
   void addUnforeseen();
@@ -114,6 +115,7 @@ class Stepper : public InnerRows {
   std::vector<Index> active_;  // contacts
   IslandMotion island_;
   Slots slots_;  // in the problem
+  SolveBudget& budget_;
   InnerClock& clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at
@@ -129,7 +131,7 @@ class Stepper : public InnerRows {
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
   int halvings_;                         // of it, left
   Segment segment_;                      // this one
-  bool has_failed_ = false;
+  Outcome outcome_ = Outcome::Done;
 };
 
 }  // namespace rbs::exact_step

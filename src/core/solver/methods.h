@@ -27,10 +27,14 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step
 
 namespace exact_step {
-/// Bodies in contact, by Coulomb's law without softness; one island at a time. An island that its solvers
-/// find no solution for is left as it was, and the answer is false. At a setting that only promotes islands
-/// to it, so is one for which they do not converge.
-bool advance(Context& context, const IslandBatch& batch, double t0, double t1);
+enum class Outcome {
+  Done,
+  NoSolution,  ///< found; or, at a setting that only promotes islands to it, the solvers did not converge
+  TooDear,     ///< what the island may cost was spent before the end
+};
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. Anything but Done leaves the
+/// island as it was, for another method.
+Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step
 
 }  // namespace rbs

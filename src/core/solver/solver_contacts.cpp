@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace rbs {
@@ -16,15 +17,18 @@ namespace {
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kDriftLimit = 0.05;
 
+double leastSeparation(const Manifold& manifold) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < manifold.size; ++k) least = std::min(least, manifold.points[k].separation);
+  return least;
+}
+
 // Keeps the points open by no more than `margin`; the deepest in any case.
 void keepWithin(double margin, Manifold& manifold) {
-  const auto begin = manifold.points.begin(), end = begin + manifold.size;
-  const auto deeper = [](const ManifoldPoint& a, const ManifoldPoint& b) {
-    return a.separation < b.separation;
-  };
-  if (manifold.size > 0) margin = std::max(margin, std::min_element(begin, end, deeper)->separation);
+  margin = std::max(margin, leastSeparation(manifold));
   const auto open = [&](const ManifoldPoint& point) { return point.separation > margin; };
-  manifold.size = static_cast<int>(std::remove_if(begin, end, open) - begin);
+  const auto begin = manifold.points.begin();
+  manifold.size = static_cast<int>(std::remove_if(begin, begin + manifold.size, open) - begin);
 }
 
 }  // namespace
@@ -100,7 +104,7 @@ Vec3 SolverContacts::loadedNormal(const SolverBlock& block) const {
 }
 
 // Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
-// moved that far.
+// moved that far. Points that no sub-step can close are good until the pair has come half as near.
 void SolverContacts::findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W) {
   const Bodies& store = context_.scene.bodies;
   const SolverBody& i = bodies[block.i];
@@ -121,7 +125,8 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
-  block.drift_limit = manifold.size > 0 ? kDriftLimit * length : margin;
+  const double far = 0.5 * (leastSeparation(manifold) - approachIn(block, h_));
+  block.drift_limit = manifold.size > 0 ? std::max(kDriftLimit * length, far) : margin;
   block.moved_i = i.moved, block.turned_i = i.turned;
   block.moved_j = j.moved, block.turned_j = j.turned;
   block.first = static_cast<int>(points.size());

@@ -6,6 +6,7 @@
 // there, and nothing in it outlives the step.
 #pragma once
 
+#include "base/solve_budget.h"
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
 #include "state/bodies.h"
@@ -169,8 +170,8 @@ struct StepStore {
   std::vector<std::vector<Index>> falling_asleep;  ///< groups that sleep from the next step on
   std::vector<Pose> before;         ///< by body: pose at t0, for the body that must be put back
   std::vector<Twist> twist_before;  ///< by body, at t0
-  /// When the exact solves of the step are to end, where that is asked for.
-  std::optional<std::chrono::steady_clock::time_point> solve_until;
+  /// What the exact solves of all islands may still cost, beyond what each island has for itself.
+  SolveBudget solve_budget{kCommonWork};
   StepReport report;
 
   /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene,
@@ -178,8 +179,6 @@ struct StepStore {
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
   bool isCrowded(Index i) const { return !crowded.empty() && crowded[i]; }
-  /// Whether the time for exact solves is over, where there is a limit to it.
-  bool isLate() const { return solve_until && std::chrono::steady_clock::now() >= *solve_until; }
   /// How far body i has been advanced. A body in no island is wherever its motion from t0 puts it.
   double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
   /// Where body i is at time t: its island has left it there, or a kinematic body moves on from t0.

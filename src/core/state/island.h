@@ -35,6 +35,8 @@ struct Island {
   double time = 0.0;      ///< how far it has been advanced
   bool exact = false;     ///< the exact step solves its constraints
   IslandResiduals residuals;
+  std::int64_t work =
+      0;  ///< what its exact solves may still cost before they take of what all may, see SolveBudget
 
   bool flies() const { return edges.empty(); }
 };

@@ -2,6 +2,7 @@
 #include "step/island_step.h"
 
 #include "base/algebra.h"
+#include "base/text.h"
 #include "solver/methods.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@ namespace {
 // no room; or they are out of reach of its solvers. The name of a kinematic body in contact tells the first.
 void reportUnsolved(Context& context, const IslandBatch& batch) {
   const Bodies& bodies = context.scene.bodies;
-  context.step.islands[context.step.island[batch.bodies.front()]].residuals.converged = false;
   const Contact* squeezes = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   for (const Edge& edge : batch.edges) {
@@ -41,13 +41,40 @@ void reportUnsolved(Context& context, const IslandBatch& batch) {
                        "the kinematic body, or make it dynamic"});
 }
 
+void reportTooDear(Context& context, const IslandBatch& batch) {
+  context.step.report.warnings.push_back(
+      {"solve_budget", "the contact forces in the group of body '" +
+                           context.scene.bodies.name[batch.bodies.front()] + "' (" +
+                           count(batch.bodies.size(), "body", "bodies") +
+                           ") take more work than a step may, so they are approximate. Shorten the step, or "
+                           "choose a faster setting"});
+}
+
+// By the exact step, and by the soft step where that one cannot. An island whose budget is spent stays with
+// the soft step until the end of the step.
+void advanceExactly(Context& context, const IslandBatch& batch, double t0, double t1) {
+  StepStore& step = context.step;
+  Island& island = step.islands[step.island[batch.bodies.front()]];
+  const exact_step::Outcome outcome = exact_step::advance(context, batch, t0, t1);
+  const bool spent = island.work + step.solve_budget.work == 0;
+  if (spent) island.exact = false;
+  if (outcome != exact_step::Outcome::Done) soft_step::advance(context, batch, t0, t1);
+  if (!step.solver.exact) return;
+  if (outcome != exact_step::Outcome::Done) island.residuals.converged = false;
+  if (outcome == exact_step::Outcome::NoSolution)
+    reportUnsolved(context, batch);
+  else if (spent && !island.residuals.converged)
+    reportTooDear(context, batch);
+}
+
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
   if (batch.edges.empty()) {
     flight::advance(context, batch, t0, t1);
-  } else if (!exact || !exact_step::advance(context, batch, t0, t1)) {
+  } else if (exact) {
+    advanceExactly(context, batch, t0, t1);
+  } else {
     soft_step::advance(context, batch, t0, t1);
-    if (exact && context.step.solver.exact) reportUnsolved(context, batch);
   }
 }
 

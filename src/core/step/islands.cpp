@@ -96,7 +96,9 @@ void connect(Context& context, const std::vector<Edge>& edges) {
       step.islands.emplace_back().time = step.t0;
     }
     step.island[i] = step.island[root];
-    step.islands[step.island[i]].bodies.push_back(i);
+    Island& island = step.islands[step.island[i]];
+    island.bodies.push_back(i);
+    island.work += kWorkPerBody;
   }
   for (const Edge& edge : edges)
     if (const Index first = firstMover(edge); first != kNone)
@@ -110,6 +112,7 @@ Index merge(Context& context, Index a, Index b) {
   for (const Index body : gone.bodies) step.island[body] = a;
   kept.exact = isExactTogether(context, kept, gone);
   residuals::add(kept.residuals, gone.residuals);
+  kept.work += gone.work;
   append(kept.bodies, gone.bodies);
   append(kept.edges, gone.edges);
   kept.touching = kept.touching || gone.touching;

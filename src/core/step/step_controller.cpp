@@ -55,7 +55,7 @@ void advanceUntilNoneIsMissed(Context& context) {
   for (int times = 1;; ++times) {
     takeImpacts(context);
     advanceToEnd(context);
-    if (times == kMostTimes || context.step.isLate()) return;
+    if (times == kMostTimes || context.step.solve_budget.isSpent()) return;
     const std::vector<std::pair<Index, Index>> missed = findMissedContacts(context);
     if (missed.empty()) return;
     beginAgain(context, beginning, missed);

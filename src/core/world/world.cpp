@@ -301,9 +301,9 @@ const StepReport& World::step() {
   Impl& w = *impl_;
   const double h = w.scene.settings.step, start = w.scene.time;
   const std::uint32_t parts = w.scene.settings.fidelity.divisions;
-  w.step.solve_until.reset();
+  w.step.solve_budget = {kCommonWork};
   if (const auto ms = w.scene.settings.fidelity.max_solve_ms)
-    w.step.solve_until =
+    w.step.solve_budget.until =
         std::chrono::steady_clock::now() +
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
   w.scene.contacts.clearEarlier();
