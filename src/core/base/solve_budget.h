@@ -12,8 +12,8 @@
 
 namespace rbs {
 
-/// Multiplications of doubles, about. A hundred bodies have 2e9, which take 0.6 s (docs/stability.md).
-inline constexpr std::int64_t kWorkPerBody = 10'000'000, kCommonWork = 1'000'000'000;
+/// Multiplications of doubles, about. A hundred bodies have 1.5e9, which take 0.5 s (docs/stability.md).
+inline constexpr std::int64_t kWorkPerBody = 8'000'000, kCommonWork = 700'000'000;
 
 /// What solvers may still cost. Once it is spent they end with the best they have.
 struct SolveBudget {

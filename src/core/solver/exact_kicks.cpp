@@ -67,14 +67,22 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     for (CoulombCouple& law : problem.couples) law.impulse.setZero();
     return {CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, true};
   }
-  problem.budget = &budget_;
-  const CoulombResult result = solveCoulomb(problem, tolerance_, aim_);
-  islandResiduals().iterations += static_cast<std::uint32_t>(result.iterations);
+  const CoulombResult result = solveInBudget(problem, tolerance_, aim_);
+  island().residuals.iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }
 
-IslandResiduals& Stepper::islandResiduals() const {
-  return step_.islands[step_.island[island_.indices().front()]].residuals;
+// A solve that does not converge leaves three quarters of the budget to the others; fourteen of them spend
+// all.
+CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double aim) const {
+  const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);
+  const SolveBudget part{std::min(budget_.work, most), budget_.until};
+  SolveBudget left = part;
+  problem.budget = &left;
+  const CoulombResult result = solveCoulomb(problem, tolerance, aim);
+  budget_.work -= part.work - left.work;
+  if (!result.converged && left.work <= 0) island().cut_short = true;
+  return result;
 }
 
 // Of a solve that counts: trials that are given up cost iterations and say nothing of the result.
@@ -85,7 +93,7 @@ void Stepper::addResiduals(const CoulombResult& result) {
   solved.coulomb = result.coulomb;
   solved.dissipation = result.dissipation;
   solved.converged = result.converged;
-  residuals::add(islandResiduals(), solved);
+  residuals::add(island().residuals, solved);
   residuals::add(own_, solved);
 }
 
@@ -105,8 +113,7 @@ bool Stepper::takeOverlapsAway() {
       problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
-  problem.budget = &budget_;
-  solveCoulomb(problem, 1e-6);
+  solveInBudget(problem, 1e-6, 1e-6);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;

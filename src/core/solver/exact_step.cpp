@@ -104,6 +104,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
       budget_(budget),
+      whole_budget_(budget.work),
       clock_(clock),
       now_(t0),
       end_(t1),
@@ -297,7 +298,7 @@ void Stepper::collide() {
 
 void Stepper::prepare() {
   start_ = island_.save();
-  before_solves_ = islandResiduals();
+  before_solves_ = island().residuals;
   expectLastForces(context_.scene.contacts, touching_);
   const double turn = turnsBy(end_ - now_);
   longest_ =
@@ -330,13 +331,14 @@ double Stepper::turnsBy(double seconds) const {
 void Stepper::giveUp(Outcome why) {
   outcome_ = why;
   island_.restore(start_);
-  islandResiduals() = before_solves_;
+  island().residuals = before_solves_;
 }
 
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
   if (outcome_ != Outcome::Done || end_ - now_ <= 1e-12 * step_.h()) return false;
   if (budget_.work > 0) return true;
+  island().cut_short = true;
   giveUp(Outcome::TooDear);
   return false;
 }
@@ -399,7 +401,7 @@ void Stepper::solve() {
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
   if (!own_.converged && (promoted_ || (worst > kUnsolved && !budget_.isLate())))
-    giveUp(budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear);
+    giveUp(island().cut_short ? Outcome::TooDear : Outcome::NoSolution);
 }
 
 // Goes to where the segment ends.

@@ -107,7 +107,8 @@ class Stepper : public InnerRows {
   void cutAtStop(double& tau, Segment& segment);
 
   CoulombResult solve(CoulombProblem& problem) const;
-  IslandResiduals& islandResiduals() const;
+  Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
+  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double aim) const;
   void addResiduals(const CoulombResult& result);
 
   Context& context_;
@@ -116,6 +117,7 @@ class Stepper : public InnerRows {
   IslandMotion island_;
   Slots slots_;  // in the problem
   SolveBudget& budget_;
+  std::int64_t whole_budget_;
   InnerClock& clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at

@@ -35,8 +35,9 @@ struct Island {
   double time = 0.0;      ///< how far it has been advanced
   bool exact = false;     ///< the exact step solves its constraints
   IslandResiduals residuals;
-  std::int64_t work =
-      0;  ///< what its exact solves may still cost before they take of what all may, see SolveBudget
+  /// What its exact solves may still cost before they take of what all may, see SolveBudget.
+  std::int64_t work = 0;
+  bool cut_short = false;  ///< an exact solve has been ended by its budget
 
   bool flies() const { return edges.empty(); }
 };

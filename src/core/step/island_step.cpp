@@ -41,30 +41,26 @@ void reportUnsolved(Context& context, const IslandBatch& batch) {
                        "the kinematic body, or make it dynamic"});
 }
 
-void reportTooDear(Context& context, const IslandBatch& batch) {
+void reportCutShort(Context& context, const Island& island) {
   context.step.report.warnings.push_back(
       {"solve_budget", "the contact forces in the group of body '" +
-                           context.scene.bodies.name[batch.bodies.front()] + "' (" +
-                           count(batch.bodies.size(), "body", "bodies") +
+                           context.scene.bodies.name[island.bodies.front()] + "' (" +
+                           count(island.bodies.size(), "body", "bodies") +
                            ") take more work than a step may, so they are approximate. Shorten the step, or "
                            "choose a faster setting"});
 }
 
-// By the exact step, and by the soft step where that one cannot. An island whose budget is spent stays with
-// the soft step until the end of the step.
+// By the exact step, and by the soft step where that one cannot. An island that is too dear stays with the
+// soft step until the end of the step.
 void advanceExactly(Context& context, const IslandBatch& batch, double t0, double t1) {
-  StepStore& step = context.step;
-  Island& island = step.islands[step.island[batch.bodies.front()]];
+  Island& island = context.step.islands[context.step.island[batch.bodies.front()]];
   const exact_step::Outcome outcome = exact_step::advance(context, batch, t0, t1);
-  const bool spent = island.work + step.solve_budget.work == 0;
-  if (spent) island.exact = false;
-  if (outcome != exact_step::Outcome::Done) soft_step::advance(context, batch, t0, t1);
-  if (!step.solver.exact) return;
-  if (outcome != exact_step::Outcome::Done) island.residuals.converged = false;
-  if (outcome == exact_step::Outcome::NoSolution)
-    reportUnsolved(context, batch);
-  else if (spent && !island.residuals.converged)
-    reportTooDear(context, batch);
+  if (outcome == exact_step::Outcome::Done) return;
+  if (outcome == exact_step::Outcome::TooDear) island.exact = false;
+  soft_step::advance(context, batch, t0, t1);
+  if (!context.step.solver.exact) return;
+  island.residuals.converged = false;
+  if (outcome == exact_step::Outcome::NoSolution) reportUnsolved(context, batch);
 }
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
@@ -122,6 +118,10 @@ void advanceToEnd(Context& context) {
   std::sort(connected.edges.begin(), connected.edges.end());
   advanceBatch(context, flying, false, step.t0, step.t1);
   advanceBatch(context, connected, false, step.t0, step.t1);
+  if (!step.solver.exact) return;
+  for (const Island& island : step.islands)
+    if (island.cut_short && !island.residuals.converged && !island.bodies.empty())
+      reportCutShort(context, island);
 }
 
 }  // namespace rbs

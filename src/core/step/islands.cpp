@@ -113,6 +113,7 @@ Index merge(Context& context, Index a, Index b) {
   kept.exact = isExactTogether(context, kept, gone);
   residuals::add(kept.residuals, gone.residuals);
   kept.work += gone.work;
+  kept.cut_short = kept.cut_short || gone.cut_short;
   append(kept.bodies, gone.bodies);
   append(kept.edges, gone.edges);
   kept.touching = kept.touching || gone.touching;
