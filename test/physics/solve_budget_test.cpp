@@ -44,7 +44,9 @@ int tooDear(const StepReport& report) {
 
 // Without the budget the first step takes 45,000 iterations at accurate, and 180,000 at reference.
 TEST(SolveBudget, BoundsAStepByCountsAtTheExactSettings) {
-  for (const Fidelity setting : {Fidelity::Accurate, Fidelity::Reference}) {
+  const std::pair<Fidelity, std::uint32_t> kMost[] = {{Fidelity::Accurate, 30000},
+                                                      {Fidelity::Reference, 60000}};
+  for (const auto& [setting, most] : kMost) {
     SceneDef scene = heapOf(45, 1.0);
     scene.fidelity = setting;
     World world(ordered(scene)), again(ordered(scene));
@@ -57,7 +59,7 @@ TEST(SolveBudget, BoundsAStepByCountsAtTheExactSettings) {
         iterations += island.iterations;
         converged = converged && island.converged;
       }
-      EXPECT_LT(iterations, 60000u);
+      EXPECT_LT(iterations, most);
       std::set<std::string> said;
       for (const Warning& warning : report.warnings) {
         EXPECT_TRUE(said.insert(warning.text).second) << "twice: " << warning.text;
@@ -77,8 +79,10 @@ TEST(SolveBudget, BoundsAStepByCountsAtTheExactSettings) {
 TEST(SolveBudget, LeavesOtherIslandsExact) {
   SceneDef beside = onFloor(1.0, 0.5);
   beside.fidelity = Fidelity::Reference;
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < 3; ++k) {
     beside.bodies.push_back(box("brick_" + std::to_string(k), {1.0, 1.0, 0.5}, {100.0, 0.0, 0.25 + 0.5 * k}));
+    beside.bodies.back().twist.v_WB.x() = 8.0;  // no forces of the last step solve what slides
+  }
   SceneDef both = heapOf(45, 1.0);
   both.fidelity = Fidelity::Reference;
   both.bodies.insert(both.bodies.end(), beside.bodies.begin() + 1, beside.bodies.end());

@@ -330,6 +330,7 @@ double Stepper::turnsBy(double seconds) const {
 // Goes back to the start, where another method is to begin.
 void Stepper::giveUp(Outcome why) {
   outcome_ = why;
+  island().cut_short = why == Outcome::TooDear;
   island_.restore(start_);
   island().residuals = before_solves_;
 }
@@ -338,7 +339,6 @@ void Stepper::giveUp(Outcome why) {
 bool Stepper::beginSubStep() {
   if (outcome_ != Outcome::Done || end_ - now_ <= 1e-12 * step_.h()) return false;
   if (budget_.work > 0) return true;
-  island().cut_short = true;
   giveUp(Outcome::TooDear);
   return false;
 }
@@ -401,7 +401,7 @@ void Stepper::solve() {
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
   if (!own_.converged && (promoted_ || (worst > kUnsolved && !budget_.isLate())))
-    giveUp(island().cut_short ? Outcome::TooDear : Outcome::NoSolution);
+    giveUp(budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear);
 }
 
 // Goes to where the segment ends.

@@ -55,10 +55,12 @@ void advanceUntilNoneIsMissed(Context& context) {
   for (int times = 1;; ++times) {
     takeImpacts(context);
     advanceToEnd(context);
-    if (times == kMostTimes || context.step.solve_budget.isSpent()) return;
+    if (times == kMostTimes || context.step.solve_budget.isLate()) return;
     const std::vector<std::pair<Index, Index>> missed = findMissedContacts(context);
     if (missed.empty()) return;
     beginAgain(context, beginning, missed);
+    // All repetitions together cost no more than one begun anew.
+    for (Island& island : context.step.islands) island.work >>= times;
   }
 }
 

@@ -311,6 +311,7 @@ const StepReport& World::step() {
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {
     const StepReport before = w.step.report;
+    w.step.solve_budget.work = kCommonWork;
     for (Contact& contact : w.scene.contacts.active)
       if (!w.scene.isAsleep(contact)) contact.addEarlier();
     w.advance(part == parts ? start + h : start + h * part / parts);
