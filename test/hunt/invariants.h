@@ -38,8 +38,8 @@ struct Demands {
 ///                nothing else; not where bodies overlap deeply;
 ///   plane        no body goes through a static plane by more than half of its smallest extent;
 ///   cone         friction on a plane is at most mu times the normal impulse, at the exact settings;
-///   overlap      bodies that a solver says to have solved do not sink into each other, at the exact
-///   settings; step_time    see Demands::seconds_per_step.
+///   overlap      bodies that a solver says to have solved do not sink into each other, at the exact settings;
+///   step_time    see Demands::seconds_per_step.
 /// Then the run is made again: saved as text and restored at half time, and in other units, powers of two,
 /// which round alike. The end must be the same, bit for bit:
 ///   restored, units.

@@ -63,9 +63,8 @@ Softness softness(double h, double h_full);
 /// The method, with the kinds of constraints that it solves beside contacts. What a kind has to have:
 ///   void prepare(const Context&, const IslandBatch&, SolverContacts&);  ///< its rows
 ///   bool empty() const;                                                 ///< it has none in this batch
-///   void warmStart(SolverContacts&);                                    ///< the impulses of the last
-///   sub-step again void solve(SolverContacts&);                                        ///< one pass over
-///   its rows
+///   void warmStart(SolverContacts&);                                    ///< the last sub-step's impulses
+///   void solve(SolverContacts&);                                        ///< one pass over its rows
 /// A scene without a kind runs as if there were no such kind: not a test of it is left in the loops.
 template <class... Kinds>
 class SoftStep : public InnerRows {

@@ -4,14 +4,14 @@
 //   Candidate      --touch()-------> Touching        its points bore a force at the end of the last step
 //   Candidate      --awaitImpact()-> AwaitingImpact  the two will collide before the end of the step
 //   Candidate      --separate()----> Separated       their predicted motions do not meet
-//   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (overlaps.h); until the end of
-//   the step Touching       --awaitImpact()-> AwaitingImpact  they close, and rebound by their restitution
+//   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (overlaps.h), to the step's end
+//   Touching       --awaitImpact()-> AwaitingImpact  they close, and rebound by their restitution
 //   AwaitingImpact --touch()-------> Touching        the impact has been resolved, and the two stay together
-//   AwaitingImpact --open()--------> Candidate       another impact came before it: what comes now is not
-//   known, AwaitingImpact --separate()----> Separated       or it is known that they will not meet Separated
-//   --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide, Separated
-//   --open()--------> Candidate       or will touch, or contacts pushed them into each other Separated
-//   --touch()-------> Touching        an impact left them together
+//   AwaitingImpact --open()--------> Candidate       another impact came first: what comes is not known,
+//   AwaitingImpact --separate()----> Separated       or it is known that they will not meet
+//   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide,
+//   Separated      --open()--------> Candidate       or will touch, or contacts pushed them into each other
+//   Separated      --touch()-------> Touching        an impact left them together
 //
 // The contact solver takes candidates and what touches.
 #pragma once
