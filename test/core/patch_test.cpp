@@ -158,6 +158,56 @@ TEST(Patch, CapsulesMeetInALineOrAPoint) {
   EXPECT_NEAR((beside.points[0].p_W - beside.points[1].p_W).norm(), 0.8, 1e-9);
 }
 
+// Round sides of radii r and s whose axes cross a little: d beside each other, they are apart by
+//   D - max over x of sqrt(r² - x²) + sqrt(s² - (d - x)²)
+// along the normal, with D the distance of the axes, here by trying places x.
+double crossingGap(double D, double r, double s, double d) {
+  double most = 0.0;
+  for (int k = 0; k <= 20000; ++k) {
+    const double x = d * k / 20000.0;
+    most = std::max(most, std::sqrt(r * r - x * x) + std::sqrt(s * s - (d - x) * (d - x)));
+  }
+  return D - most;
+}
+
+TEST(Patch, RodsThatCrossALittleMeetInALine) {
+  const double half = 0.5;
+  for (const auto& [r, s] : {std::pair(0.2, 0.2), std::pair(0.05, 0.3)})
+    for (const double angle : {0.0, 1e-9, 1e-6, 1e-4, 1e-3, 0.9e-2 * (r + s) / half})
+      for (const double depth : {0.0, 1e-6, 1e-3 * s})
+        for (const auto& [lower, upper] : {std::pair<Shape, Shape>(Cylinder{r, half}, Cylinder{s, half}),
+                                           std::pair<Shape, Shape>(Capsule{r, half}, Cylinder{s, half}),
+                                           std::pair<Shape, Shape>(Cylinder{r, half}, Capsule{s, half}),
+                                           std::pair<Shape, Shape>(Capsule{r, half}, Capsule{s, half})}) {
+          const std::string where = shapeName(lower) + " and " + shapeName(upper) + " crossing by " +
+                                    std::to_string(angle) + ", " + std::to_string(depth) + " deep";
+          const double D = r + s - depth;
+          const Manifold line = collide(lower, at({0, 0, 0}, kLying), upper,
+                                        at({0, 0, D}, turned(angle, Vec3::UnitZ()) * kLying), 1e-3);
+          ASSERT_GE(line.size, 2) << where;
+          double from = half, to = -half;
+          for (int k = 0; k < line.size; ++k) {
+            const double x = line.points[k].p_W.x();
+            EXPECT_NEAR(line.points[k].separation, crossingGap(D, r, s, std::abs(x) * std::sin(angle)),
+                        1e-8 * (r + s))
+                << where;
+            from = std::min(from, x), to = std::max(to, x);
+          }
+          EXPECT_NEAR(to - from, 2.0 * half, 1e-3 * half) << where;
+        }
+}
+
+// The line of a cone is no line where the cone is tilted along it.
+TEST(Patch, WhatIsTiltedMeetsInNoLine) {
+  const Cylinder rod{0.2, 0.5};
+  for (const double tilt : {0.05, 0.2}) {
+    const double height = 0.2 + 0.5 * std::sin(tilt) + 0.2 * std::cos(tilt) - 1e-6;
+    const Manifold manifold = collide(rod, at({0, 0, 0}, kLying), rod,
+                                      at({-0.2, 0, height}, turned(tilt, Vec3::UnitY()) * kLying), 1e-3);
+    EXPECT_EQ(manifold.size, 1) << tilt;
+  }
+}
+
 // While shapes that lie on each other waver, their corners keep their names.
 TEST(Patch, FeaturesAreStable) {
   const std::uint64_t seed = 73;

@@ -87,6 +87,7 @@ Facet facetTowards(const Cylinder& cylinder, const Vec3& d) {
   const Eigen::Vector2d side = cylinder.radius * acrossAxis(d);
   facet.add({side.x(), side.y(), cylinder.half_length}, 2 * kRim);
   facet.add({side.x(), side.y(), -cylinder.half_length}, 2 * kRim + 1);
+  facet.round = {cylinder.radius, cylinder.radius};
   return facet;
 }
 
@@ -103,6 +104,8 @@ Facet facetTowards(const Cone& cone, const Vec3& d) {
   const Eigen::Vector2d side = cone.radius * acrossAxis(d);
   facet.add({0.0, 0.0, 0.75 * cone.height}, kRim);
   facet.add({side.x(), side.y(), -0.25 * cone.height}, kRim + 1);
+  // The centre of curvature lies on the axis (Meusnier).
+  facet.round = {0.0, cone.radius * std::hypot(cone.height, cone.radius) / cone.height};
   return facet;
 }
 

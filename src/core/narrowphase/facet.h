@@ -21,6 +21,8 @@ struct Facet {
   std::array<Vec3, kCorners> corners;
   std::array<std::uint32_t, kCorners>
       ids;  ///< numbers of the corners, below 65,536; a corner has one number in all facets of the shape
+  /// Of the line of a round side: radius of curvature of the core across it at its two ends, m; 0 of an edge.
+  std::array<double, 2> round{};
 
   void add(const Vec3& corner, std::uint32_t id) { corners[size] = corner, ids[size++] = id; }
 };

@@ -26,7 +26,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-// How far two rods may lie beside each other, as a fraction of their radii, and still touch there.
+// How far two round sides may lie beside each other, as a share of their radii of curvature, and still touch
+// there.
 constexpr double kAside = 1e-2;
 
 enum Owner : std::uint32_t { kOfA = 0, kOfB = 1 };
@@ -234,30 +235,48 @@ class Patch {
   }
 
   // The ends of two parallel segments that lie over the other one. Where they cross, their one point is
-  // the deepest.
+  // the deepest. Round sides of radii of curvature r and s that lie d beside each other are further apart
+  // there by d²/(2 (r + s)): while that is little they still touch along a line.
   void addEdges(const Facet& a, const Facet& b) {
     const Vec3 &p = a.corners[0], &q = b.corners[0];
     const Vec3 u = a.corners[1] - p, v = b.corners[1] - q;
     const double uu = u.squaredNorm(), vv = v.squaredNorm();
     if (uu == 0.0 || vv == 0.0) return;
+    const std::array<double, 2> round_a = roundOf(a, u), round_b = roundOf(b, v);
     for (int k = 0; k < 2; ++k) {
       const Vec3& end = b.corners[k];
       const double s = u.dot(end - p) / uu;
-      if (s >= -kOverhang && s <= 1.0 + kOverhang) addIfAbove(p + s * u, end, nameOfCorner(kOfB, b.ids[k]));
+      if (s >= -kOverhang && s <= 1.0 + kOverhang)
+        addIfAbove(p + s * u, between(round_a, s), end, round_b[k], nameOfCorner(kOfB, b.ids[k]));
     }
     for (int k = 0; k < 2; ++k) {
       const Vec3& end = a.corners[k];
       const double s = v.dot(end - q) / vv;
-      if (s > kOverhang && s < 1.0 - kOverhang) addIfAbove(end, q + s * v, nameOfCorner(kOfA, a.ids[k]));
+      if (s > kOverhang && s < 1.0 - kOverhang)
+        addIfAbove(end, round_a[k], q + s * v, between(round_b, s), nameOfCorner(kOfA, a.ids[k]));
     }
   }
 
+  // Of a line that is no line of contact, since n is tilted along it, no roundness counts.
+  std::array<double, 2> roundOf(const Facet& line, const Vec3& along) const {
+    return std::abs(facing_.n.dot(along)) <= kAside * along.norm() ? line.round : std::array<double, 2>{};
+  }
+  static double between(const std::array<double, 2>& ends, double s) {
+    return ends[0] + s * (ends[1] - ends[0]);
+  }
+
   // Two points that do not face each other along n, up to a fraction of what they are rounded by, are none.
-  void addIfAbove(const Vec3& on_a, const Vec3& on_b, std::uint32_t name) {
-    const double radii = facing_.radius_a + facing_.radius_b, along_n = facing_.n.dot(on_b - on_a);
-    const double aside = (on_b - on_a - along_n * facing_.n).norm();
-    if (aside > kOverhang * size_ + kAside * radii) return;
-    keep(0.5 * (on_a + on_b + (facing_.radius_a - facing_.radius_b) * facing_.n), along_n - radii, name);
+  // What lies between them is shared in proportion to the radii of curvature: there the normals are equal.
+  void addIfAbove(const Vec3& on_a, double round_a, const Vec3& on_b, double round_b, std::uint32_t name) {
+    const double radius_a = facing_.radius_a, radius_b = facing_.radius_b;
+    const double along_n = facing_.n.dot(on_b - on_a);
+    const Vec3 aside = on_b - on_a - along_n * facing_.n;
+    const double round = radius_a + round_a + radius_b + round_b;
+    if (aside.norm() > kOverhang * size_ + kAside * round) return;
+    const double share = round > 0.0 ? (radius_a + round_a) / round : 0.5;
+    const double apart = round > 0.0 ? 0.5 * aside.squaredNorm() / round : 0.0;
+    keep(on_a + share * aside + 0.5 * (along_n + radius_a - radius_b) * facing_.n,
+         along_n - radius_a - radius_b + apart, name);
   }
 
   void add(const Vec2& x, const Shadow& on_a, const Shadow& on_b, std::uint32_t name) {
