@@ -66,8 +66,8 @@ constexpr double kUnsolved = 1e-2;
 constexpr double kJump = 0.5;
 // An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
 // many times in a step.
-constexpr double kMostSunk = 1e-3;
-constexpr int kMostHalvings = 4;
+constexpr double kMostSunk = 1e-4;
+constexpr int kMostHalvings = 8;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
 constexpr std::uint32_t kPassed = 0xfffffffe;
@@ -400,7 +400,7 @@ void Stepper::solve() {
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
-  if (!own_.converged && (promoted_ || (worst > kUnsolved && !budget_.isLate())))
+  if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate()))
     giveUp(budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear);
 }
 
