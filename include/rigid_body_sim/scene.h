@@ -120,8 +120,8 @@ struct Fluid {
 /// The quality level of the solver, from fast to exact.
 enum class Fidelity {
   Preview,  ///< soft contacts, one sub-step: thousands of bodies on a laptop
-  /// Soft contacts, eight sub-steps: dragging things in RViz. Small islands that are tall, slender or of
-  /// large mass ratio go to the exact step while they move little.
+  /// Soft contacts, eight sub-steps: dragging things in RViz. Small islands that are tall, slender, of large
+  /// mass ratio or about to tip or slide go to the exact step while they move little.
   Interactive,
   Accurate,   ///< Coulomb's law on the exact cone to 1e-6, stops of sliding located in time: studies
   Reference,  ///< Coulomb's law to 1e-12, with more corrections: the reference for the others

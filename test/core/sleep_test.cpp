@@ -123,8 +123,11 @@ TEST(Sleep, TheEndOfAWrenchIsNoEditAndWakesNobody) {
 // A blow wakes the whole group before it lands: the bodies go where they would have gone had they never
 // slept.
 TEST(Sleep, ABlowFindsThemAwake) {
+  // By the exact step: what a shot does to a stack of soft contacts hangs on the last digits of its sag.
   const auto strike = [](bool sleeping) {
-    World world(crates(sleeping));
+    SceneDef scene = crates(sleeping);
+    scene.fidelity = Fidelity::Accurate;
+    World world(scene);
     advance(world, 4.0);
     EXPECT_EQ(asleep(world), sleeping ? 4u : 0u);
     BodyDef shot = ball("shot", 0.15, {-2.0, 0.0, 1.0});
@@ -136,7 +139,7 @@ TEST(Sleep, ABlowFindsThemAwake) {
   };
   const Snapshot slept = strike(true), woke = strike(false);
   for (std::size_t k = 0; k < slept.states.size(); ++k)
-    EXPECT_LE((slept.states[k].pose.p_WB - woke.states[k].pose.p_WB).norm(), 1e-3) << (*slept.bodies)[k].name;
+    EXPECT_LE((slept.states[k].pose.p_WB - woke.states[k].pose.p_WB).norm(), 1e-7) << (*slept.bodies)[k].name;
 }
 
 TEST(Sleep, WhatComesNearWakesTheGroupItComesNearAndNoOther) {

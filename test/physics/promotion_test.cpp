@@ -22,10 +22,27 @@ SceneDef stack(int boxes) {
   return scene;
 }
 
-TEST(ChoiceOfSolver, StacksOfSixAreExact) {
+// The scene with bodies too fast to be exact at first: they slide, and come to rest by the soft step.
+SceneDef sliding(SceneDef scene) {
+  for (BodyDef& def : scene.bodies)
+    if (def.kind == BodyKind::Dynamic) def.twist.v_WB.x() = 0.3;
+  return scene;
+}
+
+TEST(ChoiceOfSolver, StacksOfSixBecomeExact) {
   for (const int boxes : {2, 5, 6, 7}) {
+    World world(ordered(sliding(stack(boxes))));
+    EXPECT_EQ(isExact(world, 60), boxes >= 6) << boxes;
+  }
+}
+
+// Nothing is known of the forces in what has just been put together: the exact step finds them, and they say
+// which method goes on.
+TEST(ChoiceOfSolver, WhatIsPutTogetherBeginsExact) {
+  for (const int boxes : {1, 2, 3, 4, 5, 6}) {
     World world(ordered(stack(boxes)));
-    EXPECT_EQ(isExact(world), boxes >= 6) << boxes;
+    EXPECT_TRUE(isExact(world, 1)) << boxes;
+    EXPECT_EQ(isExact(world, 1), boxes >= 4) << boxes;
   }
 }
 
@@ -33,9 +50,9 @@ TEST(ChoiceOfSolver, MassRatiosOfTenAreExactInBothOrders) {
   for (const double ratio : {5.0, 9.5, 10.5, 30.0}) {
     SceneDef scene = stack(2);
     scene.bodies[1].mass = 100.0, scene.bodies[2].mass = 100.0 * ratio;
-    for (const SceneDef& one : inBothOrders(scene)) {
+    for (const SceneDef& one : inBothOrders(sliding(scene))) {
       World world(one);
-      EXPECT_EQ(isExact(world), ratio >= 10.0) << ratio;
+      EXPECT_EQ(isExact(world, 60), ratio >= 10.0) << ratio;
     }
   }
 }

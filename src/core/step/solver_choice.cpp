@@ -5,15 +5,21 @@
 // as deep; and a slender body on its end has contacts that are hardly independent. A direct solve does not
 // mind any of them.
 //
-// It is cheap where the forces of the last step still hold, and dear where bodies tumble; there the errors of
-// the soft step do not show. So only islands are promoted in which nothing moves faster than what gravity
-// adds in a step or two.
+// What sinks in also turns. So two more things are bad for the soft step however few the bodies are: thrust
+// between them, as in an arch, which they hold by friction only while they stand as they were put; and weight
+// near the edge of what it stands on. And a light body that a heavy one presses on sinks in until it is
+// squirted out.
+//
+// A direct solve is cheap where the forces of the last step still hold, and dear where bodies tumble; there
+// the errors of the soft step do not show. So only islands are promoted in which nothing moves faster than
+// what gravity adds in a step or two, but for the few bodies of which one is crushed.
 #include "step/solver_choice.h"
 
 #include "step/overlaps.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace rbs {
@@ -29,6 +35,13 @@ struct Stiffness {
   double speed;  // of its bodies' surfaces, share of g h
 };
 constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
+
+// The most pairs of an island that is exact for the forces in it.
+constexpr std::size_t kFewPairs = 30;
+// Two bodies lean on each other where friction is more than this share of the normal force; one of them may
+// tip where one of their points has less than this share of the force of another; and it is crushed where the
+// force is more than this many times its weight.
+constexpr double kThrust = 0.1, kUneven = 0.2, kCrushed = 100.0;
 
 // The most contacts on the shortest way from a body to something that forces do not move.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
@@ -57,6 +70,36 @@ std::uint32_t heightOf(const Context& context, const std::vector<Index>& contact
   return height;
 }
 
+// What the forces of the last step say of an island.
+struct Forces {
+  bool known = false;    // some point has one
+  bool leans = false;    // thrust, or weight near an edge
+  bool crushes = false;  // a body carries many times its weight
+};
+
+Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
+  const Bodies& bodies = context.scene.bodies;
+  const double gravity = context.scene.gravity_W.norm();
+  Forces forces;
+  for (const Index k : contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
+    double least = std::numeric_limits<double>::infinity(), most = 0.0, normal = 0.0;
+    Vec3 friction_W = Vec3::Zero();
+    for (const SolvedPoint& point : contact.points) {
+      least = std::min(least, point.normal), most = std::max(most, point.normal);
+      normal += point.normal;
+      friction_W += point.friction_W;
+    }
+    if (normal == 0.0) continue;
+    forces.known = true;
+    const Traits &a = bodies.traits[contact.i], &b = bodies.traits[contact.j];
+    const bool both = a.moved_by_forces() && b.moved_by_forces();
+    forces.leans = forces.leans || least < kUneven * most || (both && friction_W.norm() > kThrust * normal);
+    forces.crushes = forces.crushes || (both && normal > kCrushed * gravity * std::min(a.mass, b.mass));
+  }
+  return forces;
+}
+
 // Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
 // before the step alone, so that every machine decides alike. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
@@ -75,12 +118,16 @@ bool isPromoted(const Context& context, const Island& island) {
   const Stiffness& bounds = was_exact ? kStay : kEnter;
   if (touching.empty()) touching = contacts;  // nothing is known yet of bodies that have just been made
   if (island.edges.size() > bounds.pairs) return false;
+  const bool few = island.edges.size() <= kFewPairs;
+  const Forces forces = few ? forcesOf(context, contacts) : Forces{};
+  if (forces.crushes) return true;
   const double gravity = context.scene.gravity_W.norm();
   for (const Index i : island.bodies) {
     const Traits& t = bodies.traits[i];
     const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();
     if (speed > bounds.speed * gravity * context.step.h()) return false;
   }
+  if (few && (!forces.known || (was_exact && forces.leans))) return true;
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : touching) {

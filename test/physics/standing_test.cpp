@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What statics says to stand does not move at the default setting, nor at the exact ones; what it says to
+// fall does.
+#include "make_scene.h"
+
+#include "rigid_body_sim/shape.h"
+
+#include <gtest/gtest.h>
+
+namespace rbs::test {
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;
+constexpr std::array kSettings{Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference};
+
+Quat about(const Vec3& axis, double angle) {
+  return Quat(Eigen::AngleAxisd(angle, axis));
+}
+
+// The largest way of a body, m.
+double wayIn(const SceneDef& scene, double seconds) {
+  World world(ordered(scene));
+  const Snapshot start = world.snapshot();
+  advance(world, seconds);
+  const Snapshot end = world.snapshot();
+  double way = 0.0;
+  for (std::size_t k = 0; k < end.states.size(); ++k)
+    way = std::max(way, (end.states[k].pose.p_WB - start.states[k].pose.p_WB).norm());
+  return way;
+}
+
+// It stands to the tolerance of the exact step, or falls, in 3 s.
+void expectStands(SceneDef scene, bool stands, const std::string& what) {
+  for (const Fidelity setting : kSettings) {
+    scene.fidelity = setting;
+    const double way = wayIn(scene, 3.0);
+    if (stands)
+      EXPECT_LE(way, 1e-8) << what << " at " << fidelityName(setting);
+    else
+      EXPECT_GE(way, 0.1) << what << " at " << fidelityName(setting);
+  }
+}
+
+// n blocks of 1 m over the edge of a base. The k-th from the top may hang 1/(2k) m over the one below: then
+// the centre of mass of the k upper ones is over its edge. `share` of that is taken.
+TEST(Standing, OverhangsOfBlocks) {
+  for (const int n : {1, 3, 5, 8, 12})
+    for (const double share : {0.9, 0.95, 0.99, 1.02}) {
+      SceneDef scene = onFloor(kStep, 0.6);
+      BodyDef base = box("base", Vec3::Ones(), {0.0, 0.0, 0.5});
+      base.kind = BodyKind::Static;
+      scene.bodies.push_back(base);
+      double x = 0.0;
+      for (int k = n; k >= 1; --k) {
+        x += share * 0.5 / k;
+        scene.bodies.push_back(box("", {1.0, 0.5, 0.2}, {x, 0.0, 1.1 + 0.2 * (n - k)}));
+      }
+      expectStands(scene, share < 1.0, std::to_string(n) + " blocks at " + std::to_string(share));
+    }
+}
+
+// A log on two that touch needs friction of tan 15° = 0.268 at all contacts.
+TEST(Standing, ThreeLogs) {
+  constexpr double r = 0.2;
+  for (const Shape& shape : {Shape(Cylinder{r, 0.5}), Shape(Capsule{r, 0.5}), Shape(Cylinder{r, 0.1})})
+    for (const double mu : {0.25, 0.28, 0.3, 0.4, 0.6}) {
+      SceneDef scene = onFloor(kStep, mu);
+      for (const auto& [x, z] : {std::pair(-r, r), std::pair(r, r), std::pair(0.0, r + std::sqrt(3.0) * r)}) {
+        BodyDef log = body("", shape, {x, 0.0, z});
+        log.pose.q_WB = about(Vec3::UnitX(), 0.5 * kPi);
+        log.material.friction = mu;
+        scene.bodies.push_back(log);
+      }
+      expectStands(scene, mu > 0.268, shapeName(shape) + "s with friction " + std::to_string(mu));
+    }
+}
+
+// Half a circle of n wedges, without mortar: it stands while its line of thrust stays within it, above a
+// thickness of 0.11 radii from the middle (Couplet 1730; Milankovitch 1907).
+TEST(Standing, Arches) {
+  for (const auto& [n, thickness] :
+       {std::pair(5, 0.2), std::pair(7, 0.2), std::pair(9, 0.2), std::pair(15, 0.2), std::pair(9, 0.3),
+        std::pair(25, 0.2), std::pair(15, 0.04)}) {
+    SceneDef scene = onFloor(kStep, 0.8);
+    for (int k = 0; k < n; ++k) {
+      std::vector<Vec3> corners;
+      for (const int end : {k, k + 1})
+        for (const double r : {1.0, 1.0 + thickness})
+          for (const double y : {-0.25, 0.25})
+            corners.emplace_back(-r * std::cos(kPi * end / n), y, r * std::sin(kPi * end / n));
+      const PlacedHull wedge = makeHull(corners, "wedge");
+      BodyDef def = body("", wedge.hull, Vec3::Zero());
+      def.pose = wedge.poseOfB(Pose{});
+      def.material.friction = 0.8;
+      scene.bodies.push_back(def);
+    }
+    expectStands(scene, thickness > 0.1,
+                 std::to_string(n) + " wedges, " + std::to_string(thickness) + " thick");
+  }
+}
+
+// Two planks lean on each other, at an angle a from the vertical. At the floor they need friction of tan(a)/2
+// at most. Their edges meet along the normal of one of the two faces: so they need tan(a) there.
+TEST(Standing, TwoPlanksThatLean) {
+  for (const double mu : {0.5, 0.6, 0.9})
+    for (const double angle : {0.2, 0.3, 0.4}) {
+      SceneDef scene = onFloor(kStep, mu);
+      for (const double side : {-1.0, 1.0}) {
+        BodyDef plank = box("", {0.05, 0.4, 1.0}, Vec3::Zero());
+        plank.material.friction = mu;
+        plank.pose.q_WB = about(Vec3::UnitY(), -side * angle);
+        plank.pose.p_WB.x() = side * reach(plank.shape, plank.pose.q_WB.conjugate() * Vec3(-side, 0.0, 0.0));
+        plank.pose.p_WB.z() = reach(plank.shape, plank.pose.q_WB.conjugate() * -Vec3::UnitZ());
+        scene.bodies.push_back(plank);
+      }
+      expectStands(scene, true,
+                   "planks with friction " + std::to_string(mu) + " at " + std::to_string(angle));
+    }
+}
+
+// A light ball under a block of a ton rolls out from under it as the block tips: no faster than the block's
+// fall by the ball's diameter could drive it, with a gear of two.
+TEST(Standing, ALightBallUnderAHeavyBlockIsNotSquirtedOut) {
+  for (const auto& [mass, offset, radius] : {std::tuple(0.1, 0.05, 0.1), std::tuple(0.1, 0.2, 0.05),
+                                             std::tuple(0.01, 0.1, 0.1), std::tuple(1.0, 0.3, 0.1)}) {
+    SceneDef scene = onFloor(kStep, 0.5);
+    BodyDef low = box("low", Vec3::Ones(), {0.0, 0.0, 0.5}),
+            high = box("high", Vec3::Ones(), {0.0, 0.0, 1.5 + 2.0 * radius});
+    BodyDef light = ball("light", radius, {offset, 0.02, 1.0 + radius});
+    low.mass = high.mass = 1000.0, light.mass = mass;
+    for (const BodyDef& def : {low, light, high}) scene.bodies.push_back(def);
+    for (const Fidelity setting : kSettings) {
+      scene.fidelity = setting;
+      World world(ordered(scene));
+      double fastest = 0.0;
+      for (int k = 0; k < 180; ++k) {
+        world.step();
+        for (const BodyState& state : world.snapshot().states)
+          fastest = std::max(fastest, state.twist.v_WB.norm());
+      }
+      EXPECT_LE(fastest, 2.0 * std::sqrt(2.0 * kGravity * 2.0 * radius))
+          << mass << " kg at " << fidelityName(setting);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rbs::test
