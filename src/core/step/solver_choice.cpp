@@ -41,7 +41,7 @@ constexpr std::size_t kFewPairs = 30;
 // Two bodies lean on each other where friction is more than this share of the normal force; one of them may
 // tip where one of their points has less than this share of the force of another; and it is crushed where the
 // force is more than this many times its weight.
-constexpr double kThrust = 0.1, kUneven = 0.2, kCrushed = 100.0;
+constexpr double kThrust = 0.1, kNearEdge = 0.2, kCrushed = 100.0;
 
 // The most contacts on the shortest way from a body to something that forces do not move.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
@@ -94,7 +94,7 @@ Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
     forces.known = true;
     const Traits &a = bodies.traits[contact.i], &b = bodies.traits[contact.j];
     const bool both = a.moved_by_forces() && b.moved_by_forces();
-    forces.leans = forces.leans || least < kUneven * most || (both && friction_W.norm() > kThrust * normal);
+    forces.leans = forces.leans || least < kNearEdge * most || (both && friction_W.norm() > kThrust * normal);
     forces.crushes = forces.crushes || (both && normal > kCrushed * gravity * std::min(a.mass, b.mass));
   }
   return forces;
