@@ -142,28 +142,34 @@ Prediction predict(const Context& context, Index i, Index j, double from) {
   const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
   const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
   if (!areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
+  Prediction prediction;
+  const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
+  const bool simple = isSimple(i) && isSimple(j);
+  const auto meetingAt = [&](double time) {
+    prediction.queries += !simple;
+    return Meeting(context, i, j, time);
+  };
   const auto touchAt = [&](const Meeting& meeting, double time) {
-    Prediction prediction;
     prediction.touches = true;
-    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return prediction;
+    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return;
     const auto [first, second] = std::minmax(i, j);
     prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
-    return prediction;
   };
-  const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
-  if (!isSimple(i) || !isSimple(j)) {
-    const Meeting now(context, i, j, from);
+  if (!simple) {
+    const Meeting now = meetingAt(from);
     const bool rebounds =
         context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
-      const Prediction prediction = touchAt(now, from);
+      touchAt(now, from);
       if (prediction.impact || !rebounds) return prediction;
+      prediction.touches = false;
     }
   }
-  const std::optional<double> time = timeOfImpact(a, course_i, b, course_j, from, step.t1);
-  if (time) return touchAt(Meeting(context, i, j, *time), *time);
+  if (const auto time = timeOfImpact(a, course_i, b, course_j, from, step.t1, &prediction.queries)) {
+    touchAt(meetingAt(*time), *time);
+    return prediction;
+  }
   // What overlaps touches, though nothing closes: contacts are to part it.
-  Prediction prediction;
   prediction.touches =
       gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * smallerLength(bodies, i, j);
   return prediction;

@@ -17,6 +17,7 @@ void find(Context& context);
 struct Prediction {
   std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
   bool touches = false;                 ///< they touch, impact or not
+  int queries = 0;                      ///< closest points and manifolds it took; none where a form is closed
 };
 Prediction predict(const Context& context, Index i, Index j, double from);
 
