@@ -36,11 +36,11 @@ class ImpactLoop {
     // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times).
     lossy_budget_ = 2000 + 200ull * context.scene.bodies.size();
     elastic_budget_ = 2'000'000;
-    // Where there is no closed form, an impact costs up to a hundred times as much. With its share of the
-    // impact a query takes 4 to 15 us, so that those of a hundred bodies end within a second; random scenes
-    // need up to 19,000 in a step. An elastic body between walls that close needs this end: its speed times
-    // their distance stays the same, so that it meets them without number.
-    query_budget_ = 20'000 + 400ull * context.scene.bodies.size();
+    // Where there is no closed form, an impact costs up to a hundred times as much. A query takes about 5 us
+    // and the rest of its impact as long as kQueriesPerImpact, so that those of a hundred bodies end within a
+    // second. Heaps of 45 need up to 98,000 in a step of 1 s. An elastic body between walls that close needs
+    // this end: its speed times their distance stays the same, so that it meets them without number.
+    query_budget_ = 100'000 + 400ull * context.scene.bodies.size();
     for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
   }
 
@@ -65,6 +65,8 @@ class ImpactLoop {
   }
 
  private:
+  static constexpr std::uint64_t kQueriesPerImpact = 20;
+
   struct Later {
     bool operator()(const PendingImpact& a, const PendingImpact& b) const {
       return std::tie(a.time, a.i, a.j) > std::tie(b.time, b.i, b.j);
@@ -110,11 +112,13 @@ class ImpactLoop {
     }
     ++step_.report.impacts;
     if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
+    const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
       ++step_.stamp[i];
       lookAround(i);
     }
+    if (query_budget_ < before) charge(kQueriesPerImpact);
   }
 
   // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any
@@ -185,9 +189,10 @@ class ImpactLoop {
 
   impacts::Prediction predict(Index i, Index j, double from) {
     const impacts::Prediction prediction = impacts::predict(context_, i, j, from);
-    query_budget_ -= std::min<std::uint64_t>(query_budget_, prediction.queries);
+    charge(prediction.queries);
     return prediction;
   }
+  void charge(std::uint64_t queries) { query_budget_ -= std::min(query_budget_, queries); }
 
   void consider(Index i, Index j, double from) {
     if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
