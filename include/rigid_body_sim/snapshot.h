@@ -97,7 +97,9 @@ struct IslandResiduals {
   double signorini = 0.0;    ///< closing speed at closed points, and normal speed at loaded ones
   double coulomb = 0.0;      ///< friction beyond the cone, as the speed that it makes
   double dissipation = 0.0;  ///< slip that friction does not oppose, or slip where it sticks
-  bool converged = true;  ///< exact solvers reached their tolerance; true for the soft step of fast settings
+  /// Whether the exact solvers reached their tolerance. The soft step is true at the fast settings, which ask
+  /// nothing of it, and false at the exact ones, where it stands in for them.
+  bool converged = true;
   double deepest_penetration = 0.0;  ///< largest penetration depth, m, >= 0
   double energy_change = 0.0;        ///< change of kinetic and potential energy over h, J
   double turn = 0.0;                 ///< largest |w| h of its bodies, rad

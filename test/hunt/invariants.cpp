@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "invariants.h"
 
+#include "rigid_body_sim/polyhedron.h"
+#include "rigid_body_sim/queries.h"
 #include "rigid_body_sim/scenes.h"
 #include "rigid_body_sim/shape.h"
 #include "rigid_body_sim/world.h"
@@ -10,6 +12,7 @@
 #include <ctime>
 #include <limits>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace rbs::hunt {
@@ -18,10 +21,16 @@ namespace {
 
 // Of the energy, by setting: what a step may add. docs/stability.md says where these come from.
 constexpr double kEnergy[] = {5e-2, 2e-2, 2e-2, 2e-2};
-constexpr double kBalance = 1e-10;  // of the impulses on a body
-constexpr double kCone = 1e-6;      // of mu times the normal impulse
-constexpr double kTooFast = 30.0;   // rad in a step, or smallest extents
-constexpr double kDeep = 0.05;      // of the smaller extent of a pair: deeper ones are the work of an edit
+constexpr double kBalance = 1e-10;    // of the impulses on a body
+constexpr double kCone = 1e-6;        // of mu times the normal impulse
+constexpr double kForgiven = 1.1e-4;  // residual that rounding may leave, see docs/tolerances.md
+constexpr double kClosing = 5e-3;     // of the fastest speed: a disc stands on eight feet and not on its rim
+constexpr double kAlike = 1e-6;       // velocities of two runs, in shares of the largest: they are the same
+constexpr double kSymmetry = 1e-2;    // where a step may part them that began it alike
+constexpr int kSymmetrySteps = 20;    // so many are compared
+constexpr std::uint32_t kMostImpacts = 25000;
+constexpr double kTooFast = 30.0;  // rad in a step, or smallest extents
+constexpr double kDeep = 0.05;     // of the smaller extent of a pair: deeper ones are the work of an edit
 
 bool isExact(const SceneDef& scene) {
   return scene.fidelity.preset >= Fidelity::Accurate;
@@ -44,6 +53,24 @@ bool overlapsDeeply(const Snapshot& snapshot) {
 bool reachesLimits(const StepReport& report) {
   return std::any_of(report.warnings.begin(), report.warnings.end(),
                      [](const Warning& warning) { return warning.kind == "too_fast"; });
+}
+
+bool hasConverged(const StepReport& report) {
+  return std::all_of(report.residuals.begin(), report.residuals.end(),
+                     [](const IslandResiduals& island) { return island.converged; });
+}
+
+// The fastest point of a body, m/s; of a plane, its velocity.
+double speedOf(const BodyDescription& body, const Twist& twist) {
+  const double radius = boundingRadius(body.shape);
+  return twist.v_WB.norm() + (std::isfinite(radius) ? radius * twist.w_WB.norm() : 0.0);
+}
+
+double fastest(const Snapshot& snapshot) {
+  double speed = snapshot.gravity.norm() * snapshot.step;
+  for (std::size_t i = 0; i < snapshot.states.size(); ++i)
+    speed = std::max(speed, speedOf((*snapshot.bodies)[i], snapshot.states[i].twist));
+  return speed;
 }
 
 class Run {
@@ -85,11 +112,15 @@ class Run {
   std::optional<Finding> check(const Snapshot& after) {
     if (auto found = checkFinite(after)) return found;
     if (auto found = checkPlanes(after)) return found;
+    if (after.report.impacts > kMostImpacts)
+      return Finding{"count", double(after.report.impacts), kMostImpacts, k_, "impacts"};
     const bool deep = overlapsDeeply(before_) || overlapsDeeply(after);
     deep_ = deep_ || deep;
     if (auto found = checkEnergy(after)) return found;
     if (!deep && !scene_.air && !scene_.fluid && !isTooFast(after))
       if (auto found = checkBalance(after)) return found;
+    if (isExact(scene_))
+      if (auto found = checkCertificate(after)) return found;
     // What overlaps at the start is the work of an edit; what comes to overlap later is not.
     if (isExact(scene_) && !overlapsDeeply(k_ == 1 ? after : before_))
       if (auto found = checkContacts(after)) return found;
@@ -174,12 +205,39 @@ class Run {
     return {};
   }
 
+  std::optional<Finding> checkCertificate(const Snapshot& after) const {
+    for (const IslandResiduals& island : after.report.residuals) {
+      const double worst = std::max({island.signorini, island.coulomb, island.dissipation});
+      if (island.converged && !(worst <= kForgiven))
+        return Finding{"certificate", worst, kForgiven, k_, std::string("residual of ") + island.method};
+    }
+    if (!hasConverged(after.report)) return {};
+    const double unit = std::max(fastest(before_), fastest(after));
+    const auto velocityAt = [&](std::size_t i, const Vec3& p_W) -> Vec3 {
+      const BodyState& state = after.states[i];
+      return state.twist.v_WB + state.twist.w_WB.cross(p_W - state.pose.p_WB);
+    };
+    std::set<std::pair<BodyId, BodyId>> seen;
+    for (const ContactPoint& point : after.contacts) {
+      if (!seen.emplace(point.a, point.b).second) continue;
+      const std::size_t a = after.find(point.a), b = after.find(point.b);
+      const BodyDescription &first = (*after.bodies)[a], &second = (*after.bodies)[b];
+      const double length = std::min(extentOf(first), extentOf(second));
+      const ClosestPoints closest = closestPoints(after, point.a, point.b);
+      if (closest.distance > 1e-9 * length || closest.distance < -1e-6 * length) continue;
+      const Vec3 p_W = 0.5 * (closest.p_WA + closest.p_WB);
+      const double closing = closest.n_W.dot(velocityAt(a, p_W) - velocityAt(b, p_W)) / unit;
+      if (closing > kClosing)
+        return Finding{"certificate", closing, kClosing, k_,
+                       first.name + " and " + second.name + " touch and close"};
+    }
+    return {};
+  }
+
   // Of the islands that converged. Only a plane has the same normal in the whole step: the impulses of other
   // pairs are sums over normals that the report does not tell.
   std::optional<Finding> checkContacts(const Snapshot& after) const {
-    if (!std::all_of(after.report.residuals.begin(), after.report.residuals.end(),
-                     [](const IslandResiduals& island) { return island.converged; }))
-      return {};
+    if (!hasConverged(after.report)) return {};
     for (const ContactPoint& point : after.contacts) {
       const BodyDescription &a = (*after.bodies)[after.find(point.a)],
                             &b = (*after.bodies)[after.find(point.b)];
@@ -245,6 +303,68 @@ double difference(const Snapshot& a, const Snapshot& b, double metre) {
   return most / largest;
 }
 
+// Across the plane x = 0: of a vector, and of an axial one.
+Vec3 mirrored(const Vec3& v) {
+  return {-v.x(), v.y(), v.z()};
+}
+Twist mirrored(const Twist& twist) {
+  return {mirrored(twist.v_WB), -mirrored(twist.w_WB)};
+}
+
+SceneDef mirrored(SceneDef scene) {
+  scene.gravity = mirrored(scene.gravity);
+  for (BodyDef& body : scene.bodies) {
+    const Quat q = body.pose.q_WB;
+    body.pose = {mirrored(body.pose.p_WB), Quat(q.w(), q.x(), -q.y(), -q.z())};
+    body.twist = mirrored(body.twist);
+    if (const auto* hull = std::get_if<ConvexHull>(&body.shape)) {  // the other shapes are their own image
+      std::vector<Vec3> corners = hull->polyhedron->vertices;
+      for (Vec3& corner : corners) corner = mirrored(corner);
+      const PlacedHull placed = makeHull(corners, body.name);
+      body.shape = placed.hull;
+      body.pose = placed.poseOfB(body.pose);
+    }
+  }
+  return scene;
+}
+
+SceneDef reordered(SceneDef scene) {
+  std::reverse(scene.bodies.begin(), scene.bodies.end());
+  return scene;
+}
+
+// By how much the velocities of two runs differ, in shares of the largest.
+double apart(const Snapshot& a, const Snapshot& b, bool is_mirrored) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.states.size(); ++i) {
+    const BodyDescription& body = (*a.bodies)[i];
+    if (body.kind != BodyKind::Dynamic) continue;
+    const Twist& one = a.states[i].twist;
+    Twist other = b.states[b.find(body.name)].twist;
+    if (is_mirrored) other = mirrored(other);
+    most = std::max(most, speedOf(body, {one.v_WB - other.v_WB, one.w_WB - other.w_WB}));
+  }
+  return most / fastest(a);
+}
+
+std::optional<Finding> brokenSymmetry(const SceneDef& scene, int steps) {
+  for (const bool mirror : {true, false}) {
+    World world(scene), other(mirror ? mirrored(scene) : reordered(scene));
+    for (int k = 1; k <= std::min(steps, kSymmetrySteps); ++k) {
+      world.step();
+      other.step();
+      const Snapshot a = world.snapshot(), b = other.snapshot();
+      const double difference = apart(a, b, mirror);
+      const bool comparable =
+          hasConverged(a.report) && hasConverged(b.report) && a.report.impacts == 0 && b.report.impacts == 0;
+      if (comparable && difference > kSymmetry)
+        return Finding{mirror ? "mirrored" : "reordered", difference, kSymmetry, k, "of the velocities"};
+      if (difference > kAlike) break;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string text(const Finding& finding) {
@@ -271,6 +391,8 @@ std::optional<Finding> firstBroken(const SceneDef& scene, const Demands& demands
   if (resumed && resumed->stateHash() != end.hash)
     return Finding{"restored", difference(end, resumed->snapshot(), 1.0), 0.0, demands.steps,
                    "saved at half time"};
+  if (isExact(scene))
+    if (auto found = brokenSymmetry(scene, demands.steps)) return found;
   if (run.reachedLimits()) return {};
   World other(inOtherUnits(scene));
   for (int k = 1; k <= demands.steps; ++k)
@@ -278,6 +400,28 @@ std::optional<Finding> firstBroken(const SceneDef& scene, const Demands& demands
   const double apart = difference(end, other.snapshot(), kMetre);
   if (apart > 0.0) return Finding{"units", apart, 0.0, demands.steps, "of the positions at the end"};
   return {};
+}
+
+std::optional<double> stepError(const SceneDef& scene, int coarse, int fine) {
+  World before(scene);
+  for (int k = 0; k < 4; ++k) before.step();
+  std::vector<Snapshot> ends;
+  for (const int parts : {coarse, fine}) {
+    SceneDef divided = before.capture();
+    divided.step /= parts;
+    World world(divided);
+    for (int k = 0; k < parts; ++k)
+      if (!hasConverged(world.step())) return {};
+    ends.push_back(world.snapshot());
+  }
+  double most = 0.0;
+  for (std::size_t i = 0; i < ends[0].states.size(); ++i) {
+    const BodyDescription& body = (*ends[0].bodies)[i];
+    if (body.kind != BodyKind::Dynamic) continue;
+    const Vec3 apart = ends[0].states[i].pose.p_WB - ends[1].states[i].pose.p_WB;
+    most = std::max(most, apart.norm() / boundingRadius(body.shape));
+  }
+  return most;
 }
 
 }  // namespace rbs::hunt

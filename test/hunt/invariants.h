@@ -39,11 +39,22 @@ struct Demands {
 ///   plane        no body goes through a static plane by more than half of its smallest extent;
 ///   cone         friction on a plane is at most mu times the normal impulse, at the exact settings;
 ///   overlap      bodies that a solver says to have solved do not sink into each other, at the exact settings;
+///   certificate  what is said to have converged has small residuals, at the exact settings; computed anew,
+///                bodies that touch do not close either;
+///   count        the impacts of a step end by their budget;
 ///   step_time    see Demands::seconds_per_step.
 /// Then the run is made again: saved as text and restored at half time, and in other units, powers of two,
 /// which round alike. The end must be the same, bit for bit:
 ///   restored, units.
+/// And seen in a mirror, and with its bodies in the reverse order:
+///   mirrored, reordered. At the exact settings a step begun alike ends alike, where both converge and meet
+///   no impacts. The order of impacts at one instant is nobody's to tell.
 /// Returns the first that does not hold; nothing if all do.
 std::optional<Finding> firstBroken(const SceneDef& scene, const Demands& demands);
+
+/// By how much one step differs in `coarse` and in `fine` parts: the largest distance of a body, in its
+/// bounding radii. It is the fifth step of the scene, when bodies have met. Nothing where a solve does not
+/// converge.
+std::optional<double> stepError(const SceneDef& scene, int coarse, int fine);
 
 }  // namespace rbs::hunt

@@ -268,13 +268,15 @@ SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPo
   return solved;
 }
 
-// How far the points of a block are from the law of contact after the last sub-step.
+// How far the points of a block are from the law of contact after the last sub-step. At the exact settings the
+// soft step stands in for solves that do not converge.
 void SolverContacts::addResiduals(const SolverBlock& block) const {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const double gravity = context_.scene.gravity_W.norm();
   const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
   IslandResiduals solved;
   solved.method = "soft_step";
+  solved.converged = !context_.step.solver.exact;
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
     const Vec3 u = velocityAt(block, point);

@@ -58,9 +58,7 @@ void advanceExactly(Context& context, const IslandBatch& batch, double t0, doubl
   if (outcome == exact_step::Outcome::Done) return;
   if (outcome == exact_step::Outcome::TooDear) island.exact = false;
   soft_step::advance(context, batch, t0, t1);
-  if (!context.step.solver.exact) return;
-  island.residuals.converged = false;
-  if (outcome == exact_step::Outcome::NoSolution) reportUnsolved(context, batch);
+  if (context.step.solver.exact && outcome == exact_step::Outcome::NoSolution) reportUnsolved(context, batch);
 }
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
