@@ -59,16 +59,32 @@ class Simulator {
   /// Runs `command` on the simulator's thread between two steps, waits for it and publishes a new snapshot.
   /// An exception of the command is thrown here. The wait lasts until the step under way ends.
   void edit(const std::function<void(World&)>& command);
+  /// Runs an edit as edit() does, so that undo() takes it back. `edit` returns in words what it has done,
+  /// and so does this function. What throws, or does not count in World::edits(), is not undone. The cost is
+  /// a copy of the world besides.
+  std::string apply(const std::function<std::string(World&)>& edit);
+  /// Goes back to the world before the last edit of apply(), load() or reset(), its time included; ends a
+  /// step request. Pause and speed stay, and so do solver settings and goal unless the edit was a load.
+  /// Returns the edit in words. Throws InvalidInput where there is none. The last 1,000 edits are kept; fewer
+  /// where their worlds have more than 100,000 bodies together. The cost is that of a snapshot.
+  std::string undo();
+  /// Takes an undo back: goes to the world as it was when undo() was called. Any other edit ends what can be
+  /// redone. Otherwise as undo().
+  std::string redo();
+  /// Notes that a file holds the world of this Snapshot::revision.
+  void markSaved(std::uint64_t revision);
   /// Runs `command` on the simulator's thread between two steps, but returns at once. A snapshot follows when
   /// the next is due. An exception of the command is dropped.
   void send(std::function<void(World&)> command);
 
   /// Replaces the world by one of this scene, from `saved` where that is given, and ends a step request.
-  /// reset() will come back to this scene. The simulation goes on while the new world is made. Pause and
-  /// speed stay. Throws InvalidInput for a faulty scene or state; the old world then stays.
+  /// reset() will come back to this scene, undo() to the old world. The simulation goes on while the new world
+  /// is made. Pause and speed stay. Throws InvalidInput for a faulty scene or state; the old world then stays.
   void load(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
   /// Goes back to the scene and state as they were loaded; ends a step request. The cost is that of load().
   void reset();
+  /// The scene as it was loaded; never null.
+  std::shared_ptr<const SceneDef> loaded() const;
 
   void pause();   ///< stops between two steps; ends a step request, too
   void resume();  ///< lets time go on; ends a step request, too

@@ -123,17 +123,13 @@ void Services::offerBodyEdits() {
   // Meshes are read on the thread of the service: the simulation goes on meanwhile.
   offer<SpawnBody>("spawn_body", [this](const SpawnBody::Request& request, SpawnBody::Response& response) {
     const SpawnPlan plan(request);
-    std::string message;
-    simulator_.edit([&](World& world) { message = spawnOne(world, plan, request, response); });
-    return message;
+    return simulator_.apply([&](World& world) { return spawnOne(world, plan, request, response); });
   });
-  offer<SpawnBodies>("spawn_bodies",
-                     [this](const SpawnBodies::Request& request, SpawnBodies::Response& response) {
-                       const SpawnPlan plan(request.bodies);
-                       std::string message;
-                       simulator_.edit([&](World& world) { message = spawnMany(world, plan, response); });
-                       return message;
-                     });
+  offer<SpawnBodies>(
+      "spawn_bodies", [this](const SpawnBodies::Request& request, SpawnBodies::Response& response) {
+        const SpawnPlan plan(request.bodies);
+        return simulator_.apply([&](World& world) { return spawnMany(world, plan, response); });
+      });
   offerEdit<NamedBody>("delete_body", remove);
   offerEdit<Trigger>("clear", clear);
   offerEdit<ResizeBody>("resize_body", resize);

@@ -2,6 +2,7 @@
 #include "drag.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -57,6 +58,10 @@ bool Drag::isBeyondClick() const {
   constexpr double kSingle = 1e-6;  // of the coordinates; rad
   return (handle_.p_WB - pressed_.p_WB).norm() > kSingle * pressed_.p_WB.norm() ||
          handle_.q_WB.angularDistance(pressed_.q_WB) > kSingle;
+}
+
+bool Drag::begins() {
+  return dragged_ && !std::exchange(begun_, true);
 }
 
 bool Drag::silent() const {

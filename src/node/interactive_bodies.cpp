@@ -80,12 +80,15 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
   showMarkers(snapshot);
 }
 
-// Every world numbers its bodies anew: an id of the last one would be of some other body.
+// Every world numbers its bodies anew: an id of the last one would be of some other body. The selection goes
+// on by its name, in the same scene.
 void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
+  const int again = snapshot.scene == scene_ ? snapshot.find(published_selection_) : -1;
   world_ = snapshot.world;
+  scene_ = snapshot.scene;
   for (const auto& [client, drag] : drags_) board_.letGo(drag.marker());
   drags_.clear();
-  selected_ = BodyId{};
+  selected_ = again >= 0 ? snapshot.states[again].id : BodyId{};
   resizes_ = false;
   focus_W_.reset();
 }
@@ -149,8 +152,11 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
     resizes_ = !resized_before;
     return;
   }
-  attempt("run the menu entry", [&](World& world) {
-    answer(words(description.name, ": ", runMenuAction(world, action, description, pose, hit_W)));
+  attempt("run the menu entry", true, [&](World& world) {
+    const std::string done =
+        words(description.name, ": ", runMenuAction(world, action, description, pose, hit_W));
+    answer(done);
+    return done;
   });
 }
 
@@ -165,8 +171,14 @@ void InteractiveBodies::applyDrags(const Snapshot& snapshot) {
   }
 }
 
+// A drag is one edit: an undo goes back to before its first motion.
 void InteractiveBodies::apply(Drag& drag) {
-  attempt("drag", [&](World& world) { drag.apply(world, *simulator_.snapshot()); });
+  attempt("drag", drag.begins(), [&](World& world) {
+    const std::shared_ptr<const Snapshot> now = simulator_.snapshot();
+    drag.apply(world, *now);
+    const int i = now->find(drag.body());
+    return i < 0 ? std::string() : words("dragged '", (*now->bodies)[i].name, "'");
+  });
 }
 
 // The last motion of the mouse counts, even where the button was released before the next update().
@@ -174,7 +186,7 @@ void InteractiveBodies::endDrag(std::map<std::string, Drag>::iterator drag) {
   const std::shared_ptr<const Snapshot> now = simulator_.snapshot();
   if (now->find(drag->second.body()) >= 0) {
     if (drag->second.due(*now)) apply(drag->second);
-    attempt("release", [&](World& world) { drag->second.release(world); });
+    attempt("release", false, [&](World& world) { return drag->second.release(world), std::string(); });
   }
   board_.letGo(drag->second.marker());
   targets_.refresh();
@@ -246,11 +258,13 @@ int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapsho
 }
 
 // Does nothing where another world has replaced the one that the mouse was used on.
-void InteractiveBodies::attempt(const char* what, const std::function<void(World&)>& command) {
+void InteractiveBodies::attempt(const char* what, bool undoable,
+                                const std::function<std::string(World&)>& command) {
+  const auto run = [&](World& world) {
+    return simulator_.snapshot()->world == world_ ? command(world) : std::string();
+  };
   try {
-    simulator_.edit([&](World& world) {
-      if (simulator_.snapshot()->world == world_) command(world);
-    });
+    undoable ? void(simulator_.apply(run)) : simulator_.edit(run);
   } catch (const InvalidInput& error) {
     refuse(words("cannot ", what, ": ", error.what()));
   }

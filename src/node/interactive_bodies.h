@@ -72,7 +72,7 @@ class InteractiveBodies {
   void showSelection(const Snapshot& snapshot);
   void publishSelection(const Snapshot& snapshot);
   int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
-  void attempt(const char* what, const std::function<void(World&)>& command);
+  void attempt(const char* what, bool undoable, const std::function<std::string(World&)>& command);
   void refuse(const std::string& text);
   void answer(const std::string& text);
 
@@ -82,6 +82,7 @@ class InteractiveBodies {
   MarkerBoard board_;
   ClickTargets targets_;
   std::uint64_t world_ = 0;            ///< number of the world that drags and the selection belong to
+  std::string scene_;                  ///< its name
   std::map<std::string, Drag> drags_;  ///< by client: each client has one mouse
   BodyId selected_;
   bool resizes_ = false;         ///< whether the selection has handles in place of the gizmo

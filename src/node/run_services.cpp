@@ -90,6 +90,12 @@ void Services::offerRun() {
     session_.reset();
     return words("reset '", simulator_.snapshot()->scene, "'");
   });
+  offer<Trigger>("undo", [this](const Trigger::Request&, Trigger::Response&) {
+    return words("undone: ", session_.undo());
+  });
+  offer<Trigger>("redo", [this](const Trigger::Request&, Trigger::Response&) {
+    return words("redone: ", session_.redo());
+  });
 }
 
 }  // namespace rbs

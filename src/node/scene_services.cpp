@@ -19,21 +19,20 @@ using rigid_body_sim::LoadScene;
 
 std::string saveScene(Simulator& simulator, const File::Request& request) {
   const std::string path = yamlPath(request.file);
-  SceneDef scene;
-  simulator.edit([&](World& world) { scene = world.capture(); });
+  const auto [world, snapshot] = simulator.copy();
+  const SceneDef scene = world.capture();
   writeFile(path, writeScene(scene), request.overwrite);
+  simulator.markSaved(snapshot->revision);
   return words("saved ", bodyCount(scene.bodies.size()), " to ", path);
 }
 
 std::string saveState(Simulator& simulator, const File::Request& request) {
   const std::string path = yamlPath(request.file);
-  SceneDef scene;
-  SavedState state;
-  simulator.edit([&](World& world) {
-    scene = world.capture();
-    state = world.captureState();
-  });
+  const auto [world, snapshot] = simulator.copy();
+  const SceneDef scene = world.capture();
+  const SavedState state = world.captureState();
   writeFile(path, writeScene(scene, state), request.overwrite);
+  simulator.markSaved(snapshot->revision);
   return words("saved ", bodyCount(scene.bodies.size()), " at ", state.time, " s to ", path);
 }
 

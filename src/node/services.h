@@ -86,9 +86,7 @@ void Services::offer(const std::string& name, Handler<Service> handler, ros::Cal
 template <class Service>
 void Services::offerEdit(const std::string& name, Edit<Service> edit) {
   offer<Service>(name, [this, edit](const auto& request, auto& response) {
-    std::string message;
-    simulator_.edit([&](World& world) { message = edit(world, request, response); });
-    return message;
+    return simulator_.apply([&](World& world) { return edit(world, request, response); });
   });
 }
 

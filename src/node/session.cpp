@@ -25,12 +25,7 @@ SceneDef Session::read(const Options& options, const std::string& file) {
 }
 
 Session::Session(const Options& options, SceneDef first)
-    : options_(options),
-      own_air_(first.air.has_value()),
-      scene_wind_(first.wind.value_or(Wind{})),
-      usual_wind_(scene_wind_),
-      simulator_(std::move(first), options.run),
-      timeline_(options.wall_stamps) {}
+    : options_(options), simulator_(std::move(first), options.run), timeline_(options.wall_stamps) {}
 
 void Session::loadScene(const std::string& name_or_file) {
   const std::string file = findScene(options_.folder, name_or_file);
@@ -45,33 +40,45 @@ void Session::loadState(const std::string& file) {
 
 void Session::replace(const SceneFile& file, const std::string& text) {
   simulator_.load(file.scene, file.state);
-  timeline_.note({"loaded", text});
+  noteReplacement("loaded", text);
   giveBackMemory();
-  std::lock_guard<std::mutex> lock(mutex_);
-  own_air_ = file.scene.air.has_value();
-  usual_wind_ = scene_wind_ = file.scene.wind.value_or(Wind{});
 }
 
 void Session::reset() {
   simulator_.reset();
-  timeline_.note({"reset", ""});
+  noteReplacement("reset", "");
+}
+
+std::string Session::undo() {
+  const std::string what = simulator_.undo();
+  noteReplacement("undone", what);
+  return what;
+}
+
+std::string Session::redo() {
+  const std::string what = simulator_.redo();
+  noteReplacement("redone", what);
+  return what;
+}
+
+void Session::noteReplacement(const std::string& kind, const std::string& text) {
+  timeline_.note({kind, text});
   std::lock_guard<std::mutex> lock(mutex_);
-  usual_wind_ = scene_wind_;
+  turned_off_.reset();
 }
 
 bool Session::hasOwnAir() const {
-  std::lock_guard<std::mutex> lock(mutex_);
-  return own_air_;
+  return simulator_.loaded()->air.has_value();
 }
 
 Wind Session::usualWind() const {
   std::lock_guard<std::mutex> lock(mutex_);
-  return usual_wind_;
+  return turned_off_.value_or(simulator_.loaded()->wind.value_or(Wind{}));
 }
 
 void Session::setUsualWind(const Wind& wind) {
   std::lock_guard<std::mutex> lock(mutex_);
-  usual_wind_ = wind;
+  turned_off_ = wind;
 }
 
 }  // namespace rbs

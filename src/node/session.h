@@ -37,6 +37,9 @@ class Session {
   void loadState(const std::string& file);
   /// Back to the world as it was loaded.
   void reset();
+  /// Takes the last edit back, or makes it again. Returns it in words. Throws InvalidInput where there is none.
+  std::string undo();
+  std::string redo();
 
   /// Whether the scene itself has air. Air that was added by switching the wind on does not count.
   bool hasOwnAir() const;
@@ -48,11 +51,11 @@ class Session {
   Session(const Options& options, SceneDef first);
   static SceneDef read(const Options& options, const std::string& file);
   void replace(const SceneFile& file, const std::string& text);
+  void noteReplacement(const std::string& kind, const std::string& text);
 
   const Options options_;
   mutable std::mutex mutex_;
-  bool own_air_;
-  Wind scene_wind_, usual_wind_;
+  std::optional<Wind> turned_off_;  ///< the wind that was
   Simulator simulator_;
   Timeline timeline_;
 };

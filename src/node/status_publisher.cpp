@@ -110,6 +110,9 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   msg.bodies = snapshot.bodies->size();
   msg.gravity = toMsg(snapshot.gravity);
   msg.wind = snapshot.air.wind;
+  msg.undo = snapshot.undo;
+  msg.redo = snapshot.redo;
+  msg.unsaved = snapshot.unsaved;
   msg.hash = hexadecimal(snapshot.hash);
   fillPace(pace, snapshot, msg);
   msg.step_cpu_seconds = snapshot.step_cpu_seconds;

@@ -24,7 +24,7 @@ class Timeline {
 
   /// A replacement of the world by another.
   struct Replacement {
-    std::string kind;  ///< kind of the event: "loaded" or "reset"
+    std::string kind;  ///< kind of the event: "loaded", "reset", "undone" or "redone"
     std::string text;
   };
 

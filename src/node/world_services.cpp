@@ -58,13 +58,11 @@ std::string stopWind(World& world, bool own_air) {
 }
 
 std::string enableWind(Session& session, bool on) {
-  std::string message;
-  session.simulator().edit([&](World& world) {
+  return session.simulator().apply([&](World& world) {
     const std::optional<Wind> wind = world.scene().wind;
     if (wind) session.setUsualWind(*wind);
-    message = on ? startWind(world, session.usualWind()) : stopWind(world, session.hasOwnAir());
+    return on ? startWind(world, session.usualWind()) : stopWind(world, session.hasOwnAir());
   });
-  return message;
 }
 
 std::string setWind(World& world, const SetWind::Request& request, SetWind::Response&) {
@@ -109,18 +107,15 @@ std::string describe(const EffectOverrides& effects) {
 // The modelling error is measured on a copy, on the thread of the service: the simulation goes on meanwhile.
 std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
                        SetEffects::Response& response) {
-  std::string message;
   SceneDef scene;
   SavedState state;
-  simulator.edit([&](World& world) {
+  const std::string message = simulator.apply([&](World& world) {
     const EffectOverrides effects = overridden(world.scene().effects, request);
     const std::vector<StageInfo> before = world.pipeline();
     world.setEffects(effects);
     response.changes = stageChanges(before, world.pipeline());
-    message = describe(effects);
-    if (request.force_off.empty()) return;
-    scene = world.capture();
-    state = world.captureState();
+    if (!request.force_off.empty()) scene = world.capture(), state = world.captureState();
+    return describe(effects);
   });
   for (const std::string& name : request.force_off) {
     const auto error = measureModellingError(scene, state, {{effectNamed(name), false}});

@@ -21,7 +21,28 @@ QIcon drawn(const QColor& color, Draw draw) {
   return QIcon(pixmap);
 }
 
+// An arrow to the left whose tail turns down; seen in a mirror where `forward`.
+QIcon turned(bool forward) {
+  const QColor color(0x5f, 0x6b, 0x7a);
+  return drawn(color, [&](QPainter& painter) {
+    if (forward) painter.translate(kIconSize, 0), painter.scale(-1.0, 1.0);
+    painter.drawPolygon(QPolygonF({{1, 7}, {8, 1}, {8, 13}}));
+    painter.setBrush(Qt::NoBrush);
+    painter.setPen(QPen(color, 2.5));
+    constexpr int kSixteenths = 16;  // of a degree, Qt's unit of angle
+    painter.drawArc(QRectF(2, 7, 13, 9), -90 * kSixteenths, 180 * kSixteenths);
+  });
+}
+
 }  // namespace
+
+QIcon undoIcon() {
+  return turned(false);
+}
+
+QIcon redoIcon() {
+  return turned(true);
+}
 
 QIcon playIcon() {
   return drawn(QColor(0x2e, 0x9e, 0x4f), [](QPainter& painter) {

@@ -8,6 +8,7 @@
 #include <QLabel>
 #include <QVBoxLayout>
 
+#include <rviz/panel_dock_widget.h>
 #include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
 #include <rviz/window_manager_interface.h>
@@ -47,7 +48,7 @@ SimulationPanel::SimulationPanel()
 
 SimulationPanel::~SimulationPanel() {
   const bool had_keys = hasKeys();
-  delete wind_key_;
+  for (const QPointer<QShortcut>& key : keys_) delete key;
   const QList<SimulationPanel*> all = panels();
   const auto heir = std::find_if(all.begin(), all.end(), [this](const auto* other) { return other != this; });
   if (had_keys && heir != all.end()) (*heir)->takeKeys();
@@ -106,10 +107,9 @@ void SimulationPanel::connectWidgets() {
 
 void SimulationPanel::onInitialize() {
   window_ = vis_manager_->getWindowManager()->getParentWindow();
-  wind_key_ = new QShortcut(Qt::Key_1, window_);
-  wind_key_->setContext(Qt::ApplicationShortcut);
-  wind_key_->setAutoRepeat(false);
-  connect(wind_key_, &QShortcut::activated, &simulator_, &SimulatorClient::toggleWind);
+  addKey(Qt::Key_1, &SimulatorClient::toggleWind);
+  addKey(Qt::CTRL | Qt::Key_Z, &SimulatorClient::undo);
+  addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, &SimulatorClient::redo);
   connect(vis_manager_, &rviz::VisualizationManager::escapePressed, this, [this] { simulator_.select({}); });
   const QList<SimulationPanel*> all = panels();
   const bool is_taken = std::any_of(all.begin(), all.end(), [this](const SimulationPanel* other) {
@@ -117,6 +117,14 @@ void SimulationPanel::onInitialize() {
   });
   setKeys(!is_taken);
   follow(node_->node());
+}
+
+void SimulationPanel::addKey(const QKeySequence& keys, void (SimulatorClient::*action)()) {
+  auto* const key = new QShortcut(keys, window_);
+  key->setContext(Qt::ApplicationShortcut);
+  key->setAutoRepeat(false);
+  connect(key, &QShortcut::activated, &simulator_, action);
+  keys_.append(key);
 }
 
 void SimulationPanel::load(const rviz::Config& config) {
@@ -146,7 +154,13 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   pipeline_->show(status.pipeline);
   scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
   wind_->setChecked(status.wind);
+  showUnsaved(status.unsaved);
   warn(status.warnings);
+}
+
+void SimulationPanel::showUnsaved(bool is_unsaved) {
+  if (auto* const dock = qobject_cast<rviz::PanelDockWidget*>(parentWidget()))
+    dock->setWindowTitle(getName() + (is_unsaved ? " *" : ""));
 }
 
 // A status has the warnings of its last step; they stay long enough to be read.
@@ -201,7 +215,8 @@ void SimulationPanel::takeKeys() {
 }
 
 void SimulationPanel::setKeys(bool has_keys) {
-  if (wind_key_) wind_key_->setEnabled(has_keys);
+  for (const QPointer<QShortcut>& key : keys_)
+    if (key) key->setEnabled(has_keys);
   wind_->setText(has_keys ? "Wind (key 1)" : "Wind");
 }
 

@@ -24,7 +24,8 @@ namespace rbs {
 /// view was saved with as "Scene": for any other scene, the view moves to the view that the scene defines.
 ///
 /// A window may have several panels, each for a simulator of its own. One body is selected among them all,
-/// and key 1 goes to the panel that was used last.
+/// and the keys go to the panel that was used last: 1 for the wind, Ctrl+Z and Ctrl+Shift+Z for undo and redo.
+/// The title has a star while no file holds the edits.
 class SimulationPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -55,7 +56,9 @@ class SimulationPanel : public rviz::Panel {
   void followSelection(const QString& body);
   void takeKeys();
   void setKeys(bool has_keys);
-  bool hasKeys() const { return wind_key_ && wind_key_->isEnabled(); }
+  void addKey(const QKeySequence& keys, void (SimulatorClient::*action)());
+  bool hasKeys() const { return !keys_.isEmpty() && keys_.front() && keys_.front()->isEnabled(); }
+  void showUnsaved(bool is_unsaved);
   QList<SimulationPanel*> panels() const;
 
   SimulatorClient simulator_;
@@ -70,8 +73,8 @@ class SimulationPanel : public rviz::Panel {
   StatusView* status_;
   AccuracyView* accuracy_;
   PipelineTable* pipeline_;
-  QPointer<QShortcut> wind_key_;  ///< a child of RViz's window, which may go first
-  QTimer warned_;                 ///< how long a warning stays
+  QList<QPointer<QShortcut>> keys_;  ///< children of RViz's window, which may go first
+  QTimer warned_;                    ///< how long a warning stays
 };
 
 }  // namespace rbs

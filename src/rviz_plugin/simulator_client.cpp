@@ -119,6 +119,14 @@ void SimulatorClient::reset() {
   call<std_srvs::Trigger>("reset", {});
 }
 
+void SimulatorClient::undo() {
+  call<std_srvs::Trigger>("undo", {});
+}
+
+void SimulatorClient::redo() {
+  call<std_srvs::Trigger>("redo", {});
+}
+
 void SimulatorClient::step(int steps) {
   rigid_body_sim::Step::Request request;
   request.n = steps;

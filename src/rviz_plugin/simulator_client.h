@@ -35,6 +35,8 @@ class SimulatorClient : public QObject {
   void pause();
   void step(int steps);
   void reset();
+  void undo();
+  void redo();
   void setSpeed(double factor);  ///< times real time; 0 is as fast as possible
   void loadScene(const QString& name);
   void enableWind(bool on);

@@ -5,6 +5,7 @@
 
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QMessageBox>
 #include <QSignalBlocker>
 
 namespace rbs {
@@ -29,6 +30,12 @@ QDoubleSpinBox* makeSpeed() {
   return box;
 }
 
+void offer(QToolButton& button, const char* name, const char* keys, const std::string& edit) {
+  button.setEnabled(!edit.empty());
+  button.setToolTip(edit.empty() ? QString("%1: nothing (%2)").arg(name, keys)
+                                 : QString("%1: %2 (%3)").arg(name, QString::fromStdString(edit), keys));
+}
+
 }  // namespace
 
 TransportBar::TransportBar(SimulatorClient& simulator)
@@ -40,13 +47,17 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   QToolButton* const reset = addButton(resetIcon(), "Reset: back to the scene as it was loaded");
   step_ = addButton(stepIcon(), "Take steps, while paused");
   row->addWidget(steps_);
+  undo_ = addButton(undoIcon(), {});
+  redo_ = addButton(redoIcon(), {});
   row->addStretch();
   row->addWidget(new QLabel("Speed"));
   row->addWidget(speed_);
 
   connect(play_, &QToolButton::clicked, this, &TransportBar::playOrPause);
   connect(step_, &QToolButton::clicked, this, [this] { simulator_.step(steps_->value()); });
-  connect(reset, &QToolButton::clicked, &simulator_, &SimulatorClient::reset);
+  connect(reset, &QToolButton::clicked, this, &TransportBar::askToReset);
+  connect(undo_, &QToolButton::clicked, &simulator_, &SimulatorClient::undo);
+  connect(redo_, &QToolButton::clicked, &simulator_, &SimulatorClient::redo);
   connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
 }
 
@@ -57,6 +68,21 @@ QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
   button->setToolTip(tip);
   layout()->addWidget(button);
   return button;
+}
+
+// The simulation goes on while the question stands.
+void TransportBar::askToReset() {
+  if (!is_unsaved_) return simulator_.reset();
+  auto* const question = new QMessageBox(QMessageBox::Question, "Reset",
+                                         "No file holds your edits. Go back to the scene as it was loaded?",
+                                         QMessageBox::Reset | QMessageBox::Cancel, this);
+  question->setAttribute(Qt::WA_DeleteOnClose);
+  question->setInformativeText("Undo brings the edits back.");
+  question->setDefaultButton(QMessageBox::Cancel);
+  connect(question, &QMessageBox::buttonClicked, this, [this, question](QAbstractButton* button) {
+    if (question->standardButton(button) == QMessageBox::Reset) simulator_.reset();
+  });
+  question->open();
 }
 
 void TransportBar::playOrPause() {
@@ -70,6 +96,9 @@ void TransportBar::playOrPause() {
 void TransportBar::show(const rigid_body_sim::Status& status) {
   const bool is_still = status.paused && status.steps_left == 0;  // else the button stops the steps, too
   step_->setEnabled(is_still);
+  offer(*undo_, "Undo", "Ctrl+Z", status.undo);
+  offer(*redo_, "Redo", "Ctrl+Shift+Z", status.redo);
+  is_unsaved_ = status.unsaved;
   if (!speed_->hasFocus()) {
     const QSignalBlocker quiet(speed_);
     speed_->setValue(status.requested_speed);

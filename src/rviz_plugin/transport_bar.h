@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The row of buttons that run, step, reset and pace the simulation.
+// The row of buttons that run, step, reset and pace the simulation, and undo edits.
 #pragma once
 
 #include "simulator_client.h"
@@ -20,6 +20,7 @@ class TransportBar : public QWidget {
 
  private:
   void playOrPause();
+  void askToReset();
   QToolButton* addButton(const QIcon& icon, const QString& tip);
 
   SimulatorClient& simulator_;
@@ -27,7 +28,9 @@ class TransportBar : public QWidget {
   QToolButton* step_;
   QSpinBox* steps_;
   QDoubleSpinBox* speed_;
+  QToolButton *undo_, *redo_;
   bool is_paused_ = true;
+  bool is_unsaved_ = false;
 };
 
 }  // namespace rbs

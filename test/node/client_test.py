@@ -140,6 +140,10 @@ class ClientTest(unittest.TestCase):
         self.assertAlmostEqual(json.loads(self.done('--json', 'step', 60))['time'], 1.0)
         self.done('reset')
         self.assertEqual(json.loads(self.done('--json', 'status'))['steps'], 0)
+        self.assertIn("undone: reset 'small'", self.done('undo'))
+        self.assertEqual(json.loads(self.done('--json', 'status'))['steps'], 60)
+        self.done('redo')
+        self.assertEqual(json.loads(self.done('--json', 'status'))['steps'], 0)
 
     def test_answers_come_as_json(self):
         answer = json.loads(self.done('--json', 'get', 'crate'))

@@ -160,6 +160,11 @@ class Selection:
 
 
 class InteractiveBodiesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.select = rospy.Publisher("/sim/select", String, queue_size=1)
+        wait(lambda: cls.select.get_num_connections() > 0, "the node can be told to select")
+
     def setUp(self):
         """A box of 1 m and a ball of 1 m that float at rest, 4 m apart; paused."""
         call("pause", Trigger)
@@ -171,6 +176,11 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client = Client("rviz")
         self.client.wait_for("crate", "ball")
         self.client.wait_without(GIZMO, *FACES)  # of the test before
+
+    def drop_selection(self):
+        """For tests that replace the world: a selection goes on by its name, to the bodies of the next test."""
+        self.select.publish("")
+        self.client.wait_without(GIZMO)
 
     def tearDown(self):
         self.client.close()
@@ -393,11 +403,27 @@ class InteractiveBodiesTest(unittest.TestCase):
             self.client.move("crate", pose_at(0, 0, 5))
             wait(lambda: distance(position("crate"), [0, 0, 5]) < 1e-9, "the drag is on")
             call(again, LoadScene if request else Trigger, **request)
-            self.client.wait_without(GIZMO)
+            wait(lambda: abs(self.client.markers[GIZMO].pose.position.z - 0.25) < 1e-6, "the body is still selected")
             self.client.move("crate", pose_at(0, 0, 9))
             self.client.release("crate", pose_at(0, 0, 9))
             self.client.click("ball")  # done after all of that
+            x = body("ball").pose.position.x
+            wait(lambda: abs(self.client.markers[GIZMO].pose.position.x - x) < 1e-6, "the ball is selected")
             self.assertLess(distance(position("crate"), [0, 0, 0.25]), 1e-9, again)
+        self.drop_selection()
+
+    def test_a_drag_is_one_edit(self):
+        self.client.press("crate", hit=[0, 0, 0.5])
+        for height in range(6, 9):
+            self.client.move("crate", pose_at(0, 0, height))
+            wait(lambda: distance(position("crate"), [0, 0, height]) < 1e-9, "the crate follows")
+        self.client.release("crate", pose_at(0, 0, 9))
+        wait(lambda: distance(position("crate"), [0, 0, 9]) < 1e-9, "the last motion counts")
+        self.assertEqual(call("undo", Trigger).message, "undone: dragged 'crate'")
+        self.assertLess(distance(position("crate"), [0, 0, 5]), 1e-9)
+        call("redo", Trigger)
+        self.assertLess(distance(position("crate"), [0, 0, 9]), 1e-9)
+        self.drop_selection()
 
     # --- dragging the body
 

@@ -415,6 +415,63 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(after.hash, before)
         self.assertEqual((after.time, after.steps), (0.0, 0))
 
+    def test_every_edit_is_undone_and_made_again(self):
+        edits = [('spawn_body', dict(name='new', pose=at(0, 0, 9))),
+                 ('spawn_bodies', dict(bodies=[BodySpec(name='a', pose=at(3, 0, 9)), BodySpec(name='b', pose=at(6, 0, 9))])),
+                 ('move_body', dict(name='crate', pose=at(0, 1, 5))),
+                 ('resize_body', dict(name='crate', factor=2.0)),
+                 ('set_body', dict(name='ball', mass=7.0)),
+                 ('apply_impulse', dict(name='ball', impulse=Vector3(0, 0, 1))),
+                 ('enable_wind', dict(data=True)),
+                 ('set_wind', dict(velocity=Vector3(1, 2, 0))),
+                 ('set_gravity', dict(gravity=Vector3(0, 0, -1))),
+                 ('set_effects', dict(force_off=['drag'])),
+                 ('delete_body', dict(name='new')),
+                 ('clear', {}),
+                 ('load_scene', dict(name=SMALL))]
+        hashes = [self.status.fresh().hash]
+        for service, request in edits:
+            call(service, **request)
+            self.assertTrue(self.status.fresh().undo, service)
+            call('step', n=2)
+            hashes.append(self.status.fresh().hash)
+        before = [hashes.pop()]
+        for service, _ in reversed(edits):
+            told = self.status.fresh().undo
+            self.assertEqual(call('undo').message, 'undone: ' + told, service)
+            before.append(hashes.pop())
+            self.assertEqual(self.status.fresh().hash, before[-1], service)
+        for service, _ in edits:
+            before.pop()
+            call('redo')
+            self.assertEqual(self.status.fresh().hash, before[-1], service)
+        self.assert_refused(['nothing to redo', 'an undo first'], 'redo')
+
+    def test_undo_leaves_the_clock_the_pace_and_the_solver_settings(self):
+        call('set_speed', factor=2.0)
+        call('spawn_body')
+        call('step', n=30)
+        call('set_fidelity', fidelity='preview')
+        before = self.status.fresh()
+        call('undo')
+        after = self.status.fresh()
+        self.assertEqual((after.steps, after.fidelity, after.requested_speed, after.paused), (0, 'preview', 2.0, True))
+        self.assertGreater(after.header.stamp, before.header.stamp)
+        call('set_speed', factor=1.0)
+
+    def test_status_tells_what_no_file_holds(self):
+        self.assertFalse(self.status.fresh().unsaved)
+        call('spawn_body', name='new')
+        self.assertTrue(self.status.fresh().unsaved)
+        call('save_scene', file=self.file('edited.yaml'))
+        self.assertFalse(self.status.fresh().unsaved)
+        call('delete_body', name='new')
+        self.assertTrue(self.status.fresh().unsaved)
+        self.assertFalse(ask('save_state', file='/nowhere/state.yaml').success)
+        self.assertTrue(self.status.fresh().unsaved)
+        call('undo')
+        self.assertFalse(self.status.fresh().unsaved)
+
     def test_speed_zero_runs_as_fast_as_possible(self):
         call('set_speed', factor=0.0)
         call('resume')

@@ -198,6 +198,10 @@ class TopicsTest(unittest.TestCase):
         told('deleted', 'new')
         call('reset')
         told('reset', '')
+        call('undo')
+        told('undone', '')
+        call('redo')
+        told('redone', '')
 
     def test_diagnostics_speak_of_the_simulation(self):
         diagnostics = self.listen('/diagnostics', DiagnosticArray)

@@ -33,6 +33,8 @@ MANY_VIEW = rviz_driver.View(eye=[0.0, -70.0, 95.0], target=[0.0, 0.0, 0.0])  # 
 PLAY_GREEN = (0x2e, 0x9e, 0x4f)
 PAUSE_AMBER = (0xd9, 0x8a, 0x00)
 STEP_BLUE = (0x2f, 0x6f, 0xbf)
+RESET_RED = (0xb8, 0x43, 0x3a)
+UNDO_GREY = (0x5f, 0x6b, 0x7a)  # and redo
 
 
 def call(service, kind, *arguments, node='/sim'):
@@ -95,6 +97,7 @@ class GuiTest(unittest.TestCase):
         cls.addClassCleanup(cls.simulator.kill)
         cls.status = Last('/sim/status', Status)
         cls.selection = Last('/sim/selection', String)
+        cls.select = rospy.Publisher('/sim/select', String, queue_size=1)
         wait_until(cls.status, 'the simulator says how it is')
         cls.screen = rviz_driver.Screen().__enter__()
         cls.addClassCleanup(cls.screen.__exit__)
@@ -103,8 +106,11 @@ class GuiTest(unittest.TestCase):
         cls.addClassCleanup(cls.rviz.__exit__)
 
     def setUp(self):
-        """A paused world as it was loaded, in a picture at rest."""
+        """A paused world as it was loaded, without a selection, in a picture at rest."""
         self.simulator.start()
+        wait_until(lambda: self.select.get_num_connections() > 0, 'the simulator can be told to select')
+        self.select.publish('')
+        self.wait_for_selection('')
         call('pause', Trigger)
         call('reset', Trigger)
         self.wait_for_status(lambda s: s.paused and s.time == 0.0, 'paused and reset')
@@ -193,6 +199,48 @@ class GuiTest(unittest.TestCase):
         wait_until(lambda: 'right' not in call('list_bodies', ListBodies).names, 'the selected body is deleted')
         self.assertIn('left', call('list_bodies', ListBodies).names)
         self.wait_for_selection('')
+
+    def delete_right(self):
+        self.rviz.click(self.rviz.pixel_of(position('right')))
+        self.wait_for_selection('right')
+        self.rviz.key('Delete')
+        self.wait_for_status(lambda s: 'right' in s.undo and s.unsaved, 'the deletion can be undone')
+        self.assertNotIn('right', call('list_bodies', ListBodies).names)
+
+    def test_edits_are_undone_by_key_and_by_button(self):
+        self.addCleanup(call, 'reset', Trigger)
+        before = self.status().hash
+        self.delete_right()
+        self.rviz.key('ctrl+z')
+        self.wait_for_status(lambda s: s.hash == before, 'the deletion is undone')
+        self.rviz.key('ctrl+shift+z')
+        self.wait_for_status(lambda s: 'right' in s.undo, 'the deletion is made again')
+        self.assertNotIn('right', call('list_bodies', ListBodies).names)
+        self.press(UNDO_GREY)
+        self.wait_for_status(lambda s: s.hash == before, 'the deletion is undone')
+
+    def answer_question(self, *keys):
+        """Presses keys in the dialogue that asks. A window takes none before it can be seen."""
+        command = ['xdotool', 'search', '--onlyvisible', '--name', '^Reset$', 'windowfocus']
+        wait_until(lambda: subprocess.run(command, env=self.screen.env, check=False, stdout=subprocess.DEVNULL,
+                                          stderr=subprocess.DEVNULL).returncode == 0, 'the dialogue takes the keys')
+        self.screen.xdotool('sleep', 0.3, *(word for key in keys for word in ('key', key, 'sleep', 0.2)))
+
+    def test_reset_asks_before_it_drops_edits(self):
+        self.addCleanup(call, 'reset', Trigger)
+        self.delete_right()
+        self.press(RESET_RED)
+        self.answer_question('Return')  # the default is to cancel
+        self.press(STEP_BLUE)
+        self.wait_for_status(lambda s: s.steps == 1, 'a step after the question')
+        self.assertNotIn('right', call('list_bodies', ListBodies).names)
+        self.press(RESET_RED)
+        self.answer_question('Tab', 'space')
+        self.wait_for_status(lambda s: not s.unsaved and s.steps == 0, 'reset')
+        self.assertIn('right', call('list_bodies', ListBodies).names)
+        call('undo', Trigger)
+        self.wait_for_status(lambda s: s.unsaved, 'the reset is undone')
+        self.assertNotIn('right', call('list_bodies', ListBodies).names)
 
     def test_no_text_changes_the_window(self):
         wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')

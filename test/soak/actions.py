@@ -30,7 +30,7 @@ class Actions:
         self.weights = {
             self.spawn: 10, self.delete: 5, self.move: 6, self.resize: 6, self.change: 6, self.push: 8,
             self.surroundings: 4, self.dial: 3, self.effects: 2, self.pace: 4, self.step: 3, self.load: 3,
-            self.reset: 2, self.save_and_load: 2, self.query: 8, self.drag: 10, self.measure: 1, self.overlays: 2,
+            self.reset: 2, self.undo: 5, self.save_and_load: 2, self.query: 8, self.drag: 10, self.measure: 1, self.overlays: 2,
         }
 
     def any(self):
@@ -136,6 +136,11 @@ class Actions:
 
     def reset(self):
         self.call('reset', Trigger)
+
+    def undo(self):
+        self.spawn()
+        self.call('undo', Trigger)
+        self.call('redo', Trigger)
 
     def save_and_load(self):
         """A new file each time, so that none is in the way."""

@@ -3,6 +3,8 @@
 
 #include "base/text.h"
 #include "rigid_body_sim/governor.h"
+#include "rigid_body_sim/quote.h"
+#include "simulator/edit_history.h"
 #include "simulator/pacer.h"
 
 #include <algorithm>
@@ -12,6 +14,7 @@
 #include <exception>
 #include <future>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -21,12 +24,6 @@ namespace rbs {
 namespace {
 
 using Clock = Pacer::Clock;
-
-// The scene and state that a world is made of, and made of again on a reset.
-struct Origin {
-  SceneDef scene;
-  std::optional<SavedState> saved;
-};
 
 struct Command {
   std::function<void()> run;
@@ -53,6 +50,9 @@ struct Simulator::Impl {
   std::uint64_t worlds = 0;                     // number of earlier worlds
   std::optional<StepRequest> request;
   bool stale = false;  // the world has changed since the last snapshot
+  EditHistory history;
+  std::uint64_t revision = 0, revisions = 0;  // of the world, and in all
+  std::set<std::uint64_t> saved{0};           // revisions that a file holds
 
   // Shared with other threads, under the mutex.
   mutable std::mutex mutex;
@@ -62,8 +62,8 @@ struct Simulator::Impl {
   Pace pace;  // without the numbers of the pacer
   Pacer pacer;
 
-  std::mutex replacing;  // one caller at a time makes another world
-  std::shared_ptr<const Origin> origin;
+  std::mutex replacing;                  // one caller at a time makes another world
+  std::shared_ptr<const Origin> origin;  // written under it, by the thread
   std::atomic<bool> estimating{false};
   std::shared_ptr<const Snapshot> published;  // read and written by atomic_load and atomic_store
 
@@ -88,6 +88,10 @@ struct Simulator::Impl {
     snapshot.estimate = governor.estimate();
     snapshot.dial_reason = governor.reason(world);
     snapshot.step_cpu_seconds = governor.stepCpuSeconds();
+    if (history.undoable()) snapshot.undo = history.undoable()->what;
+    if (history.redoable()) snapshot.redo = history.redoable()->what;
+    snapshot.revision = revision;
+    snapshot.unsaved = saved.count(revision) == 0;
     std::atomic_store(&published, std::make_shared<const Snapshot>(std::move(snapshot)));
     stale = false;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -118,25 +122,67 @@ struct Simulator::Impl {
     std::exchange(request, std::nullopt)->end(by);
   }
 
-  // The caller gets the old world, so that its destruction takes no time of this thread.
-  void replaceWorld(World& fresh, const char* by) {
+  // A world of the history, or the present one for it.
+  EditHistory::Entry present(std::string what) {
+    return {std::move(what), std::move(world), std::atomic_load(&origin), revision};
+  }
+
+  void apply(const std::function<std::string(World&)>& edit, std::string& what) {
+    World before(world);
+    const std::uint64_t edits = world.edits();
+    what = edit(world);
+    if (world.edits() == edits) return;
+    history.add({what, std::move(before), std::atomic_load(&origin), revision});
+    revision = ++revisions;
+  }
+
+  // The solver settings are no edit: they stay, but where the edit was a load.
+  std::string goBack(bool undoes) {
+    const EditHistory::Entry* const next = undoes ? history.undoable() : history.redoable();
+    if (!next)
+      throw InvalidInput({{undoes ? "undo" : "redo", "nothing to " + std::string(undoes ? "undo" : "redo"),
+                           undoes ? "an edit first" : "an undo first, and no edit since"}});
+    const Setting setting = world.scene().fidelity;
+    const std::optional<Goal> goal = world.scene().goal;
+    const std::shared_ptr<const Origin> from = std::atomic_load(&origin);
+    prepareReplacement(undoes ? "undo" : "redo");
+    EditHistory::Entry then = undoes ? history.undo(present("")) : history.redo(present(""));
+    if (then.origin == from) {
+      if (then.world.scene().fidelity != setting) then.world.setFidelity(setting);
+      then.world.setGoal(goal);
+    }
+    revision = then.revision;
+    std::atomic_store(&origin, then.origin);
+    setWorld(std::move(then.world));
+    return then.what;
+  }
+
+  void prepareReplacement(const char* by) {
     endRequest(by);
     publish();
     edits_before = published->edits + 1;
     versions_before = published->description_version + 1;
     elapsed_before = published->elapsed;
-    began_at = fresh.time();
     ++worlds;
-    std::swap(world, fresh);
+  }
+
+  void setWorld(World fresh) {
+    began_at = fresh.time();
+    world = std::move(fresh);
     governor = Governor();
     governor.setEstimating(estimating);
     restartClock();
   }
 
-  void beginWith(std::shared_ptr<const Origin> from, const char* by) {
+  void beginWith(std::shared_ptr<const Origin> from, const char* by, const std::string& what) {
     World fresh(from->scene, from->saved);
-    post([&] { replaceWorld(fresh, by); });
-    origin = std::move(from);
+    post([&] {
+      prepareReplacement(by);
+      history.add(present(what));
+      saved.insert(revision = ++revisions);
+      std::atomic_store(&origin, std::move(from));
+      setWorld(std::move(fresh));
+    });
   }
 
   void push(Command command) {
@@ -251,18 +297,48 @@ void Simulator::edit(const std::function<void(World&)>& command) {
   impl_->post([&] { command(impl_->world); });
 }
 
+std::string Simulator::apply(const std::function<std::string(World&)>& edit) {
+  std::string what;
+  impl_->post([&] { impl_->apply(edit, what); });
+  return what;
+}
+
+std::string Simulator::undo() {
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  std::string what;
+  impl_->post([&] { what = impl_->goBack(true); });
+  return what;
+}
+
+std::string Simulator::redo() {
+  const std::lock_guard<std::mutex> lock(impl_->replacing);
+  std::string what;
+  impl_->post([&] { what = impl_->goBack(false); });
+  return what;
+}
+
+void Simulator::markSaved(std::uint64_t revision) {
+  impl_->post([&] { impl_->saved.insert(revision); });
+}
+
+std::shared_ptr<const SceneDef> Simulator::loaded() const {
+  const std::shared_ptr<const Origin> origin = std::atomic_load(&impl_->origin);
+  return {origin, &origin->scene};
+}
+
 void Simulator::send(std::function<void(World&)> command) {
   impl_->push({[this, command = std::move(command)] { command(impl_->world); }, nullptr});
 }
 
 void Simulator::load(SceneDef scene, const std::optional<SavedState>& saved) {
   const std::lock_guard<std::mutex> lock(impl_->replacing);
-  impl_->beginWith(std::make_shared<Origin>(Origin{std::move(scene), saved}), "load");
+  const std::string what = "loaded " + quoted(scene.name);
+  impl_->beginWith(std::make_shared<Origin>(Origin{std::move(scene), saved}), "load", what);
 }
 
 void Simulator::reset() {
   const std::lock_guard<std::mutex> lock(impl_->replacing);
-  impl_->beginWith(impl_->origin, "reset");
+  impl_->beginWith(std::atomic_load(&impl_->origin), "reset", "reset " + quoted(loaded()->name));
 }
 
 void Simulator::pause() {
