@@ -111,7 +111,10 @@ struct StepReport {
   double seconds = 0.0;             ///< wall time of the step, s
   std::uint32_t pairs = 0;          ///< candidate pairs of the broad phase
   std::uint64_t overlap_tests = 0;  ///< pairs of bounds that the broad phase compared to find them
-  std::uint32_t contacts = 0;       ///< contact points, also those that nearly touch
+  /// Queries of the narrow phase for pairs without a closed form, and those that the separating axis of the
+  /// last query answered without a search.
+  std::uint64_t axis_queries = 0, axes_kept = 0;
+  std::uint32_t contacts = 0;  ///< contact points, also those that nearly touch
   std::uint32_t islands = 0;  ///< islands that the contact solver handled; bodies in free flight are in none
   std::uint32_t flying = 0;   ///< dynamic bodies in free flight
   std::uint32_t impacts = 0;  ///< impacts located in time and resolved in order

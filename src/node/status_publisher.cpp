@@ -54,6 +54,8 @@ void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.step_seconds = report.seconds;
   msg.pairs = report.pairs;
   msg.overlap_tests = report.overlap_tests;
+  msg.axis_queries = report.axis_queries;
+  msg.axes_kept = report.axes_kept;
   msg.contacts = report.contacts;
   msg.islands = report.islands;
   msg.flying = report.flying;

@@ -200,7 +200,8 @@ Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, cons
 }
 
 // Boxes meet where no axis separates them; how far they are apart the axes do not say.
-bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin) {
+bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin,
+                Vec3& /*n_W*/) {
   if (!farthestAxis(0.5 * a.size, 0.5 * b.size, RelativePose(X_WA, X_WB), margin)) return false;
   return margin == 0.0 || gapPair(a, X_WA, b, X_WB, {}).distance <= margin;
 }

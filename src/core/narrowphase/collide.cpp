@@ -23,6 +23,15 @@ constexpr std::size_t orderOf() {
     return orderOf<Kind, index + 1>();
 }
 
+bool keepsAxis(const Shape& a, const Shape& b) {
+  const auto keeps = [](const auto& kind_a, const auto& kind_b) {
+    using A = std::decay_t<decltype(kind_a)>;
+    using B = std::decay_t<decltype(kind_b)>;
+    return orderOf<A>() <= orderOf<B>() ? kKeepsAxis<A, B> : kKeepsAxis<B, A>;
+  };
+  return std::visit(keeps, a, b);
+}
+
 }  // namespace
 
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
@@ -38,6 +47,15 @@ Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
     }
   };
   return std::visit(meet, a, b);
+}
+
+Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
+                 SeparatingAxis& axis) {
+  if (!keepsAxis(a, b)) return collide(a, X_WA, b, X_WB, margin);
+  if (axis.separates(a, X_WA, b, X_WB, margin)) return {};
+  Manifold manifold = collide(a, X_WA, b, X_WB, margin);
+  if (manifold.size == 0) axis.set(X_WA, manifold.n_W);
+  return manifold;
 }
 
 namespace {
@@ -74,16 +92,38 @@ Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Simp
   return gapOf(a, X_WA, b, X_WB, {std::numeric_limits<double>::infinity(), &kept});
 }
 
-bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
+namespace {
+
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin, Vec3& n_W) {
   const auto meet = [&](const auto& kind_a, const auto& kind_b) {
     using A = std::decay_t<decltype(kind_a)>;
     using B = std::decay_t<decltype(kind_b)>;
-    if constexpr (orderOf<A>() <= orderOf<B>())
-      return withinPair(kind_a, X_WA, kind_b, X_WB, margin);
-    else
-      return withinPair(kind_b, X_WB, kind_a, X_WA, margin);
+    if constexpr (orderOf<A>() <= orderOf<B>()) {
+      return withinPair(kind_a, X_WA, kind_b, X_WB, margin, n_W);
+    } else {
+      const bool within = withinPair(kind_b, X_WB, kind_a, X_WA, margin, n_W);
+      n_W = -n_W;
+      return within;
+    }
   };
   return std::visit(meet, a, b);
+}
+
+}  // namespace
+
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
+  Vec3 n_W;
+  return areWithin(a, X_WA, b, X_WB, margin, n_W);
+}
+
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
+               SeparatingAxis& axis) {
+  if (!keepsAxis(a, b)) return areWithin(a, X_WA, b, X_WB, margin);
+  if (axis.separates(a, X_WA, b, X_WB, margin)) return false;
+  Vec3 n_W = Vec3::Zero();
+  const bool within = areWithin(a, X_WA, b, X_WB, margin, n_W);
+  if (!within) axis.set(X_WA, n_W);
+  return within;
 }
 
 }  // namespace rbs

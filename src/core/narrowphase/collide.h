@@ -4,6 +4,7 @@
 
 #include "narrowphase/gap.h"
 #include "narrowphase/manifold.h"
+#include "narrowphase/separating_axis.h"
 #include "narrowphase/simplex.h"
 #include "rigid_body_sim/shape.h"
 
@@ -13,6 +14,10 @@ namespace rbs {
 /// 0). Penetration of any depth is reported. Coincident centres give a fixed, deterministic normal. Two
 /// planes have no contact points.
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
+/// The same manifold, of a pair that is queried repeatedly. `axis` is the one of its last query, none at
+/// first; pairs with a closed form leave it alone.
+Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
+                 SeparatingAxis& axis);
 
 /// The gap of two shapes.
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
@@ -23,5 +28,8 @@ Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, Simp
 
 /// Whether the gap is at most `margin` (m, >= 0). Cheaper than the gap.
 bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin);
+/// The same answer, of a pair that is queried repeatedly, as in collide().
+bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
+               SeparatingAxis& axis);
 
 }  // namespace rbs

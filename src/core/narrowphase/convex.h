@@ -40,8 +40,13 @@ inline constexpr bool kSearched =
     !(std::is_same_v<ShapeA, Sphere> && !std::is_same_v<ShapeB, ConvexHull>)&&  //
     !(std::is_same_v<ShapeA, Capsule> && std::is_same_v<ShapeB, Capsule>);
 
+/// The pairs whose separating axis is worth keeping: to try one costs boxes as much as to find it.
+template <class ShapeA, class ShapeB>
+inline constexpr bool kKeepsAxis =
+    kSearched<ShapeA, ShapeB> && !(std::is_same_v<ShapeA, Box> && std::is_same_v<ShapeB, Box>);
+
 /// Options of a search for a gap. Where the gap is above `beyond` (m), the result is only some number between
-/// the two. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
+/// the two, with a direction that proves it. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
 /// and then that of this search.
 struct Search {
   double beyond = std::numeric_limits<double>::infinity();
@@ -64,7 +69,7 @@ ConvexGap convexGap(const ShapeA& a, const ShapeB& b, const RelativePose& X_AB, 
   const GjkResult distance = start.size > 0 ? gjk(difference, start, finish, enough)
                                             : gjk(difference, difference.centre(), finish, enough);
   if (search.kept != nullptr) *search.kept = distance.simplex;
-  if (distance.enough) return {distance.lower - radii, Vec3::UnitX(), Vec3::Zero()};
+  if (distance.enough) return {distance.lower - radii, -distance.v.normalized(), Vec3::Zero()};
   Vec3 on_a, on_b;
   ConvexGap gap;
   // For cores this near, v has no direction, or a bad one where v does not prove its length. EPA finds a
@@ -159,8 +164,8 @@ template <class ShapeA, class ShapeB>
 Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
   const ConvexGap gap = convexGap(a, X_WA, b, X_WB, {margin, nullptr});
   Manifold manifold;
-  if (gap.distance > margin) return manifold;
   manifold.n_W = X_WA.q_WB * gap.n_A;
+  if (gap.distance > margin) return manifold;
   const RelativePose X_AB(X_WA, X_WB);
   Facet facet_b = facetTowards(b, X_AB.R_AB.transpose() * -gap.n_A);
   for (int k = 0; k < facet_b.size; ++k) facet_b.corners[k] = X_AB.p_AB + X_AB.R_AB * facet_b.corners[k];
@@ -180,13 +185,16 @@ Gap gapPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB
   return gapConvex(a, X_WA, b, X_WB, search);
 }
 /// Whether the gap is at most `margin`. A point of A - B that is near enough, or a separating plane that is
-/// far enough, ends the search. Where both leave it open, the gap decides.
+/// far enough, ends the search. Where both leave it open, the gap decides. Where it is not, `n_W` is an axis
+/// that separates the two, from A to B, if the pair keeps it.
 template <class ShapeA, class ShapeB>
-bool withinPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
+bool withinPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin,
+                Vec3& n_W) {
   if constexpr (kSearched<ShapeA, ShapeB>) {
     const CoreDifference difference(coreOf(a), coreOf(b), RelativePose(X_WA, X_WB));
     const double reach = margin + coreRadius(a) + coreRadius(b);
     const GjkResult distance = gjk(difference, difference.centre(), NoFinish(), {reach, reach});
+    n_W = X_WA.q_WB * -distance.v.normalized();
     if (distance.enough) return !(distance.lower > reach);
     if (distance.simplex.size == 4) return true;
   }

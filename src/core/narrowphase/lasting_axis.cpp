@@ -95,10 +95,7 @@ struct PlacedPair {
   const Shape &a, &b;
   Pose X_WA, X_WB;
 
-  double separation(const Vec3& n_W) const {
-    return n_W.dot(X_WB.p_WB - X_WA.p_WB) - reach(a, X_WA.q_WB.conjugate() * n_W) -
-           reach(b, X_WB.q_WB.conjugate() * -n_W);
-  }
+  double separation(const Vec3& n_W) const { return separationAlong(n_W, a, X_WA, b, X_WB); }
 };
 
 // By how much an axis closes in an interval, m, negative: what brings the two nearer than the tolerance, from
@@ -119,9 +116,9 @@ double turningOf(const Shape& shape, const Motion& motion) {
 
 Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          double from, double until, double margin, const LastingLimits& limits,
-                         const Vec3& loaded_W) {
+                         const Vec3& loaded_W, SeparatingAxis& axis) {
   const PlacedPair now{a, b, motion_a.at(from), motion_b.at(from)};
-  const Manifold nearest = collide(a, now.X_WA, b, now.X_WB, margin);
+  const Manifold nearest = collide(a, now.X_WA, b, now.X_WB, margin, axis);
   if (nearest.size == 0 || !(until > from)) return nearest;
 
   const double turning = turningOf(a, motion_a) + turningOf(b, motion_b);
@@ -159,8 +156,8 @@ Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b,
   }
   std::array<FaceAxis, 2 * Normals::kMost> axes;
   int size = 0;
-  const auto add = [&](const FaceAxis& axis) {
-    if (now.separation(axis.n_W) >= -tolerance) axes[size++] = axis;
+  const auto add = [&](const FaceAxis& face) {
+    if (now.separation(face.n_W) >= -tolerance) axes[size++] = face;
   };
   for (int k = 0; k < of_a.size; ++k)
     add({now.X_WA.q_WB * of_a.normals[k], then.X_WA.q_WB * of_a.normals[k]});

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "narrowphase/manifold.h"
+#include "narrowphase/separating_axis.h"
 #include "narrowphase/time_of_impact.h"
 
 namespace rbs {
@@ -23,12 +24,13 @@ struct LastingLimits {
 /// contact separates them for the whole time, or until they have turned by 0.01 rad. Then the points are
 /// those of the end of that time, seen from `from`: their separation is the one from which the motion leads
 /// there. Empty where the two pass each other. A normal along which the pair already bears a force stays:
-/// `loaded_W` is that direction, and zero where there is none.
+/// `loaded_W` is that direction, and zero where there is none. `axis` is the separating axis of the pair's
+/// last query (collide.h).
 ///
 /// Costs a collide(), and two support queries where the pair closes. What it costs beyond that is for pairs
 /// at an edge.
 Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b, const Motion& motion_b,
                          double from, double until, double margin, const LastingLimits& limits,
-                         const Vec3& loaded_W);
+                         const Vec3& loaded_W, SeparatingAxis& axis);
 
 }  // namespace rbs

@@ -20,7 +20,7 @@ struct ManifoldPoint {
 struct Manifold {
   static constexpr int kPoints = 32;
 
-  Vec3 n_W = Vec3::UnitZ();  ///< unit normal, from A to B
+  Vec3 n_W = Vec3::UnitZ();  ///< unit normal, from A to B; without points, an axis that was found to separate
   int size = 0;              ///< 0: no contact within the margin
   std::array<ManifoldPoint, kPoints> points;
 

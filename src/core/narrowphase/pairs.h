@@ -25,6 +25,6 @@ Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB)
 /// boxes are farthest apart (or overlap least).
 Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
 Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, const Search& search);
-bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
+bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin, Vec3& n_W);
 
 }  // namespace rbs

@@ -56,12 +56,12 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
 
 Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
                          const Motion& course_j, double from, double until, double margin,
-                         const LastingLimits& limits, const Vec3& loaded_W) {
+                         const LastingLimits& limits, const Vec3& loaded_W, SeparatingAxis& axis) {
   const Traits &a = bodies.traits[i], &b = bodies.traits[j];
   // Only what has faces and an end has joints.
   if (a.unbounded || b.unbounded || !(a.edged || b.edged))
-    return collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin);
-  return lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits, loaded_W);
+    return collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin, axis);
+  return lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits, loaded_W, axis);
 }
 
 }  // namespace rbs

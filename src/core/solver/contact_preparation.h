@@ -55,6 +55,6 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
 /// The points of two bodies on their courses for the time until `until` (s), as lastingManifold() finds them.
 Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
                          const Motion& course_j, double from, double until, double margin,
-                         const LastingLimits& limits, const Vec3& loaded_W);
+                         const LastingLimits& limits, const Vec3& loaded_W, SeparatingAxis& axis);
 
 }  // namespace rbs

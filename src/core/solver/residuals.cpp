@@ -79,6 +79,7 @@ void run(Context& context) {
         bringBack(context, i, step.before[i], step.twist_before[i]);
 
   for (const Contact& contact : context.scene.contacts.active) {
+    step.report.axis_queries += contact.axis.queries, step.report.axes_kept += contact.axis.kept;
     if (!contact.solved) continue;
     step.report.contacts += static_cast<std::uint32_t>(contact.points.size());
     for (const SolvedPoint& point : contact.points)

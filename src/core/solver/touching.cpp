@@ -62,7 +62,7 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
                  reachOf(b, a, p_W, u_W, span) * twist_j.w_WB.norm(), step.load[j].a_W - step.load[i].a_W);
     const Manifold manifold = contactManifold(bodies, i, {time, X_i, twist_i}, j, {time, X_j, twist_j}, time,
                                               time + span, reach * (near + kMargin * pair.length),
-                                              exactLimits(step, pair), loaded.of(k, contact, pair.bears));
+                                              exactLimits(step, pair), loaded.of(k, contact, pair.bears), contact.axis);
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {

@@ -46,7 +46,7 @@ void Contacts::update(const Bodies& bodies, const std::vector<std::pair<Index, I
     for (Contact& old : *last) {
       while (place != active.end() && place->key < old.key) ++place;
       if (place != active.end() && place->key == old.key) {
-        place->exact = old.exact;
+        place->exact = old.exact, place->axis.n_A = old.axis.n_A;
         place->points = std::move(old.points), place->earlier = std::move(old.earlier);
       } else if (!old.earlier.empty() || (!old.points.empty() && rests(old))) {
         dormant.push_back(std::move(old));

@@ -6,6 +6,7 @@
 // leaves its own: their forces warm-start the next step, their impulses are reported.
 #pragma once
 
+#include "narrowphase/separating_axis.h"
 #include "state/bodies.h"
 #include "state/pair_state.h"
 
@@ -62,6 +63,8 @@ struct Contact {
   /// The impulses of this step of the World that `points` do not have: of located impacts, of parts of the
   /// step before the last, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;
+  /// Of its last query, with the counts of the step. It changes no result, only the time that one takes.
+  mutable SeparatingAxis axis;
 
   bool isOf(BodyId body) const { return key.i == body || key.j == body; }
   /// The point of a feature, as the last solve left it; null when there is none.
@@ -89,7 +92,7 @@ struct Contact {
   /// Makes room for the points of another solve. Impulses given in this step are kept.
   void beginSolve();
   /// Drops all that is known: a body has been moved or reshaped.
-  void forget() { points.clear(), earlier.clear(), exact = false; }
+  void forget() { points.clear(), earlier.clear(), exact = false, axis = {}; }
 };
 
 /// The contacts of a scene.

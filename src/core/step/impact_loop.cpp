@@ -188,7 +188,8 @@ class ImpactLoop {
   }
 
   impacts::Prediction predict(Index i, Index j, double from) {
-    const impacts::Prediction prediction = impacts::predict(context_, i, j, from);
+    SeparatingAxis axis;  // none: an impact has changed a motion, and the pair may have no contact
+    const impacts::Prediction prediction = impacts::predict(context_, i, j, from, axis);
     charge(prediction.queries);
     return prediction;
   }

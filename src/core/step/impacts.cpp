@@ -63,7 +63,7 @@ ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double ti
 
 // The two bodies at a time, with their manifold.
 struct Meeting {
-  Meeting(const Context& context, Index i, Index j, double time) {
+  Meeting(const Context& context, Index i, Index j, double time, SeparatingAxis& axis) {
     const Bodies& bodies = context.scene.bodies;
     const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
     a = sideOf(bodies, i, course_i, time);
@@ -73,7 +73,7 @@ struct Meeting {
     const LastingLimits limits = step.solver.exact ? exactLimits(step, pair)
                                                    : softLimits(step, pair, step.h() / step.solver.sub_steps);
     manifold = contactManifold(bodies, i, course_i, j, course_j, time, time + step.h(),
-                               marginOf(context, i, j), limits, Vec3::Zero());
+                               marginOf(context, i, j), limits, Vec3::Zero(), axis);
   }
   ImpactSide a, b;
   Manifold manifold;
@@ -135,19 +135,19 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 // it does not close, it is left to the contact solver, but for a pair that rebounds and that nothing else
 // touches: another corner may strike before the end of the step, and a contact would give that blow no
 // rebound.
-Prediction predict(const Context& context, Index i, Index j, double from) {
+Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis) {
   const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
   const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
   const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
-  if (!areWithin(a, course_i.at(from), b, course_j.at(from), near)) return {};
+  if (!areWithin(a, course_i.at(from), b, course_j.at(from), near, axis)) return {};
   Prediction prediction;
   const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
   const bool simple = isSimple(i) && isSimple(j);
   const auto meetingAt = [&](double time) {
     prediction.queries += !simple;
-    return Meeting(context, i, j, time);
+    return Meeting(context, i, j, time, axis);
   };
   const auto touchAt = [&](const Meeting& meeting, double time) {
     prediction.touches = true;
@@ -206,7 +206,7 @@ void find(Context& context) {
     const auto [i, j] = std::pair(contact.i, contact.j);
     if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) continue;
     if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) continue;
-    const Prediction prediction = predict(context, i, j, step.t0);
+    const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
     if (prediction.impact) {
       step.impacts.push_back(*prediction.impact);
       contact.state.awaitImpact();
@@ -219,7 +219,7 @@ void find(Context& context) {
 Outcome resolve(Context& context, Contact& contact, double time) {
   Bodies& bodies = context.scene.bodies;
   const Index i = contact.i, j = contact.j;
-  Meeting meeting(context, i, j, time);
+  Meeting meeting(context, i, j, time, contact.axis);
   const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
   const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
   if (speed <= 0.0) return Outcome::Miss;

@@ -19,7 +19,8 @@ struct Prediction {
   bool touches = false;                 ///< they touch, impact or not
   int queries = 0;                      ///< closest points and manifolds it took; none where a form is closed
 };
-Prediction predict(const Context& context, Index i, Index j, double from);
+/// `axis` is that of the contact of the pair, i before j; of a pair without one: none.
+Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis);
 
 /// Whether a body's course is known: nothing carries it now, and no torque turns it by more than matters.
 bool isFree(const Context& context, Index i);

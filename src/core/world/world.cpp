@@ -290,6 +290,8 @@ namespace {
 void addParts(const StepReport& before, StepReport& report) {
   report.seconds += before.seconds;
   report.overlap_tests += before.overlap_tests;
+  report.axis_queries += before.axis_queries;
+  report.axes_kept += before.axes_kept;
   report.impacts += before.impacts;
   report.deferred_impacts += before.deferred_impacts;
   report.warnings.insert(report.warnings.begin(), before.warnings.begin(), before.warnings.end());
