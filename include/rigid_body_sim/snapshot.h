@@ -115,9 +115,9 @@ struct StepReport {
   /// last query answered without a search.
   std::uint64_t axis_queries = 0, axes_kept = 0;
   std::uint32_t contacts = 0;  ///< contact points, also those that nearly touch
-  std::uint32_t islands = 0;  ///< islands that the contact solver handled; bodies in free flight are in none
-  std::uint32_t flying = 0;   ///< dynamic bodies in free flight
-  std::uint32_t impacts = 0;  ///< impacts located in time and resolved in order
+  std::uint32_t islands = 0;   ///< islands that the contact solver handled; bodies in free flight are in none
+  std::uint32_t flying = 0;    ///< dynamic bodies in free flight
+  std::uint32_t impacts = 0;   ///< impacts located in time and resolved in order
   /// Located impacts left to the contact solver: cutting a large island for them would cost too much, or the
   /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
   /// the warning "impact_budget" are not counted.

@@ -65,7 +65,8 @@ TEST(SeparatingAxis, ChangesNoAnswer) {
         if (k % 5 == 0) of_manifold.n_A = of_within.n_A = random.direction();
         for (int step = 0; step < 8; ++step, walk.advance()) {
           const auto& [shape_a, shape_b, X_WA, X_WB] = walk.pair;
-          const std::string where = a + ", " + b + ", walk " + std::to_string(k) + ", step " + std::to_string(step);
+          const std::string where =
+              a + ", " + b + ", walk " + std::to_string(k) + ", step " + std::to_string(step);
           const Manifold searched = collide(shape_a, X_WA, shape_b, X_WB, walk.margin);
           expectSame(collide(shape_a, X_WA, shape_b, X_WB, walk.margin, of_manifold), searched, where);
           ASSERT_EQ(areWithin(shape_a, X_WA, shape_b, X_WB, walk.margin, of_within),
@@ -79,7 +80,8 @@ TEST(SeparatingAxis, ChangesNoAnswer) {
           EXPECT_EQ(axis->queries, 0u) << a << ", " << b;
         } else {
           EXPECT_EQ(axis->queries, 480u) << a << ", " << b;
-          EXPECT_GT(axis->kept, 0.6 * apart) << a << ", " << b << ": of " << apart << " queries that are apart";
+          EXPECT_GT(axis->kept, 0.6 * apart)
+              << a << ", " << b << ": of " << apart << " queries that are apart";
         }
       }
     }
@@ -105,9 +107,12 @@ TEST(SeparatingAxis, SeparatesNoPairWithinTheMargin) {
 SceneDef heap(bool balls) {
   SceneDef scene = test::onFloor(1.0 / 60.0, 0.5);
   for (int k = 0; k < 24; ++k) {
-    const Shape shape = balls ? Shape(Sphere{0.2}) : k % 2 ? Shape(Cylinder{0.2, 0.2}) : Shape(Cone{0.2, 0.4});
-    scene.bodies.push_back(test::body("body_" + std::to_string(k), shape,
-                                      {0.35 * (k % 3) + 0.01 * (k % 7), 0.35 * (k / 3 % 3), 0.4 + 0.45 * (k / 9)}));
+    const Shape shape = balls   ? Shape(Sphere{0.2})
+                        : k % 2 ? Shape(Cylinder{0.2, 0.2})
+                                : Shape(Cone{0.2, 0.4});
+    scene.bodies.push_back(
+        test::body("body_" + std::to_string(k), shape,
+                   {0.35 * (k % 3) + 0.01 * (k % 7), 0.35 * (k / 3 % 3), 0.4 + 0.45 * (k / 9)}));
     scene.bodies.back().pose.q_WB = rotationBy(Vec3(0.3 * k, 0.2 * k, 0.1));
   }
   return scene;

@@ -116,10 +116,9 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.reach_j = reachOf(b, a, p_W, u_W, left);
   const double length = block.pair.length, room = kMargin * length;
   const double margin = approachIn(block, left) + room;
-  Manifold manifold =
-      contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
-                      margin, softLimits(context_.step, block.pair, h_), loaded_W,
-                      context_.scene.contacts.active[block.contact].axis);
+  Manifold manifold = contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}},
+                                      now, now + left, margin, softLimits(context_.step, block.pair, h_),
+                                      loaded_W, context_.scene.contacts.active[block.contact].axis);
   if (!context_.step.solver.all_points) {
     keepWithin(approachIn(block, h_) + room + kDriftLimit * length, manifold);
     reduceToFour(manifold);

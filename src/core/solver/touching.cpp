@@ -60,9 +60,10 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
     const double near =
         approach(span, u_W, reachOf(a, b, p_W, u_W, span) * twist_i.w_WB.norm(),
                  reachOf(b, a, p_W, u_W, span) * twist_j.w_WB.norm(), step.load[j].a_W - step.load[i].a_W);
-    const Manifold manifold = contactManifold(bodies, i, {time, X_i, twist_i}, j, {time, X_j, twist_j}, time,
-                                              time + span, reach * (near + kMargin * pair.length),
-                                              exactLimits(step, pair), loaded.of(k, contact, pair.bears), contact.axis);
+    const Manifold manifold =
+        contactManifold(bodies, i, {time, X_i, twist_i}, j, {time, X_j, twist_j}, time, time + span,
+                        reach * (near + kMargin * pair.length), exactLimits(step, pair),
+                        loaded.of(k, contact, pair.bears), contact.axis);
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
