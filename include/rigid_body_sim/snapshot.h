@@ -122,6 +122,9 @@ struct StepReport {
   /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
   /// the warning "impact_budget" are not counted.
   std::uint32_t deferred_impacts = 0;
+  /// Dynamic bodies that the step took once more, because contacts had pushed one into another that it was
+  /// predicted to pass; each time counts.
+  std::uint32_t repeated = 0;
   double deepest_penetration = 0;  ///< largest penetration depth at the end of the step, m, >= 0
   /// Residuals of the islands that have contact points, in the order of their first bodies.
   std::vector<IslandResiduals> residuals;

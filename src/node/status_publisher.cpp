@@ -61,6 +61,7 @@ void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.flying = report.flying;
   msg.impacts = report.impacts;
   msg.deferred_impacts = report.deferred_impacts;
+  msg.repeated = report.repeated;
   msg.deepest_penetration = finite(report.deepest_penetration);
   for (const Warning& warning : report.warnings) msg.warnings.push_back(warning.kind + ": " + warning.text);
 }

@@ -77,7 +77,7 @@ struct Scene {
       edges.push_back(islands::edgeOf(scene.contacts, k));
     for (const auto& [i, j] : couplings)
       edges.push_back({kCoupling, static_cast<Index>(edges.size()), {i, j, kNone, kNone}});
-    islands::connect(context, edges);
+    islands::connect(context, context.scene.lists.in_islands, edges);
     for (const Island& island : step.islands) {
       const IslandBatch batch{island.bodies, island.edges};
       soft_step::SoftStep<Coupling> method(context, batch, 0.0, kStep);

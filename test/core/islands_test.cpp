@@ -67,7 +67,7 @@ TEST(Islands, AreTheConnectedPartsOfTheGraph) {
       edges.push_back(edge);
     }
     World world(dynamic);
-    islands::connect(world.context, edges);
+    islands::connect(world.context, world.context.scene.lists.in_islands, edges);
 
     const std::vector<Index> expected = colours(dynamic, edges);
     std::size_t listed = 0, connected = 0;
@@ -97,7 +97,7 @@ TEST(Islands, AreTheConnectedPartsOfTheGraph) {
 
 TEST(Islands, ThatAreMergedKeepAllBodiesAndEdges) {
   World world({true, true, true, true});
-  islands::connect(world.context,
+  islands::connect(world.context, world.context.scene.lists.in_islands,
                    {{ConstraintKind::Contact, 0, {0, 1, kNone, kNone}}, {kGear, 0, {2, 3, kNone, kNone}}});
   ASSERT_EQ(world.step.islands.size(), 2u);
   EXPECT_EQ(islands::merge(world.context, 1, 0), 0u);

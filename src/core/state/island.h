@@ -37,7 +37,9 @@ struct Island {
   IslandResiduals residuals;
   /// What its exact solves may still cost before they take of what all may, see SolveBudget.
   std::int64_t work = 0;
-  bool cut_short = false;  ///< an exact solve has been ended by its budget
+  bool cut_short = false;                           ///< an exact solve has been ended by its budget
+  std::uint32_t impacts = 0, deferred_impacts = 0;  ///< its part of the StepReport, and so are the warnings
+  std::vector<Warning> warnings;
 
   bool flies() const { return edges.empty(); }
 };

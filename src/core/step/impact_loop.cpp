@@ -26,12 +26,15 @@ class ImpactLoop {
         step_(context.step),
         contacts_(context.scene.contacts),
         found_(contacts_.active.size()),
-        neighbourhood_(context.scene.sweep.order, step_.bounds) {
-    const std::uint64_t pairs = found_;
+        neighbourhood_(context.scene.sweep.order, step_.bounds),
+        sets_(islands::candidateSets(context)) {
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
-    // is the contact solver's, which stops it and lets it rebound at the end of the step.
-    cut_budget_ = 4 * pairs + 256;
+    // is the contact solver's, which stops it and lets it rebound at the end of the step. Each set of bodies
+    // that may meet has its own budget: what it does cannot depend on others.
+    cut_budget_.assign(step_.island.size(), 256);
+    for (const Contact& contact : contacts_.active)
+      cut_budget_[sets_.root(movedOf(contact.i, contact.j))] += 4;
     // Bouncing in a tight place: far more than any scene of 60 Hz needs, and finite.
     // Without loss a pair may meet as often as it likes (the billiard of pi: 314159 times).
     lossy_budget_ = 2000 + 200ull * context.scene.bodies.size();
@@ -79,7 +82,19 @@ class ImpactLoop {
     int count = 0, all = 0;
   };
 
+  // Of two bodies of which forces move one at least: the first that they move.
+  Index movedOf(Index i, Index j) const { return step_.island[i] != kNone ? i : j; }
+  // The island that counts an impact.
+  Island& islandOf(const PendingImpact& impact) { return *islandOf(movedOf(impact.i, impact.j)); }
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
+
+  // Of the set of both bodies. An impact may have sent one into another set: they are one then.
+  std::uint64_t& cutBudgetOf(const PendingImpact& impact) {
+    Index a = sets_.root(movedOf(impact.i, impact.j)), b = sets_.root(movedOf(impact.j, impact.i));
+    if (a > b) std::swap(a, b);
+    if (a != b) sets_.unite(a, b), cut_budget_[a] += cut_budget_[b];
+    return cut_budget_[a];
+  }
 
   // Brings both islands to the impact if the budget allows it.
   bool bringBoth(const PendingImpact& impact) {
@@ -87,8 +102,9 @@ class ImpactLoop {
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
-    if (cost > cut_budget_) return false;
-    cut_budget_ -= cost;
+    std::uint64_t& budget = cutBudgetOf(impact);
+    if (cost > budget) return false;
+    budget -= cost;
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island) advanceTo(context_, *island, impact.time);
     return true;
@@ -96,7 +112,7 @@ class ImpactLoop {
 
   void take(const PendingImpact& impact) {
     if (!bringBoth(impact) || isCollapsing(impact)) {
-      ++step_.report.deferred_impacts;
+      ++islandOf(impact).deferred_impacts;
       connect(impact.i, impact.j);
       return;
     }
@@ -110,7 +126,8 @@ class ImpactLoop {
       }
       return;
     }
-    ++step_.report.impacts;
+    ++islandOf(impact).impacts;
+    step_.met.emplace_back(impact.i, impact.j);
     if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
     const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
@@ -218,7 +235,7 @@ class ImpactLoop {
       if (island) advanceTo(context_, *island, impact.time);
     connect(impact.i, impact.j);
     if (!warned_) {
-      step_.report.warnings.push_back(
+      islandOf(impact).warnings.push_back(
           {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
                                 context_.scene.bodies.name[impact.i] + "' and '" +
                                 context_.scene.bodies.name[impact.j] +
@@ -232,7 +249,9 @@ class ImpactLoop {
   Contacts& contacts_;
   std::size_t found_;  // pairs of the broad phase; later ones are not sorted
   Neighbourhood neighbourhood_;
-  std::uint64_t cut_budget_, lossy_budget_, elastic_budget_, query_budget_;
+  DisjointSets sets_;                      // of bodies that may meet
+  std::vector<std::uint64_t> cut_budget_;  // by body: of its set, where it is the root
+  std::uint64_t lossy_budget_, elastic_budget_, query_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
   bool warned_ = false;

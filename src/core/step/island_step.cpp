@@ -14,7 +14,7 @@ namespace {
 
 // Contact forces that an exact setting does not find do not exist, as where moving bodies leave another one
 // no room; or they are out of reach of its solvers. The name of a kinematic body in contact tells the first.
-void reportUnsolved(Context& context, const IslandBatch& batch) {
+void reportUnsolved(const Context& context, const IslandBatch& batch, Island& island) {
   const Bodies& bodies = context.scene.bodies;
   const Contact* squeezes = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
@@ -26,7 +26,7 @@ void reportUnsolved(Context& context, const IslandBatch& batch) {
       if (point.separation < nearest) nearest = point.separation, squeezes = &contact;
   }
   if (squeezes == nullptr) {
-    context.step.report.warnings.push_back(
+    island.warnings.push_back(
         {"unsolved",
          "no contact forces hold the group of body '" + bodies.name[batch.bodies.front()] +
              "' as Coulomb's law asks; soft contacts take it through the step. Shorten the step, or "
@@ -34,7 +34,7 @@ void reportUnsolved(Context& context, const IslandBatch& batch) {
     return;
   }
   const bool first = bodies.traits[squeezes->i].is_kinematic();
-  context.step.report.warnings.push_back(
+  island.warnings.push_back(
       {"unsolved", "kinematic body '" + bodies.name[first ? squeezes->i : squeezes->j] + "' leaves body '" +
                        bodies.name[first ? squeezes->j : squeezes->i] +
                        "' no room, and no contact force can hold both; soft contacts let them overlap. Stop "
@@ -58,7 +58,8 @@ void advanceExactly(Context& context, const IslandBatch& batch, double t0, doubl
   if (outcome == exact_step::Outcome::Done) return;
   if (outcome == exact_step::Outcome::TooDear) island.exact = false;
   soft_step::advance(context, batch, t0, t1);
-  if (context.step.solver.exact && outcome == exact_step::Outcome::NoSolution) reportUnsolved(context, batch);
+  if (context.step.solver.exact && outcome == exact_step::Outcome::NoSolution)
+    reportUnsolved(context, batch, island);
 }
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
@@ -101,6 +102,7 @@ void advanceToEnd(Context& context) {
   StepStore& step = context.step;
   IslandBatch flying, connected;
   for (Island& island : step.islands) {
+    if (island.time >= step.t1) continue;
     const bool alone = !island.flies() && (island.exact || isHasty(context, island));
     if (island.time > step.t0 || alone) {
       advanceTo(context, island, step.t1);
@@ -110,16 +112,24 @@ void advanceToEnd(Context& context) {
       append(batch.edges, island.edges);
       island.time = step.t1;
     }
-    step.report.flying += island.flies() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
-    step.report.islands += island.flies() ? 0 : 1;
   }
   std::sort(connected.edges.begin(), connected.edges.end());
   advanceBatch(context, flying, false, step.t0, step.t1);
   advanceBatch(context, connected, false, step.t0, step.t1);
-  if (!step.solver.exact) return;
-  for (const Island& island : step.islands)
-    if (island.cut_short && !island.residuals.converged && !island.bodies.empty())
-      reportCutShort(context, island);
+}
+
+void reportIslands(Context& context) {
+  StepStore& step = context.step;
+  StepReport& report = step.report;
+  for (const Island& island : step.islands) {
+    if (island.bodies.empty()) continue;
+    report.flying += island.flies() ? static_cast<std::uint32_t>(island.bodies.size()) : 0;
+    report.islands += island.flies() ? 0 : 1;
+    report.impacts += island.impacts;
+    report.deferred_impacts += island.deferred_impacts;
+    append(report.warnings, island.warnings);
+    if (step.solver.exact && island.cut_short && !island.residuals.converged) reportCutShort(context, island);
+  }
 }
 
 }  // namespace rbs

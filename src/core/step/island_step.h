@@ -13,4 +13,7 @@ void advanceTo(Context& context, Island& island, double time);
 /// method.
 void advanceToEnd(Context& context);
 
+/// Adds up what the islands have to report.
+void reportIslands(Context& context);
+
 }  // namespace rbs

@@ -6,29 +6,11 @@
 #include "step/solver_choice.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace rbs::islands {
 
 namespace {
-
-// Union-find over bodies; the root of a set is its smallest member, so that islands come in canonical order.
-class DisjointSets {
- public:
-  explicit DisjointSets(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  Index root(Index i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(Index a, Index b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<Index> parent_;
-};
 
 void contactEdges(const Context& context, std::vector<Edge>& edges) {
   const Contacts& contacts = context.scene.contacts;
@@ -61,10 +43,16 @@ Edge edgeOf(const Contacts& contacts, Index k) {
 }
 
 void build(Context& context) {
+  build(context, context.scene.lists.in_islands);
+}
+
+void build(Context& context, const std::vector<Index>& bodies) {
   std::vector<Edge> edges;
   for (const auto& addEdges : kEdgeSources) addEdges(context, edges);
-  connect(context, edges);
-  for (Island& island : context.step.islands) {
+  const std::size_t first = context.step.islands.size();
+  connect(context, bodies, edges);
+  for (std::size_t k = first; k < context.step.islands.size(); ++k) {
+    Island& island = context.step.islands[k];
     for (const Edge& edge : island.edges)
       if (edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching())
         island.touching = true;
@@ -72,12 +60,12 @@ void build(Context& context) {
   }
 }
 
-void connect(Context& context, const std::vector<Edge>& edges) {
+void connect(Context& context, const std::vector<Index>& bodies, const std::vector<Edge>& edges) {
   StepStore& step = context.step;
   const Index n = context.scene.bodies.size();
   DisjointSets sets(n);
   std::vector<char> dynamic(n, 0);
-  for (const Index i : context.scene.lists.in_islands) dynamic[i] = 1;
+  for (const Index i : bodies) dynamic[i] = 1;
   // The first body of an edge that forces move; kNone where there is none.
   const auto firstMover = [&](const Edge& edge) {
     for (const Index i : edge.bodies)
@@ -89,7 +77,7 @@ void connect(Context& context, const std::vector<Edge>& edges) {
     for (const Index i : edge.bodies)
       if (i != kNone && i != first && dynamic[i]) sets.unite(first, i);
   }
-  for (const Index i : context.scene.lists.in_islands) {
+  for (const Index i : bodies) {
     const Index root = sets.root(i);
     if (root == i) {
       step.island[i] = static_cast<Index>(step.islands.size());
@@ -105,6 +93,14 @@ void connect(Context& context, const std::vector<Edge>& edges) {
       step.islands[step.island[first]].edges.push_back(edge);
 }
 
+DisjointSets candidateSets(const Context& context) {
+  const std::vector<Index>& island = context.step.island;
+  DisjointSets sets(context.scene.bodies.size());
+  for (const Contact& contact : context.scene.contacts.active)
+    if (island[contact.i] != kNone && island[contact.j] != kNone) sets.unite(contact.i, contact.j);
+  return sets;
+}
+
 Index merge(Context& context, Index a, Index b) {
   StepStore& step = context.step;
   if (a > b) std::swap(a, b);
@@ -114,6 +110,9 @@ Index merge(Context& context, Index a, Index b) {
   residuals::add(kept.residuals, gone.residuals);
   kept.work += gone.work;
   kept.cut_short = kept.cut_short || gone.cut_short;
+  kept.impacts += gone.impacts;
+  kept.deferred_impacts += gone.deferred_impacts;
+  append(kept.warnings, gone.warnings);
   append(kept.bodies, gone.bodies);
   append(kept.edges, gone.edges);
   kept.touching = kept.touching || gone.touching;

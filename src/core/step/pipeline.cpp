@@ -192,6 +192,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   crowded.clear();
   impacts.clear();
   stamp.assign(n, 0);
+  met.clear();
   islands.clear();
   island.assign(n, kNone);
   slot.assign(n, kNone);

@@ -3,36 +3,14 @@
 
 #include "step/impact_loop.h"
 #include "step/island_step.h"
-#include "step/islands.h"
 #include "step/missed_contacts.h"
+#include "step/restart.h"
 
 #include <algorithm>
 
 namespace rbs::step_controller {
 
 namespace {
-
-// What a step changes, as it is before any body moves.
-struct Beginning {
-  Contacts contacts;
-  std::vector<Bounds> bounds;
-  StepReport report;
-};
-
-// Puts the step back to its beginning, but for these pairs, which contacts are to solve with.
-void beginAgain(Context& context, Beginning& beginning, const std::vector<std::pair<Index, Index>>& pairs) {
-  Bodies& bodies = context.scene.bodies;
-  StepStore& step = context.step;
-  for (const Index i : context.scene.lists.in_islands)
-    bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
-  for (const auto& [i, j] : pairs) beginning.contacts.open(bodies, i, j);
-  context.scene.contacts = beginning.contacts;
-  step.bounds = beginning.bounds;
-  step.report = beginning.report;
-  std::fill(step.stamp.begin(), step.stamp.end(), 0);
-  step.islands.clear();
-  islands::build(context);
-}
 
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayMissContacts(const Context& context) {
@@ -47,20 +25,16 @@ bool mayMissContacts(const Context& context) {
          (!step.impacts.empty() && std::any_of(contacts.begin(), contacts.end(), stays));
 }
 
-// Contacts push bodies off the motion on which they were predicted to pass others. Where that makes a pair
-// overlap, the step is taken again with this pair among the contacts.
 void advanceUntilNoneIsMissed(Context& context) {
   constexpr int kMostTimes = 8;  // each push may reach one body further
-  Beginning beginning{context.scene.contacts, context.step.bounds, context.step.report};
+  Restart restart(context);
   for (int times = 1;; ++times) {
     takeImpacts(context);
     advanceToEnd(context);
     if (times == kMostTimes || context.step.solve_budget.isLate()) return;
     const std::vector<std::pair<Index, Index>> missed = findMissedContacts(context);
     if (missed.empty()) return;
-    beginAgain(context, beginning, missed);
-    // All repetitions together cost no more than one begun anew.
-    for (Island& island : context.step.islands) island.work >>= times;
+    restart.beginAgain(context, missed, times);
   }
 }
 
@@ -80,6 +54,7 @@ void run(Context& context) {
     advanceToEnd(context);
   }
   moveLedBodies(context);
+  reportIslands(context);
 }
 
 }  // namespace rbs::step_controller

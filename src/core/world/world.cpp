@@ -294,6 +294,7 @@ void addParts(const StepReport& before, StepReport& report) {
   report.axes_kept += before.axes_kept;
   report.impacts += before.impacts;
   report.deferred_impacts += before.deferred_impacts;
+  report.repeated += before.repeated;
   report.warnings.insert(report.warnings.begin(), before.warnings.begin(), before.warnings.end());
 }
 
