@@ -32,8 +32,8 @@ struct Pace {
 /// Result of a request for steps.
 struct StepsTaken {
   std::uint64_t steps = 0;  ///< steps taken
-  std::string ended_by;  ///< what ended it early: "pause", "resume", "load", "reset", "shutdown"; empty: all
-                         ///< were taken
+  std::string ended_by;     ///< what ended it early: "pause", "resume", "load", "reset", "undo", "redo",
+                            ///< "shutdown"; empty: all were taken
 };
 
 /// The thread that owns a World, steps it by a Governor and paces it by the steady clock. Others post
@@ -65,11 +65,11 @@ class Simulator {
   std::string apply(const std::function<std::string(World&)>& edit);
   /// Goes back to the world before the last edit of apply(), load() or reset(), its time included; ends a
   /// step request. Pause and speed stay, and so do solver settings and goal unless the edit was a load.
-  /// Returns the edit in words. Throws InvalidInput where there is none. The last 1,000 edits are kept; fewer
+  /// User forces end. Returns the edit in words. Throws InvalidInput where there is none. The last 1,000 edits are kept; fewer
   /// where their worlds have more than 100,000 bodies together. The cost is that of a snapshot.
   std::string undo();
-  /// Takes an undo back: goes to the world as it was when undo() was called. Any other edit ends what can be
-  /// redone. Otherwise as undo().
+  /// Takes an undo back: goes to the world as it was when undo() was called. Any apply(), load() or
+  /// reset() ends what can be redone. Otherwise as undo().
   std::string redo();
   /// Notes that a file holds the world of this Snapshot::revision.
   void markSaved(std::uint64_t revision);

@@ -111,13 +111,14 @@ struct StepReport {
   double seconds = 0.0;             ///< wall time of the step, s
   std::uint32_t pairs = 0;          ///< candidate pairs of the broad phase
   std::uint64_t overlap_tests = 0;  ///< pairs of bounds that the broad phase compared to find them
-  /// Queries of the narrow phase for pairs without a closed form, and those that the separating axis of the
-  /// last query answered without a search.
-  std::uint64_t axis_queries = 0, axes_kept = 0;
-  std::uint32_t contacts = 0;  ///< contact points, also those that nearly touch
-  std::uint32_t islands = 0;   ///< islands that the contact solver handled; bodies in free flight are in none
-  std::uint32_t flying = 0;    ///< dynamic bodies in free flight
-  std::uint32_t impacts = 0;   ///< impacts located in time and resolved in order
+  /// Queries of the narrow phase for pairs without a closed form. Of bodies that began the step again, those of
+  /// the last time.
+  std::uint64_t axis_queries = 0;
+  std::uint64_t axes_kept = 0;  ///< those that the separating axis of the pair's last query answered
+  std::uint32_t contacts = 0;   ///< contact points, also those that nearly touch
+  std::uint32_t islands = 0;  ///< islands that the contact solver handled; bodies in free flight are in none
+  std::uint32_t flying = 0;   ///< dynamic bodies in free flight
+  std::uint32_t impacts = 0;  ///< impacts located in time and resolved in order
   /// Located impacts left to the contact solver: cutting a large island for them would cost too much, or the
   /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
   /// the warning "impact_budget" are not counted.
@@ -173,8 +174,8 @@ struct Snapshot {
   double time = 0.0;        ///< physics time since the scene began, s
   std::uint64_t steps = 0;  ///< steps since the scene began
   double step = 0.0;        ///< length of a step, s
-  /// Edit counter. It grows with every edit, load and reset. Changes of the solver settings and of the goal
-  /// do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
+  /// Edit counter. It grows with every edit, load, reset, undo and redo. Changes of the solver settings and of
+  /// the goal do not count, nor does what a step does by itself: the end of a wrench, a body that is frozen.
   std::uint64_t edits = 0;
   std::uint64_t description_version = 0;                       ///< grows when `bodies` changes
   std::shared_ptr<const std::vector<BodyDescription>> bodies;  ///< in canonical order; not null
@@ -202,14 +203,14 @@ struct Snapshot {
   std::uint64_t hash = 0;  ///< World::stateHash()
 
   // What the Simulator adds.
-  bool paused = false;            ///< true also while a step request is under way
-  std::uint64_t world = 0;        ///< number of the world, from 0: grows with every load and reset
-  double elapsed = 0.0;           ///< physics time simulated in all its worlds, s; never goes back
-  std::string undo,               ///< the edit that Simulator::undo() takes back, in words; empty: none
-      redo;                       ///< the undone edit that Simulator::redo() makes again; empty: none
-  std::uint64_t revision = 0;     ///< number of the last edit of Simulator::apply(), load() or reset(). An
-                                  ///< undo goes back to an earlier number
-  bool unsaved = false;           ///< whether no file holds the bodies as that edit has left them
+  bool paused = false;         ///< true also while a step request is under way
+  std::uint64_t world = 0;     ///< number of the world, from 0: grows with every load, reset, undo and redo
+  double elapsed = 0.0;        ///< physics time simulated in all its worlds, s; never goes back
+  std::string undo,            ///< the edit that Simulator::undo() takes back, in words; empty: none
+      redo;                    ///< the undone edit that Simulator::redo() makes again; empty: none
+  std::uint64_t revision = 0;  ///< number of the last edit of Simulator::apply(), load() or reset(). An
+                               ///< undo goes back to an earlier number
+  bool unsaved = false;        ///< whether no file holds the bodies as that edit has left them
   double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it, s
 
   /// Index of the body of this name in `bodies` and `states`, or -1. It searches all bodies.

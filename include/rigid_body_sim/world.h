@@ -183,6 +183,8 @@ class World {
   /// Ends the grab or hold of a body. A grabbed body keeps its velocity; a held one is at rest. It is an edit
   /// also for a body that is neither. Wakes all. Cost: a search of all grabs and holds.
   void release(BodyId id);
+  /// Ends all grabs and holds, each as release() does. No edit where there are none.
+  void releaseAll();
 
   // --- surroundings
 

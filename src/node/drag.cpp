@@ -2,7 +2,6 @@
 #include "drag.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace rbs {
 namespace {
@@ -60,8 +59,8 @@ bool Drag::isBeyondClick() const {
          handle_.q_WB.angularDistance(pressed_.q_WB) > kSingle;
 }
 
-bool Drag::begins() {
-  return dragged_ && !std::exchange(begun_, true);
+bool Drag::begins() const {
+  return dragged_ && !begun_;
 }
 
 bool Drag::silent() const {

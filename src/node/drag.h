@@ -48,8 +48,9 @@ class Drag {
   /// Makes apply() set the user force again, after another drag of the body has released it.
   void resume() { moved_ = true; }
 
-  /// True once: in the first call after the marker has moved beyond a click.
-  bool begins();
+  /// Whether the marker has moved beyond a click, and the body has not yet followed.
+  bool begins() const;
+  void setBegun() { begun_ = true; }
   /// Whether apply() has something to do.
   bool due(const Snapshot& now) const;
   /// Moves the body to where the mouse is. A dynamic body of a running world is moved by a spring (Pull) or a
@@ -72,7 +73,7 @@ class Drag {
   Clock::time_point heard_ = Clock::now();
   bool moved_ = true;               ///< whether the marker has moved since the last apply()
   bool dragged_ = false;            ///< whether the marker has moved beyond a click since the press
-  bool begun_ = false;              ///< whether begins() has told so
+  bool begun_ = false;              ///< whether the body has followed the marker
   bool applied_to_paused_ = false;  ///< whether the world was paused in the last apply()
   bool acting_ = false;             ///< whether a grab or hold of this drag acts on the body
 };

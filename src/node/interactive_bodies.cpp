@@ -173,12 +173,14 @@ void InteractiveBodies::applyDrags(const Snapshot& snapshot) {
 
 // A drag is one edit: an undo goes back to before its first motion.
 void InteractiveBodies::apply(Drag& drag) {
-  attempt("drag", drag.begins(), [&](World& world) {
+  const bool begins = drag.begins();
+  const bool done = attempt("drag", begins, [&](World& world) {
     const std::shared_ptr<const Snapshot> now = simulator_.snapshot();
     drag.apply(world, *now);
     const int i = now->find(drag.body());
     return i < 0 ? std::string() : words("dragged '", (*now->bodies)[i].name, "'");
   });
+  if (begins && done) drag.setBegun();
 }
 
 // The last motion of the mouse counts, even where the button was released before the next update().
@@ -257,16 +259,18 @@ int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapsho
   return is_of_selection ? snapshot.find(selected_) : snapshot.find(marker);
 }
 
-// Does nothing where another world has replaced the one that the mouse was used on.
-void InteractiveBodies::attempt(const char* what, bool undoable,
+// Does nothing where another world has replaced the one that the mouse was used on. False where it was refused.
+bool InteractiveBodies::attempt(const char* what, bool undoable,
                                 const std::function<std::string(World&)>& command) {
   const auto run = [&](World& world) {
     return simulator_.snapshot()->world == world_ ? command(world) : std::string();
   };
   try {
     undoable ? void(simulator_.apply(run)) : simulator_.edit(run);
+    return true;
   } catch (const InvalidInput& error) {
     refuse(words("cannot ", what, ": ", error.what()));
+    return false;
   }
 }
 

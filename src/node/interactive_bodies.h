@@ -72,7 +72,7 @@ class InteractiveBodies {
   void showSelection(const Snapshot& snapshot);
   void publishSelection(const Snapshot& snapshot);
   int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
-  void attempt(const char* what, bool undoable, const std::function<std::string(World&)>& command);
+  bool attempt(const char* what, bool undoable, const std::function<std::string(World&)>& command);
   void refuse(const std::string& text);
   void answer(const std::string& text);
 

@@ -40,29 +40,34 @@ void Session::loadState(const std::string& file) {
 
 void Session::replace(const SceneFile& file, const std::string& text) {
   simulator_.load(file.scene, file.state);
-  noteReplacement("loaded", text);
+  timeline_.note({"loaded", text});
+  forgetWind();
   giveBackMemory();
 }
 
 void Session::reset() {
   simulator_.reset();
-  noteReplacement("reset", "");
+  timeline_.note({"reset", ""});
+  forgetWind();
 }
 
 std::string Session::undo() {
-  const std::string what = simulator_.undo();
-  noteReplacement("undone", what);
-  return what;
+  return goBack("undone", &Simulator::undo);
 }
 
 std::string Session::redo() {
-  const std::string what = simulator_.redo();
-  noteReplacement("redone", what);
+  return goBack("redone", &Simulator::redo);
+}
+
+std::string Session::goBack(const std::string& kind, std::string (Simulator::*go)()) {
+  const auto before = simulator_.loaded();
+  const std::string what = (simulator_.*go)();
+  timeline_.note({kind, what});
+  if (simulator_.loaded() != before) forgetWind();
   return what;
 }
 
-void Session::noteReplacement(const std::string& kind, const std::string& text) {
-  timeline_.note({kind, text});
+void Session::forgetWind() {
   std::lock_guard<std::mutex> lock(mutex_);
   turned_off_.reset();
 }

@@ -51,7 +51,8 @@ class Session {
   Session(const Options& options, SceneDef first);
   static SceneDef read(const Options& options, const std::string& file);
   void replace(const SceneFile& file, const std::string& text);
-  void noteReplacement(const std::string& kind, const std::string& text);
+  std::string goBack(const std::string& kind, std::string (Simulator::*go)());
+  void forgetWind();
 
   const Options options_;
   mutable std::mutex mutex_;

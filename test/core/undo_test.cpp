@@ -153,6 +153,34 @@ TEST(Undo, KeepsThePaceAndTheSolverSettings) {
   EXPECT_EQ(simulator.pace().requested_speed, 2.0);
 }
 
+// The hand that held a body then holds another one, or none.
+TEST(Undo, LetsGoOfWhatIsHeld) {
+  for (const bool by_spring : {true, false}) {
+    Simulator simulator(twoBoxes(), paused());
+    simulator.edit([&](World& world) {
+      const BodyId high = world.find("high");
+      if (by_spring) {
+        Grab grab;
+        grab.p_W = Vec3(0.1, 0.0, 2.0);
+        world.grab(high, grab);
+      } else {
+        world.hold(high, {Vec3(0.1, 0.0, 2.0), Quat::Identity()});
+      }
+    });
+    simulator.step(1);
+    spawn(simulator, "new", 20.0);
+    simulator.step(1);
+    simulator.undo();
+    simulator.step(120);
+    const auto undone = simulator.snapshot();
+    EXPECT_NEAR(undone->states[undone->find("high")].pose.p_WB.z(), 1.5, 1e-3) << "it has fallen back";
+    simulator.redo();
+    simulator.step(120);
+    const auto redone = simulator.snapshot();
+    EXPECT_NEAR(redone->states[redone->find("high")].pose.p_WB.z(), 1.5, 1e-3);
+  }
+}
+
 TEST(Undo, TellsWhatNoFileHolds) {
   Simulator simulator(twoBoxes(), paused());
   EXPECT_FALSE(simulator.snapshot()->unsaved);

@@ -459,6 +459,13 @@ class ServicesTest(unittest.TestCase):
         self.assertGreater(after.header.stamp, before.header.stamp)
         call('set_speed', factor=1.0)
 
+    def test_an_undo_keeps_the_wind_that_was_switched_off(self):
+        call('set_wind', velocity=Vector3(1, 2, 0))
+        call('enable_wind', data=False)
+        call('spawn_body')
+        call('undo')
+        self.assertIn('wind (1, 2, 0) m/s', call('enable_wind', data=True).message)
+
     def test_status_tells_what_no_file_holds(self):
         self.assertFalse(self.status.fresh().unsaved)
         call('spawn_body', name='new')

@@ -54,8 +54,9 @@ Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   if (!keepsAxis(a, b)) return collide(a, X_WA, b, X_WB, margin);
   if (axis.separates(a, X_WA, b, X_WB, margin)) return {};
   Manifold manifold = collide(a, X_WA, b, X_WB, margin);
-  if (manifold.size == 0) axis.set(X_WA, manifold.n_W);
-  return manifold;
+  if (manifold.size > 0) return manifold;
+  axis.set(X_WA, manifold.n_W);
+  return {};  // as if the axis had been known before
 }
 
 namespace {
@@ -112,7 +113,7 @@ bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_W
 }  // namespace
 
 bool areWithin(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin) {
-  Vec3 n_W;
+  Vec3 n_W = Vec3::Zero();
   return areWithin(a, X_WA, b, X_WB, margin, n_W);
 }
 

@@ -46,7 +46,7 @@ inline constexpr bool kKeepsAxis =
     kSearched<ShapeA, ShapeB> && !(std::is_same_v<ShapeA, Box> && std::is_same_v<ShapeB, Box>);
 
 /// Options of a search for a gap. Where the gap is above `beyond` (m), the result is only some number between
-/// the two, with a direction that proves it. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
+/// the two, with the last direction that was searched. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
 /// and then that of this search.
 struct Search {
   double beyond = std::numeric_limits<double>::infinity();

@@ -136,7 +136,8 @@ struct Simulator::Impl {
     revision = ++revisions;
   }
 
-  // The solver settings are no edit: they stay, but where the edit was a load.
+  // The solver settings are no edit: they stay, but where the edit was a load. User forces end: the hand that
+  // held a body then holds it no longer.
   std::string goBack(bool undoes) {
     const EditHistory::Entry* const next = undoes ? history.undoable() : history.redoable();
     if (!next)
@@ -151,6 +152,7 @@ struct Simulator::Impl {
       if (then.world.scene().fidelity != setting) then.world.setFidelity(setting);
       then.world.setGoal(goal);
     }
+    then.world.releaseAll();
     revision = then.revision;
     std::atomic_store(&origin, then.origin);
     setWorld(std::move(then.world));
@@ -172,6 +174,7 @@ struct Simulator::Impl {
     governor = Governor();
     governor.setEstimating(estimating);
     restartClock();
+    publish();  // a command that has waited for this world to come sees that it has
   }
 
   void beginWith(std::shared_ptr<const Origin> from, const char* by, const std::string& what) {

@@ -49,6 +49,8 @@ void Contacts::update(const Bodies& bodies, const std::vector<std::pair<Index, I
         place->exact = old.exact, place->axis.n_A = old.axis.n_A;
         place->points = std::move(old.points), place->earlier = std::move(old.earlier);
       } else if (!old.earlier.empty() || (!old.points.empty() && rests(old))) {
+        old.state = {}, old.solved = false,
+        old.axis.queries = old.axis.kept = 0;  // of the part that has ended
         dormant.push_back(std::move(old));
       }
     }

@@ -163,6 +163,8 @@ struct StepStore {
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<std::pair<Index, Index>> met;  ///< pairs of the impacts that have been resolved
+  /// Pairs of a body that began the step again and came, on a new course, near one that had not.
+  std::vector<std::pair<Index, Index>> reached;
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
   std::vector<double> row_seconds;  ///< by row of the inner step

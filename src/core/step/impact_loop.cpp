@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <map>
 #include <queue>
+#include <set>
 #include <tuple>
 
 namespace rbs {
@@ -220,7 +221,9 @@ class ImpactLoop {
     PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
     if (state && state->isDepenetrating()) return;
     if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
-    const impacts::Prediction prediction = predict(i, j, std::max(from, step_.timeOf(j)));
+    // Only where the step began again for i and not for j. What the two do is known once both begin again.
+    if (step_.timeOf(j) > from) return step_.reached.emplace_back(i, j), void();
+    const impacts::Prediction prediction = predict(i, j, from);
     if (prediction.impact) {
       queue_.push(*prediction.impact);
       if (state) state->awaitImpact();
@@ -234,13 +237,12 @@ class ImpactLoop {
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island) advanceTo(context_, *island, impact.time);
     connect(impact.i, impact.j);
-    if (!warned_) {
+    if (warned_.insert(sets_.root(movedOf(impact.i, impact.j))).second) {
       islandOf(impact).warnings.push_back(
           {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
                                 context_.scene.bodies.name[impact.i] + "' and '" +
                                 context_.scene.bodies.name[impact.j] +
                                 "'; the rest lose their rebound. Use a shorter step"});
-      warned_ = true;
     }
   }
 
@@ -254,7 +256,7 @@ class ImpactLoop {
   std::uint64_t lossy_budget_, elastic_budget_, query_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
-  bool warned_ = false;
+  std::set<Index> warned_;  // roots of sets whose impacts went over a budget
 };
 
 }  // namespace

@@ -193,6 +193,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   impacts.clear();
   stamp.assign(n, 0);
   met.clear();
+  reached.clear();
   islands.clear();
   island.assign(n, kNone);
   slot.assign(n, kNone);

@@ -71,7 +71,10 @@ void Restart::restoreContacts(Context& context, const std::vector<char>& again) 
 void Restart::beginAgain(Context& context, const Pairs& pairs, int times) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  const std::vector<char> again = concernedBy(context, pairs);
+  Pairs all = pairs;
+  all.insert(all.end(), step.reached.begin(), step.reached.end());
+  step.reached.clear();
+  const std::vector<char> again = concernedBy(context, all);
   for (const auto& [i, j] : pairs) contacts_.open(bodies, i, j);
   restoreContacts(context, again);
 

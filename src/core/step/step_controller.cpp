@@ -33,7 +33,7 @@ void advanceUntilNoneIsMissed(Context& context) {
     advanceToEnd(context);
     if (times == kMostTimes || context.step.solve_budget.isLate()) return;
     const std::vector<std::pair<Index, Index>> missed = findMissedContacts(context);
-    if (missed.empty()) return;
+    if (missed.empty() && context.step.reached.empty()) return;
     restart.beginAgain(context, missed, times);
   }
 }
@@ -55,6 +55,7 @@ void run(Context& context) {
   }
   moveLedBodies(context);
   reportIslands(context);
+  context.step.met.clear();
 }
 
 }  // namespace rbs::step_controller

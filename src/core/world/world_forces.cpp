@@ -122,4 +122,9 @@ void World::release(BodyId id) {
   impl_->edited(false, std::vector<Index>{i});
 }
 
+void World::releaseAll() {
+  while (!impl_->scene.grabs.empty()) release(impl_->scene.grabs.front().body);
+  while (!impl_->scene.holds.empty()) release(impl_->scene.holds.front().body);
+}
+
 }  // namespace rbs
