@@ -60,8 +60,8 @@ class Simulator {
   /// An exception of the command is thrown here. The wait lasts until the step under way ends.
   void edit(const std::function<void(World&)>& command);
   /// Runs an edit as edit() does, so that undo() takes it back. `edit` returns in words what it has done,
-  /// and so does this function. What throws, or does not count in World::edits(), is not undone. The cost is
-  /// a copy of the world besides.
+  /// and so does this function. It may change the world several times: where it throws, the world is as it
+  /// was before. What does not count in World::edits() is not undone. The cost is a copy of the world besides.
   std::string apply(const std::function<std::string(World&)>& edit);
   /// Goes back to the world before the last edit of apply(), load() or reset(), its time included; ends a
   /// step request. Pause and speed stay, and so do solver settings and goal unless the edit was a load.

@@ -17,9 +17,10 @@ namespace rbs {
 /// Changes to a body, for World::editBody(). An empty field leaves its property as it is. Ranges are those of
 /// BodyDef and Material.
 struct BodyEdit {
-  std::optional<Shape> shape;  ///< the mass follows from the density, unless `mass` is given too
-  std::optional<Pose> pose;    ///< pose of B in W; the velocity stays
-  std::optional<Twist> twist;  ///< velocity at the centre of mass, in W; zero for a static body
+  std::optional<std::string> name;  ///< see BodyDef::name; no other body may have it
+  std::optional<Shape> shape;       ///< the mass follows from the density, unless `mass` is given too
+  std::optional<Pose> pose;         ///< pose of B in W; the velocity stays
+  std::optional<Twist> twist;       ///< velocity at the centre of mass, in W; zero for a static body
   /// How the body moves. Static or kinematic stops it, unless `twist` is given. A frozen body stays frozen
   /// until `kind` or `pose` is given.
   std::optional<BodyKind> kind;
@@ -137,8 +138,9 @@ class World {
   /// settings stay. The report of the last step is empty afterwards. Cost: n bodies.
   void clear();
   /// Changes properties of a body. A new pose, shape or mass drops the contact forces that would warm-start
-  /// its next step. Throws InvalidInput for mass and density together, and where the changed body would be
-  /// faulty. Wakes all. Cost: all contacts where the pose, shape or mass changes.
+  /// its next step. Throws InvalidInput for mass and density together, for a name that another body has, and
+  /// where the changed body would be faulty. Wakes all. Cost: all contacts where the pose, shape or mass
+  /// changes; a search of all n names where the name changes.
   void editBody(BodyId id, const BodyEdit& edit);
   /// The body of this name; no body when there is none. Cost: a search of all n names.
   BodyId find(const std::string& name) const;

@@ -105,11 +105,21 @@ InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, con
   return marker;
 }
 
+// Rings and arrows reach around the body. Those of a long body would be around the viewer as well, so they are
+// no larger than a part of the view, unless the body's middle extent hides them.
+double gizmoScale(const Shape& shape, const View& view) {
+  constexpr double kAround = 1.5, kOfView = 0.4;
+  const double around = kAround * scaleOf(shape, view);
+  if (std::holds_alternative<Plane>(shape)) return around;
+  Vec3 extents = fullExtents(shape);
+  std::sort(extents.data(), extents.data() + 3);
+  return std::min(around, std::max(kOfView * (view.eye - view.target).norm(), kAround * extents[1]));
+}
+
 // RViz's own rings are a third as wide as their radius and would take clicks meant for bodies behind them.
 InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view) {
-  constexpr double kAround = 1.5;      // rings and arrows outside the body
   constexpr float kRingWidth = 0.08f;  // of the radius
-  InteractiveMarker marker = markerAt(kGizmoName, pose, kAround * scaleOf(body.shape, view));
+  InteractiveMarker marker = markerAt(kGizmoName, pose, gizmoScale(body.shape, view));
   for (int axis = 0; axis < 3; ++axis) {
     const std::string name(1, "xyz"[axis]);
     const Vec3 direction = Vec3::Unit(axis);

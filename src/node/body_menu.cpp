@@ -1,24 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "body_menu.h"
 
+#include "duplicate.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace rbs {
 namespace {
-
-// A copy above the original: the balls that hold the two just miss each other.
-void duplicate(World& world, const BodyDescription& body) {
-  const std::vector<BodyDef> bodies = world.capture().bodies;
-  const auto original =
-      std::find_if(bodies.begin(), bodies.end(), [&](const BodyDef& def) { return def.name == body.name; });
-  if (original == bodies.end()) return;
-  constexpr double kClear = 1.01;
-  BodyDef copy = *original;
-  copy.name.clear();
-  copy.pose.p_WB.z() += kClear * 2.0 * boundingRadius(body.shape);
-  world.addBody(copy);
-}
 
 // Away from where the mouse met the body, which is the viewer's side, and upward; straight up where that
 // has no horizontal direction. The speed v = 2 sqrt(g L), with L the size of the body and g standard
@@ -59,7 +48,7 @@ const char* runMenuAction(World& world, MenuAction action, const BodyDescription
     case MenuAction::Delete:
       return world.removeBody(body.id), "deleted";
     case MenuAction::Duplicate:
-      return duplicate(world, body), "duplicated";
+      return duplicate(world, {body.name}, 1, Vec3::Zero()), "duplicated";
     case MenuAction::MakeStatic:
       return setKind(world, body.id, BodyKind::Static), "static now";
     case MenuAction::MakeDynamic:

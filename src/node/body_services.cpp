@@ -4,10 +4,14 @@
 
 #include "body_spec.h"
 #include "convert.h"
+#include "duplicate.h"
 #include "names.h"
 #include "words.h"
 
+#include <rigid_body_sim/DuplicateBodies.h>
+#include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/MoveBody.h>
+#include <rigid_body_sim/NamedBodies.h>
 #include <rigid_body_sim/NamedBody.h>
 #include <rigid_body_sim/ResizeBody.h>
 #include <rigid_body_sim/SetBody.h>
@@ -15,12 +19,17 @@
 #include <rigid_body_sim/SpawnBody.h>
 #include <std_srvs/Trigger.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rbs {
 namespace {
 
+using rigid_body_sim::BodyChange;
+using rigid_body_sim::DuplicateBodies;
+using rigid_body_sim::EditBodies;
 using rigid_body_sim::MoveBody;
+using rigid_body_sim::NamedBodies;
 using rigid_body_sim::NamedBody;
 using rigid_body_sim::ResizeBody;
 using rigid_body_sim::SetBody;
@@ -99,12 +108,6 @@ std::string move(World& world, const MoveBody::Request& request, MoveBody::Respo
                request.keep_velocity ? " and keeps its velocity" : ", at rest");
 }
 
-bool isEmpty(const BodyEdit& edit) {
-  return !edit.twist && !edit.kind && !edit.mass && !edit.density && !edit.friction && !edit.restitution &&
-         !edit.drag_coefficient && !edit.rolling_resistance && !edit.torsional_resistance && !edit.color &&
-         !edit.group && !edit.mask;
-}
-
 std::string set(World& world, const SetBody::Request& request, SetBody::Response&) {
   const BodyId id = bodyNamed(world, request.name);
   const BodyEdit edit = editFrom(request);
@@ -115,6 +118,52 @@ std::string set(World& world, const SetBody::Request& request, SetBody::Response
   world.editBody(id, edit);
   const Snapshot after = world.snapshot();
   return words("'", request.name, "' is now: ", describe((*after.bodies)[after.find(id)]));
+}
+
+/// Runs one edit of a body; its errors are about "body", and become errors about `path`.
+template <class Edit>
+void inPath(const std::string& path, Edit edit) {
+  try {
+    edit();
+  } catch (const InvalidInput& refusal) {
+    std::vector<Problem> problems = refusal.problems();
+    for (Problem& problem : problems)
+      if (problem.path.compare(0, 4, "body") == 0) problem.path.replace(0, 4, path);
+    throw InvalidInput(problems);
+  }
+}
+
+std::string editMany(World& world, const EditBodies::Request& request, EditBodies::Response&) {
+  const std::vector<BodyChange>& changes = request.changes;
+  std::vector<std::string> names;
+  for (const BodyChange& change : changes) names.push_back(change.name);
+  const auto before = world.bodies();
+  const std::vector<std::size_t> indices = indicesNamed(world, names);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    const std::string path = words("changes[", k, "] ('", names[k], "')");
+    const BodyDescription& body = (*before)[indices[k]];
+    const BodyEdit edit = editFrom(changes[k], body.shape, path);
+    if (isEmpty(edit)) throw InvalidInput({{path, "nothing to change", "at least one property"}});
+    inPath(path, [&] { world.editBody(body.id, edit); });
+  }
+  return changes.size() == 1 ? "changed '" + names[0] + "'" : "changed " + bodyCount(changes.size());
+}
+
+std::string removeMany(World& world, const NamedBodies::Request& request, NamedBodies::Response&) {
+  const auto before = world.bodies();
+  for (const std::size_t i : indicesNamed(world, request.names)) world.removeBody((*before)[i].id);
+  return request.names.size() == 1 ? "deleted '" + request.names[0] + "'"
+                                   : "deleted " + bodyCount(request.names.size());
+}
+
+std::string duplicateMany(World& world, const DuplicateBodies::Request& request,
+                          DuplicateBodies::Response& response) {
+  const std::vector<BodyId> ids =
+      duplicate(world, request.names, std::max(request.count, 1u), fromMsg(request.offset));
+  const auto bodies = world.bodies();
+  for (std::size_t i = bodies->size() - ids.size(); i < bodies->size(); ++i)
+    response.names.push_back((*bodies)[i].name);
+  return "added " + words(ids.size(), ids.size() == 1 ? " copy" : " copies");
 }
 
 }  // namespace
@@ -131,6 +180,9 @@ void Services::offerBodyEdits() {
         return simulator_.apply([&](World& world) { return spawnMany(world, plan, response); });
       });
   offerEdit<NamedBody>("delete_body", remove);
+  offerEdit<NamedBodies>("delete_bodies", removeMany);
+  offerEdit<DuplicateBodies>("duplicate_bodies", duplicateMany);
+  offerEdit<EditBodies>("edit_bodies", editMany);
   offerEdit<Trigger>("clear", clear);
   offerEdit<ResizeBody>("resize_body", resize);
   offerEdit<MoveBody>("move_body", move);

@@ -143,6 +143,33 @@ void findPlaces(const std::vector<Spec>& specs, const World& world, std::vector<
   }
 }
 
+/// What SetBody and BodyChange have in common.
+template <class Fields>
+BodyEdit commonEdit(const Fields& fields, const std::string& path, std::vector<Problem>& problems) {
+  BodyEdit edit;
+  edit.mass = unlessZero(fields.mass);
+  edit.density = unlessZero(fields.density);
+  edit.color = colorFrom(fields.color);
+  collect(problems, [&] {
+    if (const auto twist = oneOrNone(fields.twist, path + "twist")) edit.twist = fromMsg(*twist);
+  });
+  collect(problems, [&] { edit.kind = kindFrom(fields.kind, path + "kind"); });
+  collect(problems, [&] { edit.group = oneOrNone(fields.collision_group, path + "collision_group"); });
+  collect(problems, [&] { edit.mask = oneOrNone(fields.collision_mask, path + "collision_mask"); });
+  const auto number = [&](const std::vector<double>& list, const char* name) {
+    std::optional<double> value;
+    collect(problems, [&] { value = oneOrNone(list, path + "material." + name); });
+    return value;
+  };
+  const rigid_body_sim::Material& material = fields.material;
+  edit.friction = number(material.friction, "friction");
+  edit.restitution = number(material.restitution, "restitution");
+  edit.drag_coefficient = number(material.drag_coefficient, "drag_coefficient");
+  edit.rolling_resistance = number(material.rolling_resistance, "rolling_resistance");
+  edit.torsional_resistance = number(material.torsional_resistance, "torsional_resistance");
+  return edit;
+}
+
 Spec specFrom(const rigid_body_sim::SpawnBody::Request& request) {
   Spec spec;
   spec.name = request.name;
@@ -204,35 +231,36 @@ std::vector<BodyDef> SpawnPlan::bodiesIn(const World& world) const {
 }
 
 BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request) {
-  BodyEdit edit;
   std::vector<Problem> problems;
-  edit.mass = unlessZero(request.mass);
-  edit.density = unlessZero(request.density);
-  edit.color = colorFrom(request.color);
+  BodyEdit edit = commonEdit(request, "", problems);
   collect(problems, [&] {
-    if (const auto twist = oneOrNone(request.twist, "twist")) edit.twist = fromMsg(*twist);
-  });
-  collect(problems, [&] {
-    edit.kind = kindFrom(request.kind, "kind");
     const auto is_static = oneOrNone(request.is_static, "is_static");
     if (is_static && edit.kind) throw InvalidInput({{"is_static", "given", "not together with kind"}});
     if (is_static) edit.kind = *is_static ? BodyKind::Static : BodyKind::Dynamic;
   });
-  collect(problems, [&] { edit.group = oneOrNone(request.collision_group, "collision_group"); });
-  collect(problems, [&] { edit.mask = oneOrNone(request.collision_mask, "collision_mask"); });
-  const rigid_body_sim::Material& material = request.material;
-  collect(problems, [&] { edit.friction = oneOrNone(material.friction, "material.friction"); });
-  collect(problems, [&] { edit.restitution = oneOrNone(material.restitution, "material.restitution"); });
-  collect(problems,
-          [&] { edit.drag_coefficient = oneOrNone(material.drag_coefficient, "material.drag_coefficient"); });
+  throwIfAny(problems);
+  return edit;
+}
+
+BodyEdit editFrom(const rigid_body_sim::BodyChange& change, const Shape& shape, const std::string& path) {
+  std::vector<Problem> problems;
+  BodyEdit edit = commonEdit(change, path + ".", problems);
+  if (!change.new_name.empty()) edit.name = change.new_name;
   collect(problems, [&] {
-    edit.rolling_resistance = oneOrNone(material.rolling_resistance, "material.rolling_resistance");
+    if (const auto pose = oneOrNone(change.pose, path + ".pose")) edit.pose = fromMsg(*pose);
   });
   collect(problems, [&] {
-    edit.torsional_resistance = oneOrNone(material.torsional_resistance, "material.torsional_resistance");
+    if (const auto size = oneOrNone(change.size, path + ".size"))
+      edit.shape = resized(shape, fromMsg(*size), path);
   });
   throwIfAny(problems);
   return edit;
+}
+
+bool isEmpty(const BodyEdit& edit) {
+  return !edit.name && !edit.shape && !edit.pose && !edit.twist && !edit.kind && !edit.mass &&
+         !edit.density && !edit.friction && !edit.restitution && !edit.drag_coefficient &&
+         !edit.rolling_resistance && !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask;
 }
 
 }  // namespace rbs

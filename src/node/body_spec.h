@@ -4,6 +4,7 @@
 
 #include "rigid_body_sim/world.h"
 
+#include <rigid_body_sim/BodyChange.h>
 #include <rigid_body_sim/BodySpec.h>
 #include <rigid_body_sim/SetBody.h>
 #include <rigid_body_sim/SpawnBody.h>
@@ -45,6 +46,10 @@ class SpawnPlan {
 
 /// The properties to change. Throws InvalidInput with every list that holds more than one.
 BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request);
+/// The same of a change to a body of this shape; it begins the paths of its errors with `path`.
+BodyEdit editFrom(const rigid_body_sim::BodyChange& change, const Shape& shape, const std::string& path);
+/// Whether an edit changes nothing.
+bool isEmpty(const BodyEdit& edit);
 
 /// The one element of a list, or nothing. Throws InvalidInput where there are more.
 template <class Value>

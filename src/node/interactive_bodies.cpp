@@ -7,6 +7,8 @@
 #include "words.h"
 
 #include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace rbs {
 namespace {
@@ -50,20 +52,28 @@ InteractiveBodies::InteractiveBodies(Simulator& simulator)
       targets_(board_) {
   constexpr int kQueue = 100;
   ros::NodeHandle node("~");
-  const boost::function<void(const std_msgs::StringConstPtr&)> ask =
-      [this](const std_msgs::StringConstPtr& name) {
-        std::lock_guard<std::mutex> lock(inbox_mutex_);
-        inbox_.selection = name->data;
+  const auto ask = [this](std::vector<std::string> names) {
+    std::lock_guard<std::mutex> lock(inbox_mutex_);
+    inbox_.selection = std::move(names);
+  };
+  const boost::function<void(const std_msgs::StringConstPtr&)> ask_one =
+      [ask](const std_msgs::StringConstPtr& name) {
+        ask(name->data.empty() ? std::vector<std::string>() : std::vector<std::string>{name->data});
       };
+  const boost::function<void(const rigid_body_sim::BodyNamesConstPtr&)> ask_many =
+      [ask](const rigid_body_sim::BodyNamesConstPtr& message) { ask(message->names); };
   const boost::function<void(const FeedbackPtr&)> hear = [this](const FeedbackPtr& feedback) {
     std::lock_guard<std::mutex> lock(inbox_mutex_);
     inbox_.mouse.push_back({feedback, false});
   };
-  select_ = node.subscribe<std_msgs::String>("select", kQueue, ask);
+  select_ = node.subscribe<std_msgs::String>("select", kQueue, ask_one);
+  select_bodies_ = node.subscribe<rigid_body_sim::BodyNames>("select_bodies", kQueue, ask_many);
   mouse_ = node.subscribe<Feedback>("interactive_bodies/mouse", kQueue, hear);
   answers_ = node.advertise<std_msgs::String>("interactive_bodies/answer", kQueue);
-  selection_ = node.advertise<std_msgs::String>("selection", 1, true);
-  selection_.publish(std_msgs::String());
+  selection_topic_ = node.advertise<std_msgs::String>("selection", 1, true);
+  selection_topic_.publish(std_msgs::String());
+  selected_bodies_ = node.advertise<rigid_body_sim::BodyNames>("selected_bodies", 1, true);
+  selected_bodies_.publish(rigid_body_sim::BodyNames());
 }
 
 void InteractiveBodies::update(const Snapshot& snapshot) {
@@ -83,12 +93,15 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
 // Every world numbers its bodies anew: an id of the last one would be of some other body. The selection goes
 // on by its name, in the same scene.
 void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
-  const int again = snapshot.scene == scene_ ? snapshot.find(published_selection_) : -1;
+  selection_.clear();
+  if (snapshot.scene == scene_) {
+    for (const std::string& name : published_selection_)
+      if (const int again = snapshot.find(name); again >= 0) selection_.push_back(snapshot.states[again].id);
+  }
   world_ = snapshot.world;
   scene_ = snapshot.scene;
   for (const auto& [client, drag] : drags_) board_.letGo(drag.marker());
   drags_.clear();
-  selected_ = again >= 0 ? snapshot.states[again].id : BodyId{};
   resizes_ = false;
   focus_W_.reset();
 }
@@ -146,7 +159,7 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
   const std::optional<Vec3> hit_W = hitPoint(feedback);
   const Pose& pose = snapshot.states[body].pose;
   const auto action = static_cast<MenuAction>(feedback.menu_entry_id);
-  const bool resized_before = resizes_ && selected_ == description.id;
+  const bool resized_before = resizes_ && selected() == description.id;
   select(description.id, hit_W.value_or(pose.p_WB));
   if (action == MenuAction::Resize) {
     resizes_ = !resized_before;
@@ -199,46 +212,74 @@ void InteractiveBodies::endDrag(std::map<std::string, Drag>::iterator drag) {
   }
 }
 
+// One of several that are selected comes last; any other body is selected alone.
 void InteractiveBodies::select(BodyId id, const Vec3& focus_W) {
-  if (id != selected_) resizes_ = false;
-  selected_ = id;
+  if (id != selected()) resizes_ = false;
+  const auto place = std::find(selection_.begin(), selection_.end(), id);
+  if (place == selection_.end()) {
+    selection_ = {id};
+  } else {
+    std::rotate(place, place + 1, selection_.end());
+  }
   focus_W_ = focus_W;
 }
 
-void InteractiveBodies::selectNamed(const std::string& name, const Snapshot& snapshot) {
-  const int body = snapshot.find(name);
-  if (body >= 0) {
-    select(snapshot.states[body].id, snapshot.states[body].pose.p_WB);
-  } else {
-    selected_ = BodyId{};
-    if (!name.empty()) refuse(words("cannot select '", name.substr(0, 64), "': no such body"));
+void InteractiveBodies::selectNamed(const std::vector<std::string>& names, const Snapshot& snapshot) {
+  std::unordered_map<std::string, int> known;
+  for (std::size_t i = 0; i < snapshot.bodies->size(); ++i) known.emplace((*snapshot.bodies)[i].name, int(i));
+  const BodyId before = selected();
+  std::unordered_set<int> taken;
+  std::vector<std::string> unknown;
+  selection_.clear();
+  for (const std::string& name : names) {
+    const auto it = known.find(name);
+    if (it == known.end()) {
+      unknown.push_back(name);
+    } else if (taken.insert(it->second).second) {
+      selection_.push_back(snapshot.states[it->second].id);
+    }
   }
+  if (selected() != before) resizes_ = false;
+  if (const int last = snapshot.find(selected()); last >= 0) focus_W_ = snapshot.states[last].pose.p_WB;
+  if (unknown.empty()) return;
+  const std::string more = unknown.size() > 1 ? words(" and ", unknown.size() - 1, " more") : "";
+  refuse(words("cannot select '", unknown.front().substr(0, 64), "'", more, ": no such body"));
 }
 
+// What has been deleted is selected no longer.
 void InteractiveBodies::publishSelection(const Snapshot& snapshot) {
-  const int i = snapshot.find(selected_);
-  std_msgs::String name;
-  if (i >= 0) name.data = (*snapshot.bodies)[i].name;
-  if (name.data == published_selection_) return;
-  published_selection_ = name.data;
-  selection_.publish(name);
+  rigid_body_sim::BodyNames selected;
+  std::vector<BodyId> there;
+  for (const BodyId id : selection_) {
+    const int i = snapshot.find(id);
+    if (i < 0) continue;
+    there.push_back(id);
+    selected.names.push_back((*snapshot.bodies)[i].name);
+  }
+  if (there != selection_) {
+    if (there.empty() || there.back() != selection_.back()) resizes_ = false;
+    selection_ = std::move(there);
+  }
+  if (selected.names == published_selection_) return;
+  std_msgs::String last;
+  if (!selected.names.empty()) last.data = selected.names.back();
+  const bool same_last = !published_selection_.empty() && published_selection_.back() == last.data;
+  published_selection_ = selected.names;
+  selected_bodies_.publish(selected);
+  if (!same_last) selection_topic_.publish(last);
 }
 
 void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
   constexpr std::chrono::milliseconds kPeriod(66);
   if (Clock::now() - shown_ < kPeriod) return;
   shown_ = Clock::now();
-  targets_.update(snapshot, focus_W_.value_or(snapshot.view.target), selected_);
+  targets_.update(snapshot, focus_W_.value_or(snapshot.view.target), selected());
   showSelection(snapshot);
   board_.publish();
 }
 
 void InteractiveBodies::showSelection(const Snapshot& snapshot) {
-  const int i = snapshot.find(selected_);
-  if (i < 0) {  // the body is deleted, and a body of another world may get its id
-    selected_ = BodyId{};
-    resizes_ = false;
-  }
+  const int i = snapshot.find(selected());
   const bool has_faces = i >= 0 && !std::holds_alternative<Plane>((*snapshot.bodies)[i].shape);
   const bool has_handles = resizes_ && has_faces;
   if (i < 0 || has_handles) board_.erase(kGizmoName);
@@ -256,7 +297,7 @@ void InteractiveBodies::showSelection(const Snapshot& snapshot) {
 
 int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapshot) const {
   const bool is_of_selection = marker == kGizmoName || handleFace(marker) >= 0;
-  return is_of_selection ? snapshot.find(selected_) : snapshot.find(marker);
+  return is_of_selection ? snapshot.find(selected()) : snapshot.find(marker);
 }
 
 // Does nothing where another world has replaced the one that the mouse was used on. False where it was refused.

@@ -8,6 +8,7 @@
 // which reaches every drawn body and needs no marker.
 #pragma once
 
+#include <rigid_body_sim/BodyNames.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
@@ -26,10 +27,11 @@
 
 namespace rbs {
 
-/// Serves ~interactive_bodies. Listens to ~select (the name of a body; "" selects none) and to
-/// ~interactive_bodies/mouse: feedback as from interactive markers, with the names of bodies. Publishes the
-/// selected body's name on ~selection (latched; "" for none), and the result of a click or a drag on
-/// ~interactive_bodies/answer.
+/// Serves ~interactive_bodies. Listens to ~select (the name of a body; "" selects none), to ~select_bodies (the
+/// names of any number) and to ~interactive_bodies/mouse: feedback as from interactive markers, with the names
+/// of bodies. Publishes the names of the selected bodies on ~selected_bodies (latched; in the order in which
+/// they were selected), the last of them on ~selection (latched; "" for none), and the result of a click or a
+/// drag on ~interactive_bodies/answer. The last selected body has the gizmo.
 ///
 /// ROS delivers feedback while it holds the server's lock. The callback only appends it to the inbox, and
 /// update() handles it. So one thread uses everything but the inbox.
@@ -55,7 +57,7 @@ class InteractiveBodies {
   /// Events since the last update().
   struct Inbox {
     std::vector<MouseEvent> mouse;
-    std::optional<std::string> selection;  ///< name of a body, or ""
+    std::optional<std::vector<std::string>> selection;  ///< names of bodies
   };
 
   void forgetWorld(const Snapshot& snapshot);
@@ -67,11 +69,12 @@ class InteractiveBodies {
   void apply(Drag& drag);
   void endDrag(std::map<std::string, Drag>::iterator drag);
   void select(BodyId id, const Vec3& focus_W);
-  void selectNamed(const std::string& name, const Snapshot& snapshot);
+  void selectNamed(const std::vector<std::string>& names, const Snapshot& snapshot);
   void showMarkers(const Snapshot& snapshot);
   void showSelection(const Snapshot& snapshot);
   void publishSelection(const Snapshot& snapshot);
   int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
+  BodyId selected() const { return selection_.empty() ? BodyId{} : selection_.back(); }
   bool attempt(const char* what, bool undoable, const std::function<std::string(World&)>& command);
   void refuse(const std::string& text);
   void answer(const std::string& text);
@@ -84,13 +87,13 @@ class InteractiveBodies {
   std::uint64_t world_ = 0;            ///< number of the world that drags and the selection belong to
   std::string scene_;                  ///< its name
   std::map<std::string, Drag> drags_;  ///< by client: each client has one mouse
-  BodyId selected_;
-  bool resizes_ = false;         ///< whether the selection has handles in place of the gizmo
-  std::optional<Vec3> focus_W_;  ///< point of the last click; empty: the view's target
+  std::vector<BodyId> selection_;      ///< the last one has the gizmo
+  bool resizes_ = false;               ///< whether the selection has handles in place of the gizmo
+  std::optional<Vec3> focus_W_;        ///< point of the last click; empty: the view's target
   Clock::time_point shown_;
-  std::string published_selection_;
-  ros::Subscriber select_, mouse_;
-  ros::Publisher selection_, answers_;
+  std::vector<std::string> published_selection_;
+  ros::Subscriber select_, select_bodies_, mouse_;
+  ros::Publisher selection_topic_, selected_bodies_, answers_;
 };
 
 }  // namespace rbs

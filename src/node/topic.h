@@ -4,6 +4,8 @@
 
 #include <ros/ros.h>
 
+#include <atomic>
+#include <memory>
 #include <string>
 
 namespace rbs {
@@ -12,18 +14,18 @@ class Topic {
  public:
   template <class Message>
   static Topic of(ros::NodeHandle& node, const std::string& name, std::uint32_t queue) {
-    return Topic(node.advertise<Message>(name, queue));
+    const auto newcomer = std::make_shared<std::atomic<bool>>(false);
+    const ros::SubscriberStatusCallback connected = [newcomer](const ros::SingleSubscriberPublisher&) {
+      *newcomer = true;
+    };
+    return Topic(node.advertise<Message>(name, queue, connected), newcomer);
   }
 
   /// Whether somebody has subscribed since the last call.
-  bool hasNewcomer() {
-    const std::uint32_t before = subscribers_;
-    subscribers_ = publisher_.getNumSubscribers();
-    return subscribers_ > before;
-  }
+  bool hasNewcomer() { return newcomer_->exchange(false); }
 
   /// Whether to send now: somebody listens, and there is something new for him.
-  bool wanted(bool changed) { return hasNewcomer() || (changed && subscribers_ > 0); }
+  bool wanted(bool changed) { return hasNewcomer() || (changed && publisher_.getNumSubscribers() > 0); }
 
   template <class Message>
   void send(const Message& message) {
@@ -31,10 +33,11 @@ class Topic {
   }
 
  private:
-  explicit Topic(ros::Publisher publisher) : publisher_(std::move(publisher)) {}
+  Topic(ros::Publisher publisher, std::shared_ptr<std::atomic<bool>> newcomer)
+      : publisher_(std::move(publisher)), newcomer_(std::move(newcomer)) {}
 
   ros::Publisher publisher_;
-  std::uint32_t subscribers_ = 0;
+  std::shared_ptr<std::atomic<bool>> newcomer_;  ///< set by the threads of ROS
 };
 
 }  // namespace rbs

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_view.h"
 
+#include "wheel_guard.h"
+
 #include <QHBoxLayout>
 #include <QVBoxLayout>
 
@@ -21,6 +23,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
       stale_(new QLabel),
       plot_(new AccuracyPlot) {
   preset_->addItems({"preview", "interactive", "accurate", "reference"});
+  guardFromWheel(*preset_);
   preset_->setToolTip("Quality level of the contact solver, from fast to exact");
   measure_->setToolTip(
       "Measures error and CPU time of each choice of solver settings for the scene as it is now");

@@ -37,6 +37,11 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   const bool is_free = is_press || (event.type == QEvent::MouseMove && event.buttons_down == Qt::NoButton);
   if (is_free && context_->getFrameCount() > last_selection_frame_count_) aim(event);
 
+  if (is_press && event.left() && event.control() && aimed_) {
+    SimulationPanel::toggleSelected(context_->getWindowManager()->getParentWindow(), aimed_->node,
+                                    aimed_->body);
+    return 0;
+  }
   const int flags = rviz::InteractionTool::processMouseEvent(event);
 
   if (is_press) {
@@ -56,6 +61,7 @@ int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
 
 // Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
+  aimed_.reset();
   nothing_there_ = "There is no body here: the mouse turns the view.";
   for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
     bodiesOf(node);  // so that they are known before the first press
@@ -72,6 +78,7 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
     nothing_there_ = QString("'%1' is a plane, which cannot be dragged: the mouse turns the view.")
                          .arg(QString::fromStdString(body->name));
   } else {
+    aimed_ = {picked->node, QString::fromStdString(body->name)};
     mouse_->aim(simulator, *body, *picked->handler);
     picked->handler->setInteractiveObject(mouse_);
   }

@@ -10,13 +10,15 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace rbs {
 
 /// Where the mouse is at no interactive marker but at a drawn body, it takes that body: any of thousands,
 /// since bodies need no marker. A press on anything else turns the view and says so; a click there, or
-/// Escape, drops the selection, and Delete deletes the selected body.
+/// Escape, drops the selection, and Delete deletes the selected bodies. A click with Ctrl adds a body to the
+/// selection, or takes it away.
 class InteractTool : public rviz::InteractionTool {
   Q_OBJECT
  public:
@@ -26,12 +28,19 @@ class InteractTool : public rviz::InteractionTool {
   int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
 
  private:
+  /// A body, by the resolved name of its simulator's node and by its own.
+  struct AimedBody {
+    std::string node;
+    QString body;
+  };
+
   void aim(const rviz::ViewportMouseEvent& event);
   std::shared_ptr<SimulatorBodies> bodiesOf(const std::string& node);
   void finishMiss(const QPoint& released_at);
 
   boost::shared_ptr<BodyMouse> mouse_;
   std::map<std::string, std::shared_ptr<SimulatorBodies>> simulators_;  ///< by node
+  std::optional<AimedBody> aimed_;                                      ///< what is under the mouse
   QString nothing_there_;                                               ///< why the mouse is at no body
   bool missed_ = false;  ///< the last press was at nothing that takes it
   QPoint pressed_at_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "node_box.h"
 
+#include "wheel_guard.h"
+
 #include <rigid_body_sim/Status.h>
 #include <ros/master.h>
 
@@ -9,6 +11,7 @@
 namespace rbs {
 
 NodeBox::NodeBox() {
+  guardFromWheel(*this);
   setEditable(true);
   setInsertPolicy(QComboBox::NoInsert);
   setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);

@@ -35,22 +35,27 @@ double ServiceWorker::waited() const {
   return waiting_.isEmpty() ? 0.0 : 1e-3 * under_way_.elapsed();
 }
 
-void ServiceWorker::post(const std::string& name, Call call) {
+void ServiceWorker::post(const std::string& name, Call call, Refused otherwise) {
   if (waiting_.isEmpty()) under_way_.start();
   waiting_.append(QString::fromStdString(name));
+  otherwise_.push_back(std::move(otherwise));
   const std::lock_guard<std::mutex> lock(queue_->mutex);
   queue_->calls.push_back(std::move(call));
   queue_->changed.notify_one();
 }
 
 void ServiceWorker::finish(const Answer& answer) {
-  const QString service = waiting_.takeFirst();
+  const QString service = waiting_.takeFirst(), message = QString::fromStdString(answer.message);
+  const Refused otherwise = std::move(otherwise_.front());
+  otherwise_.pop_front();
   under_way_.start();
-  Q_EMIT answered(service, answer.success, QString::fromStdString(answer.message));
+  Q_EMIT answered(service, answer.success, message);
   if (answer.then) answer.then();
+  if (!answer.success && otherwise) otherwise(message);
 }
 
 void ServiceWorker::work(const std::shared_ptr<Queue>& queue) {
+  Connections connections;
   std::unique_lock<std::mutex> lock(queue->mutex);
   while (true) {
     queue->changed.wait(lock, [&] { return !queue->owner || !queue->calls.empty(); });
@@ -58,7 +63,7 @@ void ServiceWorker::work(const std::shared_ptr<Queue>& queue) {
     const Call call = std::move(queue->calls.front());
     queue->calls.pop_front();
     lock.unlock();
-    const Answer answer = answerOf(call);
+    const Answer answer = answerOf(call, connections);
     lock.lock();
     if (!queue->owner) return;
     // Qt drops the event when the owner is destroyed before it is handled.
@@ -68,9 +73,9 @@ void ServiceWorker::work(const std::shared_ptr<Queue>& queue) {
   }
 }
 
-ServiceWorker::Answer ServiceWorker::answerOf(const Call& call) {
+ServiceWorker::Answer ServiceWorker::answerOf(const Call& call, Connections& connections) {
   try {
-    return call();
+    return call(connections);
   } catch (const std::exception& error) {
     return Answer{false, error.what(), {}};
   }

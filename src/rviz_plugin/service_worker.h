@@ -2,15 +2,17 @@
 // ServiceWorker: calls services on a thread of its own, so that a slow or dead node never stops the GUI.
 #pragma once
 
-#include <ros/service.h>
+#include <ros/ros.h>
 
 #include <QElapsedTimer>
 #include <QObject>
 #include <QString>
 #include <QStringList>
 
+#include <deque>
 #include <exception>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -25,10 +27,12 @@ class ServiceWorker : public QObject {
   /// Does not wait for a call that is under way: roscpp has no time-out for it.
   ~ServiceWorker() override;
 
-  /// Asks for a call. The service's answer has `success` and `message`. `then` gets a successful answer.
+  /// Asks for a call. The service's answer has `success` and `message`. `then` gets a successful answer,
+  /// `otherwise` the message of a refusal, or that there is no answer.
   template <class Service>
   void call(const std::string& name, const typename Service::Request& request,
-            std::function<void(const typename Service::Response&)> then = {});
+            std::function<void(const typename Service::Response&)> then = {},
+            std::function<void(const QString&)> otherwise = {});
 
   /// Name of the service that has been under way for longer than this; empty when there is none.
   QString overdue(double seconds) const;
@@ -44,32 +48,43 @@ class ServiceWorker : public QObject {
     std::string message;
     std::function<void()> then;  ///< may be empty
   };
-  using Call = std::function<Answer()>;
+  /// By the name of the service. They last: where a connection is closed while roscpp polls it, a new one that
+  /// gets its file descriptor is now and then closed in its place, and the call fails.
+  using Connections = std::map<std::string, ros::ServiceClient>;
+  using Call = std::function<Answer(Connections&)>;
   struct Queue;
 
-  void post(const std::string& name, Call call);
+  using Refused = std::function<void(const QString&)>;
+
+  void post(const std::string& name, Call call, Refused otherwise);
   void finish(const Answer& answer);
   static void work(const std::shared_ptr<Queue>& queue);
-  static Answer answerOf(const Call& call);
+  static Answer answerOf(const Call& call, Connections& connections);
 
-  std::shared_ptr<Queue> queue_;  ///< shared with the thread, which may outlive this object
-  QStringList waiting_;           ///< names of the calls without an answer; the first is under way
+  std::shared_ptr<Queue> queue_;   ///< shared with the thread, which may outlive this object
+  QStringList waiting_;            ///< names of the calls without an answer; the first is under way
+  std::deque<Refused> otherwise_;  ///< of the same calls; each may be empty
   QElapsedTimer under_way_;
 };
 
 template <class Service>
 void ServiceWorker::call(const std::string& name, const typename Service::Request& request,
-                         std::function<void(const typename Service::Response&)> then) {
-  post(name, [name, request, then]() mutable {
+                         std::function<void(const typename Service::Response&)> then,
+                         std::function<void(const QString&)> otherwise) {
+  const auto call = [name, request, then](Connections& connections) mutable {
+    ros::ServiceClient& client = connections[name];
+    if (!client || !client.isValid()) client = ros::NodeHandle().serviceClient<Service>(name, true);
     typename Service::Response response;
-    if (!ros::service::call(name, request, response)) {
+    if (!client.call(request, response)) {
+      client.shutdown();
       return Answer{false, "no answer; is the simulator running?", {}};
     }
     const bool success = response.success;
     const std::string message = response.message;
     if (!success || !then) return Answer{success, message, {}};
     return Answer{success, message, [then, response] { then(response); }};
-  });
+  };
+  post(name, call, std::move(otherwise));
 }
 
 }  // namespace rbs

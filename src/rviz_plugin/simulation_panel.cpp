@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulation_panel.h"
 
+#include "colors.h"
 #include "view.h"
+#include "wheel_guard.h"
 
 #include <QApplication>
 #include <QHBoxLayout>
@@ -17,17 +19,6 @@
 #include <algorithm>
 
 namespace rbs {
-namespace {
-
-const QColor kTrouble(0xb0, 0x00, 0x20);
-
-void color(QWidget& text, bool is_trouble) {
-  QPalette palette = QApplication::palette();
-  if (is_trouble) palette.setColor(QPalette::WindowText, kTrouble);
-  text.setPalette(palette);
-}
-
-}  // namespace
 
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),
@@ -55,8 +46,9 @@ SimulationPanel::~SimulationPanel() {
 }
 
 void SimulationPanel::layOut() {
+  guardFromWheel(*scenes_);
   scenes_->setToolTip("Loads a scene of the catalogue");
-  color(*warnings_, true);
+  showTrouble(*warnings_, true);
   warnings_->hide();
 
   auto* choices = new QHBoxLayout;
@@ -202,7 +194,7 @@ void SimulationPanel::showScenes(const QStringList& names, const QStringList& pr
 
 void SimulationPanel::showMessage(const QString& text, bool is_trouble) {
   answer_->setText(text);
-  color(*answer_, is_trouble);
+  showTrouble(*answer_, is_trouble);
 }
 
 QList<SimulationPanel*> SimulationPanel::panels() const {
@@ -220,8 +212,8 @@ void SimulationPanel::setKeys(bool has_keys) {
   wind_->setText(has_keys ? "Wind (key 1)" : "Wind");
 }
 
-void SimulationPanel::followSelection(const QString& body) {
-  if (body.isEmpty()) return;
+void SimulationPanel::followSelection(const QStringList& bodies) {
+  if (bodies.isEmpty()) return;
   takeKeys();
   for (SimulationPanel* const other : panels()) {
     const bool is_elsewhere = other->simulator_.node() != simulator_.node();
@@ -229,14 +221,23 @@ void SimulationPanel::followSelection(const QString& body) {
   }
 }
 
+// Empty where it is no name that ROS takes.
+std::string SimulationPanel::nodeOf(const SimulationPanel& panel) {
+  const std::string name = panel.simulator_.node().toStdString();
+  std::string error;
+  return ros::names::validate(name, error) ? ros::names::resolve(name) : std::string();
+}
+
 std::vector<std::string> SimulationPanel::nodes(QWidget* window) {
   std::vector<std::string> names;
-  for (const SimulationPanel* const panel : window->findChildren<SimulationPanel*>()) {
-    const std::string name = panel->simulator_.node().toStdString();
-    std::string error;
-    if (ros::names::validate(name, error)) names.push_back(ros::names::resolve(name));
-  }
+  for (const SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
+    if (const std::string name = nodeOf(*panel); !name.empty()) names.push_back(name);
   return names;
+}
+
+void SimulationPanel::toggleSelected(QWidget* window, const std::string& node, const QString& body) {
+  for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
+    if (nodeOf(*panel) == node) return panel->simulator_.toggleSelected(body);
 }
 
 void SimulationPanel::deleteSelection(QWidget* window) {

@@ -38,12 +38,15 @@ class SimulationPanel : public rviz::Panel {
 
   /// The resolved names of the nodes that the panels of a window follow.
   static std::vector<std::string> nodes(QWidget* window);
-  /// Deletes the body that is selected by one of the panels of a window; says so where there is none.
+  /// Adds a body of a simulator, by the resolved name of its node, to the selection, or takes it away.
+  static void toggleSelected(QWidget* window, const std::string& node, const QString& body);
+  /// Deletes the bodies that are selected by one of the panels of a window; says so where there are none.
   static void deleteSelection(QWidget* window);
   /// Selects nothing any more in any of the panels of a window, and says why.
   static void dropSelections(QWidget* window, const QString& why);
 
  private:
+  static std::string nodeOf(const SimulationPanel& panel);
   void layOut();
   void connectWidgets();
   void follow(const QString& node);
@@ -53,7 +56,7 @@ class SimulationPanel : public rviz::Panel {
   void showScenes(const QStringList& names, const QStringList& properties);
   void showMessage(const QString& text, bool is_trouble);
   void warn(const std::vector<std::string>& warnings);
-  void followSelection(const QString& body);
+  void followSelection(const QStringList& bodies);
   void takeKeys();
   void setKeys(bool has_keys);
   void addKey(const QKeySequence& keys, void (SimulatorClient::*action)());

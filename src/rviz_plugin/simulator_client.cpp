@@ -4,7 +4,7 @@
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
 #include <rigid_body_sim/MeasureAccuracy.h>
-#include <rigid_body_sim/NamedBody.h>
+#include <rigid_body_sim/NamedBodies.h>
 #include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetSpeed.h>
 #include <rigid_body_sim/Step.h>
@@ -38,9 +38,9 @@ void SimulatorClient::follow(const QString& node) {
     subscribers_ = {
         ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),
         ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this),
-        ros_.subscribe(inNode("selection"), 1, &SimulatorClient::receiveSelection, this),
+        ros_.subscribe(inNode("selected_bodies"), 1, &SimulatorClient::receiveSelection, this),
         ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
-    select_ = ros_.advertise<std_msgs::String>(inNode("select"), 10);
+    select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
   } catch (const ros::InvalidNameException& error) {
     Q_EMIT reported(QString::fromStdString(error.what()), true);
   }
@@ -58,8 +58,9 @@ void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
   if (study.done && !study.trouble.empty()) Q_EMIT reported(QString::fromStdString(study.trouble), true);
 }
 
-void SimulatorClient::receiveSelection(const std_msgs::String& body) {
-  selection_ = QString::fromStdString(body.data);
+void SimulatorClient::receiveSelection(const rigid_body_sim::BodyNames& bodies) {
+  selection_.clear();
+  for (const std::string& name : bodies.names) selection_.append(QString::fromStdString(name));
   Q_EMIT selectionChanged(selection_);
 }
 
@@ -176,16 +177,22 @@ void SimulatorClient::enableWind(bool on) {
   callSwitch("enable_wind", on);
 }
 
-void SimulatorClient::select(const QString& body) {
-  std_msgs::String name;
-  name.data = body.toStdString();
-  select_.publish(name);
+void SimulatorClient::select(const QStringList& bodies) {
+  rigid_body_sim::BodyNames message;
+  for (const QString& name : bodies) message.names.push_back(name.toStdString());
+  select_.publish(message);
+}
+
+void SimulatorClient::toggleSelected(const QString& body) {
+  QStringList bodies = selection_;
+  if (bodies.removeAll(body) == 0) bodies.append(body);
+  select(bodies);
 }
 
 void SimulatorClient::deleteSelection() {
-  rigid_body_sim::NamedBody::Request request;
-  request.name = selection_.toStdString();
-  call<rigid_body_sim::NamedBody>("delete_body", request);
+  rigid_body_sim::NamedBodies::Request request;
+  for (const QString& name : selection_) request.names.push_back(name.toStdString());
+  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
 }
 
 void SimulatorClient::callSwitch(const char* service, bool on) {

@@ -5,6 +5,7 @@
 #include "service_worker.h"
 
 #include <rigid_body_sim/AccuracyStudy.h>
+#include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/SettingCost.h>
 #include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
@@ -46,15 +47,17 @@ class SimulatorClient : public QObject {
   void measureAccuracy();
   void estimateError(bool on);
   void showGhost(bool on);
-  void select(const QString& body);  ///< empty: none
+  void select(const QStringList& bodies);
+  /// Adds a body to the selection, or takes it away.
+  void toggleSelected(const QString& body);
   void deleteSelection();
-  const QString& selection() const { return selection_; }  ///< name of the selected body; empty: none
+  const QStringList& selection() const { return selection_; }  ///< names of the selected bodies
 
  Q_SIGNALS:
   void statusReceived(const rigid_body_sim::Status& status);
   void studyReceived(const rigid_body_sim::AccuracyStudy& study);
   void heardChanged(bool is_heard);
-  void selectionChanged(const QString& body);
+  void selectionChanged(const QStringList& bodies);
   /// The catalogue of the node: names, and what each scene shows.
   void scenesListed(const QStringList& names, const QStringList& properties);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
@@ -63,7 +66,7 @@ class SimulatorClient : public QObject {
  private:
   void receive(const rigid_body_sim::Status& status);
   void receiveStudy(const rigid_body_sim::AccuracyStudy& study);
-  void receiveSelection(const std_msgs::String& body);
+  void receiveSelection(const rigid_body_sim::BodyNames& bodies);
   void receiveAnswer(const std_msgs::String& text);
   void watch();
   void setHeard(bool is_heard);
@@ -79,7 +82,8 @@ class SimulatorClient : public QObject {
   ros::NodeHandle ros_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Publisher select_;
-  QString node_, selection_;
+  QString node_;
+  QStringList selection_;
   QTimer watchdog_;
   int quiet_looks_ = 0;  ///< since the last status
   bool is_heard_ = false;

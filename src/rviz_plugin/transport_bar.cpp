@@ -2,6 +2,7 @@
 #include "transport_bar.h"
 
 #include "icons.h"
+#include "wheel_guard.h"
 
 #include <QHBoxLayout>
 #include <QLabel>
@@ -14,6 +15,7 @@ namespace {
 QSpinBox* makeSteps() {
   auto* box = new QSpinBox;
   box->setRange(1, 1000);
+  guardFromWheel(*box);
   box->setToolTip("Number of steps that the button beside it takes");
   return box;
 }
@@ -26,6 +28,7 @@ QDoubleSpinBox* makeSpeed() {
   box->setSuffix(" ×");
   box->setSpecialValueText("max");
   box->setKeyboardTracking(false);
+  guardFromWheel(*box);
   box->setToolTip("Requested real-time factor; 0 is as fast as possible");
   return box;
 }

@@ -217,6 +217,26 @@ TEST(Undo, DoesNotCountWhatChangesNothing) {
   }
 }
 
+TEST(Undo, AnEditOfSeveralBodiesIsMadeAsAWholeOrNotAtAll) {
+  Simulator simulator(twoBoxes(), paused());
+  simulator.step(3);
+  const auto before = simulator.snapshot();
+  EXPECT_THROW(simulator.apply([](World& world) -> std::string {
+    world.removeBody(world.find("low"));
+    world.addBody(ball("new", 0.1, {0.0, 0.0, 5.0}));
+    world.addBody(ball("high", 0.1, Vec3::Zero()));
+    return "three edits";
+  }),
+               InvalidInput);
+  EXPECT_EQ(hashOf(simulator), before->hash);
+  EXPECT_EQ(simulator.snapshot()->undo, "");
+  EXPECT_EQ(simulator.snapshot()->bodies->size(), before->bodies->size());
+  simulator.step(3);
+  Simulator other(twoBoxes(), paused());
+  other.step(6);
+  EXPECT_EQ(hashOf(simulator), hashOf(other));
+}
+
 int undoAll(Simulator& simulator) {
   int undone = 0;
   for (; !simulator.snapshot()->undo.empty(); ++undone) simulator.undo();

@@ -216,6 +216,35 @@ TEST(WorldEdits, MassFollowsDensityAndDensityFollowsMass) {
   EXPECT_LE((now().inertia - 100.0 / 12.0 * Vec3(2.0, 5.0, 5.0)).norm(), 1e-12);
 }
 
+TEST(WorldEdits, ABodyIsRenamedAndStaysTheSame) {
+  World world(crateAndBall());
+  const BodyId crate = world.find("crate");
+  for (int k = 0; k < 30; ++k) world.step();
+  World other(world);
+  BodyEdit edit;
+  edit.name = "chest";
+  world.editBody(crate, edit);
+  EXPECT_EQ(world.find("chest"), crate);
+  EXPECT_FALSE(world.find("crate"));
+  EXPECT_EQ((*world.bodies())[1].name, "chest");
+  edit.name = "ball";
+  EXPECT_THROW(world.editBody(crate, edit), InvalidInput);
+  edit.name = "";
+  EXPECT_THROW(world.editBody(crate, edit), InvalidInput);
+  edit.name = "a//b";
+  EXPECT_THROW(world.editBody(crate, edit), InvalidInput);
+  edit.name = "chest";
+  world.editBody(crate, edit);  // its own name
+  edit.name = "crate";
+  world.editBody(crate, edit);
+  other.editBody(crate, edit);
+  for (int k = 0; k < 30; ++k) {
+    world.step();
+    other.step();
+  }
+  EXPECT_EQ(world.stateHash(), other.stateHash());
+}
+
 TEST(WorldEdits, AnImpulseGivesMomentumAndSpinByItsLever) {
   World world(crateAndBall());
   const Totals before = world.totals();

@@ -9,8 +9,8 @@ import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
-from rigid_body_sim.msg import BodySpec, Status
-from rigid_body_sim.srv import GetBody, ListBodies, LoadScene, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
+from rigid_body_sim.msg import BodyChange, BodyNames, BodySpec, Status
+from rigid_body_sim.srv import EditBodies, GetBody, ListBodies, LoadScene, NamedBody, ResizeBody, SetBody, SetGravity, SpawnBodies
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
@@ -157,6 +157,20 @@ class Selection:
 
     def wait_for(self, name):
         wait(lambda: self.name == name, "'%s' is selected" % name)
+
+
+class SelectedBodies:
+    """The names that ~selected_bodies told last."""
+
+    def __init__(self):
+        self.names = None
+        self.subscriber = rospy.Subscriber("/sim/selected_bodies", BodyNames, self.keep)
+
+    def keep(self, message):
+        self.names = message.names
+
+    def wait_for(self, *names):
+        wait(lambda: self.names == list(names), "these are selected: %s" % list(names))
 
 
 class InteractiveBodiesTest(unittest.TestCase):
@@ -345,6 +359,34 @@ class InteractiveBodiesTest(unittest.TestCase):
         late.wait_for("crate")
         call("delete_body", NamedBody, name="crate")
         selection.wait_for("")
+
+    def test_many_bodies_are_selected_and_the_last_one_has_the_gizmo(self):
+        last, selected = Selection(), SelectedBodies()
+        publisher = rospy.Publisher("/sim/select_bodies", BodyNames, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        publisher.publish(names=["crate", "nobody", "ball", "crate"])
+        selected.wait_for("crate", "ball")
+        last.wait_for("ball")
+        self.client.wait_for(GIZMO)
+        self.assertAlmostEqual(self.client.markers[GIZMO].pose.position.x, 4.0)
+        self.client.click("crate")  # one of those that are selected comes last
+        selected.wait_for("ball", "crate")
+        last.wait_for("crate")
+        call("edit_bodies", EditBodies, changes=[BodyChange(name="ball", new_name="globe")])
+        selected.wait_for("globe", "crate")
+        call("delete_body", NamedBody, name="crate")
+        selected.wait_for("globe")
+        last.wait_for("globe")
+        self.client.wait_without("crate")
+        call("undo", Trigger)
+        self.client.wait_for("crate")
+        selected.wait_for("globe")
+        self.client.click("crate")  # any other body is selected alone
+        selected.wait_for("crate")
+        publisher.publish(names=[])
+        selected.wait_for()
+        last.wait_for("")
+        self.client.wait_without(GIZMO)
 
     def test_a_body_that_two_drag_goes_on_with_the_one_who_still_holds_it(self):
         mouse = Mouse("mouse")

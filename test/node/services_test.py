@@ -15,8 +15,9 @@ import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
-from rigid_body_sim.msg import BodySpec, BodyStates, Material, Status
+from rigid_body_sim.msg import BodyChange, BodySpec, BodyStates, Material, Status
 from rigid_body_sim.srv import Step
+from std_msgs.msg import ColorRGBA
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 from simulator import PATIENCE, SMALL, Listener, StatusListener, ask, body, call, wait  # noqa: E402
@@ -161,6 +162,70 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(len(call('spawn_bodies', bodies=bodies).names), 1000)
         bodies[700].mass = -1.0
         self.assert_refused(['bodies[700]', 'mass'], 'spawn_bodies', bodies=bodies)
+
+    def test_many_bodies_are_changed_in_one_edit(self):
+        call('edit_bodies', changes=[
+            BodyChange(name='crate', new_name='chest', pose=[at(0, 0, 3)], size=[Vector3(0, 2, 0)], density=10.0,
+                       material=Material(friction=[0.25]), color=ColorRGBA(1, 0, 0, 0.5), collision_group=[6]),
+            BodyChange(name='ball', kind='kinematic', twist=[Twist(Vector3(1, 0, 0), Vector3(0, 0, 2))], mass=7.0,
+                       collision_mask=[0])])
+        chest, ball = body('chest'), body('ball')
+        self.assertEqual(chest.pose.position, Point(0, 0, 3))
+        self.assertEqual(chest.description.size, Vector3(0.5, 2, 0.5))
+        self.assertAlmostEqual(chest.description.mass, 5.0)
+        self.assertEqual((chest.description.material.friction, chest.description.collision_group), ((0.25,), 6))
+        self.assertEqual(chest.description.color, ColorRGBA(1, 0, 0, 0.5))
+        self.assertEqual((ball.description.kind, ball.description.collision_mask), ('kinematic', 0))
+        self.assertEqual(ball.twist, Twist(Vector3(1, 0, 0), Vector3(0, 0, 2)))
+        self.assertAlmostEqual(ball.description.mass, 7.0)
+        call('undo')
+        self.assertEqual(call('list_bodies').names, ['floor', 'crate', 'ball'])
+        self.assertEqual(body('ball').description.kind, 'dynamic')
+
+    def test_a_change_of_many_bodies_is_refused_as_a_whole(self):
+        good = BodyChange(name='crate', mass=3.0)
+        cases = [
+            (['names', 'at least one'], []),
+            (['unknown body', 'bal', 'ball'], [good, BodyChange(name='bal', mass=1.0)]),
+            (['crate', 'each body once'], [good, good]),
+            (["changes[1] ('ball')", 'nothing to change'], [good, BodyChange(name='ball')]),
+            (["changes[1] ('ball').material.friction", '-1'],
+             [good, BodyChange(name='ball', material=Material(friction=[-1.0]))]),
+            (["changes[1] ('ball').name", "'crate'", 'no other body'], [good, BodyChange(name='ball', new_name='crate')]),
+            (["changes[1] ('ball')", 'nan'], [good, BodyChange(name='ball', pose=[at(NAN, 0, 0)])]),
+            (["changes[0] ('ball').pose", '2 entries'], [BodyChange(name='ball', pose=[at(1, 0, 0), at(2, 0, 0)])]),
+            (["changes[1] ('floor')", 'plane'], [good, BodyChange(name='floor', size=[Vector3(1, 1, 1)])]),
+            (["changes[0] ('ball').kind", "'stone'"], [BodyChange(name='ball', kind='stone')]),
+            (["changes[0] ('ball')", 'mass and density'], [BodyChange(name='ball', mass=1.0, density=1.0)])]
+        faults = [self.fault_of(words, 'edit_bodies', changes=changes) for words, changes in cases]
+        self.assertEqual([fault for fault in faults if fault], [])
+
+    def test_many_bodies_are_deleted_in_one_edit(self):
+        self.assertIn('2 bodies', call('delete_bodies', names=['ball', 'crate']).message)
+        self.assertEqual(call('list_bodies').names, ['floor'])
+        call('undo')
+        self.assertEqual(call('list_bodies').names, ['floor', 'crate', 'ball'])
+        self.assert_refused(['at least one'], 'delete_bodies', names=[])
+        self.assert_refused(['unknown body', 'bull', 'ball'], 'delete_bodies', names=['crate', 'bull'])
+        self.assert_refused(['crate', 'each body once'], 'delete_bodies', names=['crate', 'ball', 'crate'])
+
+    def test_bodies_are_duplicated(self):
+        call('set_body', name='ball', twist=[Twist(Vector3(0, 1, 0), Vector3())], material=Material(friction=[0.1]))
+        names = call('duplicate_bodies', names=['ball', 'crate'], count=3, offset=Vector3(0, 0, 2)).names
+        self.assertEqual(len(set(names)), 6)
+        for k, name in enumerate(names):
+            copy, original = body(name), body('ball' if k < 3 else 'crate')
+            self.assertAlmostEqual(copy.pose.position.z, original.pose.position.z + 2 * (k % 3 + 1))
+            self.assertEqual((copy.twist, copy.description.material, copy.description.size),
+                             (original.twist, original.description.material, original.description.size))
+        call('undo')
+        above = body(call('duplicate_bodies', names=['ball']).names[0])  # with zeros: one copy, just above
+        self.assertAlmostEqual(above.pose.position.z, 0.2 + 1.01 * 0.4)
+        self.assert_refused(['plane', 'offset'], 'duplicate_bodies', names=['floor', 'ball'])
+        self.assert_refused(['offset', 'finite'], 'duplicate_bodies', names=['ball'], offset=Vector3(NAN, 0, 0))
+        self.assert_refused(['count', '100,000'], 'duplicate_bodies', names=['ball', 'crate'], count=50001)
+        self.assert_refused(['position'], 'duplicate_bodies', names=['ball'], count=2, offset=Vector3(1e300, 0, 0))
+        self.assert_refused(['unknown body'], 'duplicate_bodies', names=['bill'])
 
     def test_bodies_are_deleted_one_by_one_and_all_together(self):
         call('delete_body', name='crate')

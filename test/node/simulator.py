@@ -13,7 +13,9 @@ PATIENCE = 30.0  # s of wall time before a wait counts as failed
 SMALL = roslib.packages.get_pkg_dir('rigid_body_sim') + '/test/node/small.yaml'
 
 TYPES = {
-    'spawn_body': srv.SpawnBody, 'spawn_bodies': srv.SpawnBodies, 'delete_body': srv.NamedBody, 'clear': Trigger,
+    'spawn_body': srv.SpawnBody, 'spawn_bodies': srv.SpawnBodies, 'delete_body': srv.NamedBody,
+    'delete_bodies': srv.NamedBodies, 'duplicate_bodies': srv.DuplicateBodies, 'edit_bodies': srv.EditBodies,
+    'clear': Trigger,
     'resize_body': srv.ResizeBody, 'move_body': srv.MoveBody, 'set_body': srv.SetBody,
     'apply_impulse': srv.ApplyImpulse, 'apply_wrench': srv.ApplyWrench, 'get_body': srv.GetBody,
     'list_bodies': srv.ListBodies, 'cast_ray': srv.CastRay,

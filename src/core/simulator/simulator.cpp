@@ -130,7 +130,12 @@ struct Simulator::Impl {
   void apply(const std::function<std::string(World&)>& edit, std::string& what) {
     World before(world);
     const std::uint64_t edits = world.edits();
-    what = edit(world);
+    try {
+      what = edit(world);
+    } catch (...) {
+      if (world.edits() != edits) world = std::move(before);
+      throw;
+    }
     if (world.edits() == edits) return;
     history.add({what, std::move(before), std::atomic_load(&origin), revision});
     revision = ++revisions;

@@ -126,6 +126,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   BodyDef def = bodies.define(i, impl_->scene.time);
   def.kind = bodies.traits[i].kind;  // also of a frozen body
   if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
+  if (edit.name) def.name = *edit.name;
   if (edit.shape) def.shape = *edit.shape;
   if (edit.pose) def.pose = *edit.pose;
   if (edit.kind) {
@@ -146,13 +147,21 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.color) def.color = *edit.color;
   if (edit.group) def.group = *edit.group;
   if (edit.mask) def.mask = *edit.mask;
-  throwIfAny(validate(def, "body"));
+  std::vector<Problem> problems = validate(def, "body");
+  const Index namesake = bodies.indexOf(def.name);
+  if (def.name.empty()) {
+    problems.push_back({"body.name", "''", "a name"});
+  } else if (namesake != i && namesake != kNone) {
+    problems.push_back({"body.name", quoted(def.name), "a name that no other body has"});
+  }
+  throwIfAny(problems);
 
   Bodies fresh;
   fresh.append(id, def);
   bodies.pose[i] = fresh.pose[0];
   bodies.since[i] = impl_->scene.time;
   bodies.twist[i] = fresh.twist[0];
+  bodies.name[i] = fresh.name[0];
   bodies.color[i] = fresh.color[0];
   const Traits old = bodies.traits[i];
   bodies.traits[i] = fresh.traits[0];
@@ -161,10 +170,10 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   bodies.refresh(i);
   // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
   if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->scene.contacts.forget(id);
-  const bool only_motion = !edit.shape && !edit.kind && !edit.mass && !edit.density && !edit.friction &&
-                           !edit.restitution && !edit.drag_coefficient && !edit.rolling_resistance &&
-                           !edit.torsional_resistance && !edit.color && !edit.group && !edit.mask &&
-                           !old.frozen;
+  const bool only_motion = !edit.name && !edit.shape && !edit.kind && !edit.mass && !edit.density &&
+                           !edit.friction && !edit.restitution && !edit.drag_coefficient &&
+                           !edit.rolling_resistance && !edit.torsional_resistance && !edit.color &&
+                           !edit.group && !edit.mask && !old.frozen;
   impl_->edited(!only_motion, std::vector<Index>{i});
 }
 

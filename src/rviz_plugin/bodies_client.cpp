@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bodies_client.h"
+
+#include <rigid_body_sim/DuplicateBodies.h>
+#include <rigid_body_sim/EditBodies.h>
+#include <rigid_body_sim/NamedBodies.h>
+
+#include <cmath>
+
+namespace rbs {
+namespace {
+
+std::vector<std::string> toStd(const QStringList& names) {
+  std::vector<std::string> list;
+  for (const QString& name : names) list.push_back(name.toStdString());
+  return list;
+}
+
+QStringList toQt(const std::vector<std::string>& names) {
+  QStringList list;
+  for (const std::string& name : names) list.append(QString::fromStdString(name));
+  return list;
+}
+
+}  // namespace
+
+BodiesClient::BodiesClient() {
+  connect(
+      &worker_, &ServiceWorker::answered, this,
+      [this](const QString&, bool success, const QString& message) { Q_EMIT reported(message, !success); });
+}
+
+void BodiesClient::follow(const QString& node) {
+  node_ = node;
+  states_topic_.shutdown();
+  descriptions_topic_.shutdown();
+  selection_topic_.shutdown();
+  select_.shutdown();
+  descriptions_ = {};
+  states_.reset();
+  motions_.clear();
+  selection_.clear();
+  try {
+    descriptions_topic_ = ros_.subscribe(inNode("body_descriptions"), 1, &BodiesClient::receive, this);
+    selection_topic_ = ros_.subscribe(inNode("selected_bodies"), 1, &BodiesClient::receiveSelection, this);
+    select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
+  } catch (const ros::InvalidNameException& error) {
+    Q_EMIT reported(QString::fromStdString(error.what()), true);
+  }
+  Q_EMIT bodiesChanged();
+  Q_EMIT selectionChanged();
+}
+
+std::optional<BodyMotion> BodiesClient::motion(std::size_t index) const {
+  return index < motions_.size() ? std::make_optional(motions_[index]) : std::nullopt;
+}
+
+void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions) {
+  descriptions_ = descriptions;
+  matchMotions();
+  Q_EMIT bodiesChanged();
+}
+
+void BodiesClient::receiveStates(const rigid_body_sim::BodyStatesConstPtr& states) {
+  states_ = states;
+  matchMotions();
+  Q_EMIT motionChanged();
+}
+
+// Either may come first. States of other bodies than the described ones wait for their descriptions.
+void BodiesClient::matchMotions() {
+  const std::size_t count = bodies().size();
+  motions_.clear();
+  if (!states_ || states_->ids.size() != count || states_->poses.size() != count ||
+      states_->twists.size() != count)
+    return;
+  for (std::size_t i = 0; i < count; ++i)
+    if (states_->ids[i] != bodies()[i].id) return;
+  for (std::size_t i = 0; i < count; ++i) motions_.push_back({states_->poses[i], states_->twists[i]});
+}
+
+void BodiesClient::receiveSelection(const rigid_body_sim::BodyNames& selection) {
+  selection_ = toQt(selection.names);
+  if (selection_.isEmpty()) {
+    states_topic_.shutdown();
+    states_.reset();
+    motions_.clear();
+  } else if (!states_topic_) {
+    states_topic_ = ros_.subscribe(inNode("body_states"), 1, &BodiesClient::receiveStates, this);
+  }
+  Q_EMIT selectionChanged();
+}
+
+void BodiesClient::select(const QStringList& names) {
+  rigid_body_sim::BodyNames message;
+  message.names = toStd(names);
+  select_.publish(message);
+}
+
+void BodiesClient::edit(const std::vector<rigid_body_sim::BodyChange>& changes, Answer answer) {
+  using rigid_body_sim::EditBodies;
+  EditBodies::Request request;
+  request.changes = changes;
+  worker_.call<EditBodies>(
+      inNode("edit_bodies"), request, [answer](const EditBodies::Response&) { answer({}); }, answer);
+}
+
+void BodiesClient::remove(const QStringList& names) {
+  rigid_body_sim::NamedBodies::Request request;
+  request.names = toStd(names);
+  worker_.call<rigid_body_sim::NamedBodies>(inNode("delete_bodies"), request);
+}
+
+void BodiesClient::duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset) {
+  using rigid_body_sim::DuplicateBodies;
+  DuplicateBodies::Request request;
+  request.names = toStd(names);
+  request.count = count;
+  request.offset = offset;
+  worker_.call<DuplicateBodies>(
+      inNode("duplicate_bodies"), request,
+      [this](const DuplicateBodies::Response& response) { select(toQt(response.names)); });
+}
+
+}  // namespace rbs

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// BodiesClient: the bodies of one simulator, those that are selected, and the services that change them.
+#pragma once
+
+#include "service_worker.h"
+
+#include <rigid_body_sim/BodyChange.h>
+#include <rigid_body_sim/BodyDescriptions.h>
+#include <rigid_body_sim/BodyNames.h>
+#include <rigid_body_sim/BodyStates.h>
+#include <ros/ros.h>
+
+#include <QObject>
+#include <QString>
+#include <QStringList>
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace rbs {
+
+/// Pose and velocity of a body, in the frame of the world.
+struct BodyMotion {
+  geometry_msgs::Pose pose;    ///< of the centre of mass and the principal axes, m
+  geometry_msgs::Twist twist;  ///< at the centre of mass, along the axes of the world, m/s and rad/s
+};
+
+/// Lives on the GUI thread, where RViz also handles the messages of subscribers. Listens to the states of the
+/// bodies, which are many, only while some are selected.
+class BodiesClient : public QObject {
+  Q_OBJECT
+ public:
+  BodiesClient();
+
+  /// Follows the node of this name, relative to the namespace of RViz unless it begins with '/'. A name that
+  /// ROS does not take is reported, and no simulator is followed then.
+  void follow(const QString& node);
+  const QString& node() const { return node_; }
+
+  /// In the order of their creation; empty until the simulator is heard.
+  const std::vector<rigid_body_sim::BodyDescription>& bodies() const { return descriptions_.bodies; }
+  /// The frame of the world.
+  const std::string& frame() const { return descriptions_.header.frame_id; }
+  /// The last state of bodies()[index]; empty where none of these bodies has come yet.
+  std::optional<BodyMotion> motion(std::size_t index) const;
+  /// Names in the order in which they were selected.
+  const QStringList& selection() const { return selection_; }
+
+  void select(const QStringList& names);
+  /// Gets why an edit was refused; an empty text where it was done.
+  using Answer = std::function<void(const QString& refusal)>;
+  void edit(const std::vector<rigid_body_sim::BodyChange>& changes, Answer answer);
+  void remove(const QStringList& names);
+  /// The copies are selected afterwards.
+  void duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset);
+
+ Q_SIGNALS:
+  void bodiesChanged();
+  void motionChanged();
+  void selectionChanged();
+  /// A sentence for the user: an answer, a refusal, or that there is no answer.
+  void reported(const QString& text, bool is_trouble);
+
+ private:
+  void receive(const rigid_body_sim::BodyDescriptions& descriptions);
+  void receiveStates(const rigid_body_sim::BodyStatesConstPtr& states);
+  void matchMotions();
+  void receiveSelection(const rigid_body_sim::BodyNames& selection);
+  std::string inNode(const char* name) const { return node_.toStdString() + "/" + name; }
+
+  ServiceWorker worker_;
+  ros::NodeHandle ros_;
+  ros::Subscriber descriptions_topic_, states_topic_, selection_topic_;
+  ros::Publisher select_;
+  QString node_;
+  QStringList selection_;
+  rigid_body_sim::BodyDescriptions descriptions_;
+  rigid_body_sim::BodyStatesConstPtr states_;  ///< the last ones; null: none have come
+  std::vector<BodyMotion> motions_;            ///< as bodies(), or empty
+};
+
+}  // namespace rbs

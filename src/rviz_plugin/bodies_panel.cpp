@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bodies_panel.h"
+
+#include "colors.h"
+#include "duplicate_dialog.h"
+#include "wheel_guard.h"
+
+#include <OgreAxisAlignedBox.h>
+#include <rviz/frame_manager.h>
+#include <rviz/view_manager.h>
+#include <rviz/visualization_manager.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include <QAction>
+#include <QHBoxLayout>
+#include <QHeaderView>
+#include <QInputDialog>
+#include <QLabel>
+#include <QRegularExpression>
+#include <QSplitter>
+#include <QToolButton>
+#include <QVBoxLayout>
+
+#include <algorithm>
+
+namespace rbs {
+namespace {
+
+const QString kAllBodies = "All bodies";
+
+QString bodyCount(int n) {
+  return n == 1 ? QString("1 body") : QString("%1 bodies").arg(n);
+}
+
+}  // namespace
+
+BodiesPanel::BodiesPanel()
+    : table_(simulator_),
+      filter_(table_),
+      search_(new QLineEdit),
+      groups_(new QComboBox),
+      list_(new QTableView),
+      count_(new QLabel),
+      properties_(new BodyProperties(simulator_)),
+      answer_(new ElidedText(1)),
+      node_(new NodeBox) {
+  node_->setNode("sim");
+  layOut();
+  addActions();
+  showGroups(kAllBodies);
+
+  connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
+  connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
+  connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
+  connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
+  connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
+    if (index.column() != BodyTable::Name) focus();
+  });
+  connect(&table_, &BodyTable::renameAsked, this, &BodiesPanel::rename);
+  connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
+    filter_.setText(text);
+    showSelection();
+    showCount();
+  });
+  connect(groups_, qOverload<int>(&QComboBox::activated), this, &BodiesPanel::chooseGroup);
+  connect(node_, &NodeBox::chosen, this, [this](const QString& node) {
+    if (node == simulator_.node()) return;
+    follow(node);
+    Q_EMIT configChanged();
+  });
+}
+
+void BodiesPanel::layOut() {
+  search_->setObjectName("search");
+  search_->setPlaceholderText("Search: name, shape, kind");
+  search_->setClearButtonEnabled(true);
+  groups_->setObjectName("groups");
+  guardFromWheel(*groups_);
+  groups_->setToolTip("Lists only the bodies of a group");
+  groups_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  groups_->setMinimumContentsLength(8);
+
+  list_->setModel(&filter_);
+  list_->setSelectionBehavior(QAbstractItemView::SelectRows);
+  list_->setSelectionMode(QAbstractItemView::ExtendedSelection);
+  list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
+  list_->setContextMenuPolicy(Qt::ActionsContextMenu);
+  list_->setSortingEnabled(true);
+  list_->sortByColumn(-1, Qt::AscendingOrder);  // the order of creation
+  list_->setShowGrid(false);
+  list_->setWordWrap(false);
+  list_->verticalHeader()->hide();
+  list_->verticalHeader()->setDefaultSectionSize(list_->fontMetrics().height() + 4);
+  list_->horizontalHeader()->setHighlightSections(false);
+  list_->horizontalHeader()->setSectionResizeMode(BodyTable::Name, QHeaderView::Stretch);
+  for (const int column : {BodyTable::Shape, BodyTable::Kind, BodyTable::Mass})
+    list_->setColumnWidth(column, list_->fontMetrics().horizontalAdvance("kinematic") + 14);
+
+  auto* const filters = new QHBoxLayout;
+  filters->addWidget(search_, 2);
+  filters->addWidget(groups_, 1);
+  auto* const split = new QSplitter(Qt::Vertical);
+  split->addWidget(list_);
+  split->addWidget(properties_);
+  split->setChildrenCollapsible(false);
+  split->setSizes({200, 200});
+  auto* const last_row = new QHBoxLayout;
+  last_row->addWidget(count_);
+  last_row->addStretch();
+  last_row->addWidget(new QLabel("Node"));
+  last_row->addWidget(node_);
+  auto* const panel = new QVBoxLayout(this);
+  panel->setContentsMargins(6, 4, 6, 4);
+  panel->setSpacing(4);
+  panel->addLayout(filters);
+  panel->addWidget(split, 1);
+  panel->addWidget(answer_);
+  panel->addLayout(last_row);
+}
+
+void BodiesPanel::addActions() {
+  of_selection_ = {addAction("Look at", Qt::Key_F, &BodiesPanel::focus),
+                   addAction("Duplicate…", Qt::CTRL | Qt::Key_D, &BodiesPanel::duplicate),
+                   addAction("Delete", Qt::Key_Delete, &BodiesPanel::remove),
+                   addAction("Make a group…", Qt::CTRL | Qt::Key_G, &BodiesPanel::groupSelection)};
+  addAction("Forget the group", {}, &BodiesPanel::ungroup);
+  for (QAction* const action : of_selection_) action->setEnabled(false);
+}
+
+QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, void (BodiesPanel::*act)()) {
+  auto* const action = new QAction(text, list_);
+  action->setShortcut(keys);
+  action->setShortcutContext(Qt::WidgetShortcut);
+  connect(action, &QAction::triggered, this, act);
+  list_->addAction(action);
+  return action;
+}
+
+void BodiesPanel::onInitialize() {
+  follow(node_->node());
+}
+
+void BodiesPanel::load(const rviz::Config& config) {
+  rviz::Panel::load(config);
+  const rviz::Config groups = config.mapGetChild("Groups");
+  for (auto it = groups.mapIterator(); it.isValid(); it.advance()) {
+    const rviz::Config names = it.currentChild();
+    for (int i = 0; i < names.listLength(); ++i)
+      in_group_[it.currentKey()].append(names.listChildAt(i).getValue().toString());
+  }
+  showGroups(kAllBodies);
+  QString node;
+  if (config.mapGetString("Node", &node)) follow(node);
+}
+
+void BodiesPanel::save(rviz::Config config) const {
+  rviz::Panel::save(config);
+  config.mapSetValue("Node", node_->node());
+  rviz::Config groups = config.mapMakeChild("Groups");
+  for (auto it = in_group_.begin(); it != in_group_.end(); ++it) {
+    rviz::Config names = groups.mapMakeChild(it.key());
+    for (const QString& name : it.value()) names.listAppendNew().setValue(name);
+  }
+}
+
+void BodiesPanel::follow(const QString& node) {
+  node_->setNode(node);
+  showMessage({}, false);
+  simulator_.follow(node);
+}
+
+// Rows that are side by side are selected as one range: thousands of ranges would take seconds.
+void BodiesPanel::showSelection() {
+  const QSet<QString> names(simulator_.selection().begin(), simulator_.selection().end());
+  QItemSelection selection;
+  for (int row = 0, first = -1; row <= filter_.rowCount(); ++row) {
+    const bool is_selected = row < filter_.rowCount() &&
+                             names.contains(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
+    if (is_selected && first < 0) first = row;
+    if (is_selected || first < 0) continue;
+    selection.select(filter_.index(first, 0), filter_.index(row - 1, BodyTable::kColumns - 1));
+    first = -1;
+  }
+  shows_selection_ = true;
+  list_->selectionModel()->select(selection, QItemSelectionModel::ClearAndSelect);
+  shows_selection_ = false;
+  if (!selection.isEmpty() && !list_->hasFocus()) list_->scrollTo(selection.first().topLeft());
+  for (QAction* const action : of_selection_) action->setEnabled(!names.isEmpty());
+  showCount();
+}
+
+// Those that the filter hides stay selected, and what is selected last comes last.
+void BodiesPanel::sendSelection() {
+  if (shows_selection_) return;
+  QSet<QString> listed, chosen;
+  for (int row = 0; row < filter_.rowCount(); ++row)
+    listed.insert(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
+  QStringList rows;
+  for (const QModelIndex& index : list_->selectionModel()->selectedRows()) {
+    rows.append(table_.name(filter_.mapToSource(index).row()));
+    chosen.insert(rows.last());
+  }
+  QStringList names;
+  QSet<QString> kept;
+  for (const QString& name : simulator_.selection()) {
+    if (listed.contains(name) && !chosen.contains(name)) continue;
+    names.append(name);
+    kept.insert(name);
+  }
+  for (const QString& name : rows)
+    if (!kept.contains(name)) names.append(name);
+  simulator_.select(names);
+}
+
+void BodiesPanel::showCount() {
+  const int all = table_.rowCount(), listed = filter_.rowCount(), selected = simulator_.selection().size();
+  QString text = bodyCount(all);
+  if (listed < all) text = QString("%1 of ").arg(listed) + text;
+  if (selected > 0) text += QString(", %1 selected").arg(selected);
+  count_->setText(text);
+}
+
+void BodiesPanel::showMessage(const QString& text, bool is_trouble) {
+  answer_->setText(text);
+  showTrouble(*answer_, is_trouble);
+}
+
+void BodiesPanel::rename(const QString& name, const QString& new_name) {
+  rigid_body_sim::BodyChange change;
+  change.name = name.toStdString();
+  change.new_name = new_name.toStdString();
+  simulator_.edit({change}, [this, name, new_name](const QString& refusal) {
+    if (!refusal.isEmpty()) return;
+    for (QStringList& names : in_group_)
+      names.replaceInStrings(QRegularExpression("^" + QRegularExpression::escape(name) + "$"), new_name);
+  });
+}
+
+// The view turns about the middle of the bodies' bounds.
+void BodiesPanel::focus() {
+  const QSet<QString> names(simulator_.selection().begin(), simulator_.selection().end());
+  Ogre::AxisAlignedBox bounds;
+  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) {
+    const std::optional<BodyMotion> motion = simulator_.motion(i);
+    if (!motion || !names.contains(QString::fromStdString(simulator_.bodies()[i].name))) continue;
+    const geometry_msgs::Point& p = motion->pose.position;
+    bounds.merge(Ogre::Vector3(p.x, p.y, p.z));
+  }
+  if (bounds.isNull()) return showMessage("The simulator has not sent where these bodies are.", true);
+  Ogre::Vector3 position;
+  Ogre::Quaternion orientation;
+  if (!vis_manager_->getFrameManager()->getTransform(simulator_.frame(), ros::Time(), position, orientation))
+    return showMessage(QString("There is no transform from '%1' to the fixed frame.")
+                           .arg(QString::fromStdString(simulator_.frame())),
+                       true);
+  if (rviz::ViewController* const view = vis_manager_->getViewManager()->getCurrent())
+    view->lookAt(position + orientation * bounds.getCenter());
+}
+
+void BodiesPanel::remove() {
+  simulator_.remove(simulator_.selection());
+}
+
+void BodiesPanel::duplicate() {
+  const QStringList names = simulator_.selection();
+  auto* const dialog = new DuplicateDialog(names.size(), this);
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  connect(dialog, &QDialog::accepted, this,
+          [this, dialog, names] { simulator_.duplicate(names, dialog->count(), dialog->offset()); });
+  dialog->open();
+}
+
+void BodiesPanel::groupSelection() {
+  auto* const dialog = new QInputDialog(this);
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setWindowTitle("Make a group");
+  dialog->setLabelText(QString("Name of the group of %1:").arg(bodyCount(simulator_.selection().size())));
+  connect(dialog, &QInputDialog::textValueSelected, this, [this](const QString& text) {
+    const QString name = text.simplified();
+    if (name.isEmpty() || name == kAllBodies) return showMessage("A group needs a name of its own.", true);
+    in_group_[name] = simulator_.selection();
+    showGroups(name);
+    chooseGroup(groups_->currentIndex());
+    Q_EMIT configChanged();
+  });
+  dialog->open();
+}
+
+void BodiesPanel::ungroup() {
+  if (in_group_.remove(groups_->currentText()) == 0) return showMessage("No group is chosen.", false);
+  showGroups(kAllBodies);
+  chooseGroup(0);
+  Q_EMIT configChanged();
+}
+
+void BodiesPanel::showGroups(const QString& chosen) {
+  groups_->clear();
+  groups_->addItem(kAllBodies);
+  groups_->addItems(in_group_.keys());
+  groups_->setCurrentText(chosen);
+}
+
+void BodiesPanel::chooseGroup(int index) {
+  filter_.setGroup(in_group_.value(groups_->itemText(index)));
+  showSelection();
+}
+
+}  // namespace rbs
+
+PLUGINLIB_EXPORT_CLASS(rbs::BodiesPanel, rviz::Panel)

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// BodiesPanel: the bodies of a simulator as a list, and the properties of those that are selected.
+#pragma once
+
+#include "bodies_client.h"
+#include "body_properties.h"
+#include "body_table.h"
+#include "elided_text.h"
+#include "node_box.h"
+
+#include <rviz/panel.h>
+
+#include <QComboBox>
+#include <QLineEdit>
+#include <QMap>
+#include <QTableView>
+
+namespace rbs {
+
+/// What is selected here is selected in the view, and the other way round: the simulator keeps the selection.
+/// The layout keeps the name of the node as "Node", and named groups of bodies as "Groups".
+class BodiesPanel : public rviz::Panel {
+  Q_OBJECT
+ public:
+  BodiesPanel();
+
+  void onInitialize() override;
+  void load(const rviz::Config& config) override;
+  void save(rviz::Config config) const override;
+
+ private:
+  void layOut();
+  void addActions();
+  QAction* addAction(const QString& text, const QKeySequence& keys, void (BodiesPanel::*act)());
+  void follow(const QString& node);
+  void showSelection();
+  void sendSelection();
+  void showCount();
+  void showMessage(const QString& text, bool is_trouble);
+  void rename(const QString& name, const QString& new_name);
+  void focus();
+  void remove();
+  void duplicate();
+  void groupSelection();
+  void ungroup();
+  void chooseGroup(int index);
+  void showGroups(const QString& chosen);
+
+  BodiesClient simulator_;
+  BodyTable table_;
+  BodyFilter filter_;
+  QLineEdit* search_;
+  QComboBox* groups_;
+  QTableView* list_;
+  QLabel* count_;
+  BodyProperties* properties_;
+  ElidedText* answer_;
+  NodeBox* node_;
+  QList<QAction*> of_selection_;         ///< actions that need one
+  QMap<QString, QStringList> in_group_;  ///< names of bodies, by the name of the group
+  bool shows_selection_ = false;         ///< the list is being brought in line with the simulator
+};
+
+}  // namespace rbs

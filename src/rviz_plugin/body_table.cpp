@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "body_table.h"
+
+#include <QColor>
+
+#include <algorithm>
+
+namespace rbs {
+
+BodyTable::BodyTable(const BodiesClient& client) : client_(client) {
+  connect(&client, &BodiesClient::bodiesChanged, this, &BodyTable::update);
+}
+
+// Rows stay where the bodies are the same, so that a property that changes moves no selection.
+void BodyTable::update() {
+  std::vector<std::uint64_t> ids;
+  for (const rigid_body_sim::BodyDescription& body : client_.bodies()) ids.push_back(body.id);
+  if (ids == ids_) {
+    if (!ids.empty()) Q_EMIT dataChanged(index(0, 0), index(rowCount() - 1, kColumns - 1));
+    return;
+  }
+  beginResetModel();
+  ids_ = std::move(ids);
+  endResetModel();
+}
+
+int BodyTable::rowCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : static_cast<int>(ids_.size());
+}
+
+int BodyTable::columnCount(const QModelIndex& parent) const {
+  return parent.isValid() ? 0 : kColumns;
+}
+
+QVariant BodyTable::data(const QModelIndex& index, int role) const {
+  const rigid_body_sim::BodyDescription& body = this->body(index.row());
+  if (role == Qt::TextAlignmentRole && index.column() == Mass) return int(Qt::AlignRight | Qt::AlignVCenter);
+  if (role == Qt::DecorationRole && index.column() == Name)
+    return QColor::fromRgbF(body.color.r, body.color.g, body.color.b);
+  if (role == Qt::UserRole && index.column() == Mass) return body.mass;  // to sort by
+  if (role == Qt::ToolTipRole && body.frozen)
+    return "Frozen: its state became non-finite, or it left the bounds of positions.";
+  if (role != Qt::DisplayRole && role != Qt::EditRole && role != Qt::UserRole) return {};
+  switch (index.column()) {
+    case Name:
+      return QString::fromStdString(body.name);
+    case Shape:
+      return QString::fromStdString(body.shape);
+    case Kind:
+      return body.frozen ? "frozen" : QString::fromStdString(body.kind);
+    case Mass:
+      return body.mass > 0.0 ? QString::number(body.mass, 'g', 4) : "–";
+  }
+  return {};
+}
+
+QVariant BodyTable::headerData(int section, Qt::Orientation orientation, int role) const {
+  if (orientation != Qt::Horizontal || role != Qt::DisplayRole) return {};
+  return QStringList{"Name", "Shape", "Kind", "Mass, kg"}.value(section);
+}
+
+Qt::ItemFlags BodyTable::flags(const QModelIndex& index) const {
+  const Qt::ItemFlags flags = QAbstractTableModel::flags(index);
+  return index.column() == Name ? flags | Qt::ItemIsEditable : flags;
+}
+
+bool BodyTable::setData(const QModelIndex& index, const QVariant& value, int role) {
+  const QString now = value.toString().trimmed();
+  if (role != Qt::EditRole || now.isEmpty() || now == name(index.row())) return false;
+  Q_EMIT renameAsked(name(index.row()), now);
+  return false;
+}
+
+BodyFilter::BodyFilter(BodyTable& table) : table_(table) {
+  setSourceModel(&table);
+  setSortRole(Qt::UserRole);
+  setSortCaseSensitivity(Qt::CaseInsensitive);
+}
+
+void BodyFilter::setText(const QString& text) {
+  words_ = text.simplified().split(' ', Qt::SkipEmptyParts);
+  invalidateFilter();
+}
+
+void BodyFilter::setGroup(const QStringList& names) {
+  group_ = QSet<QString>(names.begin(), names.end());
+  invalidateFilter();
+}
+
+bool BodyFilter::filterAcceptsRow(int row, const QModelIndex&) const {
+  const rigid_body_sim::BodyDescription& body = table_.body(row);
+  const QString name = QString::fromStdString(body.name);
+  if (!group_.isEmpty() && !group_.contains(name)) return false;
+  const QString text = name + ' ' + QString::fromStdString(body.shape) + ' ' +
+                       QString::fromStdString(body.kind) + (body.frozen ? " frozen" : "");
+  return std::all_of(words_.begin(), words_.end(),
+                     [&](const QString& word) { return text.contains(word, Qt::CaseInsensitive); });
+}
+
+}  // namespace rbs

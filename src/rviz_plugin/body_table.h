@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bodies of a simulator as a table, and the filter of its rows.
+#pragma once
+
+#include "bodies_client.h"
+
+#include <QAbstractTableModel>
+#include <QSet>
+#include <QSortFilterProxyModel>
+
+namespace rbs {
+
+/// One row for each body, in the order of their creation.
+class BodyTable : public QAbstractTableModel {
+  Q_OBJECT
+ public:
+  enum Column { Name, Shape, Kind, Mass, kColumns };
+
+  explicit BodyTable(const BodiesClient& client);
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override;
+  QVariant data(const QModelIndex& index, int role) const override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+  Qt::ItemFlags flags(const QModelIndex& index) const override;
+  /// A new name of a body, which is asked for and not yet set.
+  bool setData(const QModelIndex& index, const QVariant& value, int role) override;
+
+  const rigid_body_sim::BodyDescription& body(int row) const { return client_.bodies()[row]; }
+  QString name(int row) const { return QString::fromStdString(body(row).name); }
+
+ Q_SIGNALS:
+  void renameAsked(const QString& name, const QString& new_name);
+
+ private:
+  void update();
+
+  const BodiesClient& client_;
+  std::vector<std::uint64_t> ids_;  ///< of the rows
+};
+
+/// Rows whose body has all words of a text in its name, shape or kind, and, where a group is given, is in it.
+class BodyFilter : public QSortFilterProxyModel {
+  Q_OBJECT
+ public:
+  explicit BodyFilter(BodyTable& table);
+
+  void setText(const QString& text);
+  /// Only bodies of these names; empty: all.
+  void setGroup(const QStringList& names);
+
+ protected:
+  bool filterAcceptsRow(int row, const QModelIndex& parent) const override;
+
+ private:
+  const BodyTable& table_;
+  QStringList words_;
+  QSet<QString> group_;
+};
+
+}  // namespace rbs

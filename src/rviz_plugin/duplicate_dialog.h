@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// DuplicateDialog: asks how many copies of the selected bodies are wanted, and how far apart.
+#pragma once
+
+#include <geometry_msgs/Vector3.h>
+
+#include <QDialog>
+#include <QDoubleSpinBox>
+#include <QSpinBox>
+
+#include <array>
+
+namespace rbs {
+
+class DuplicateDialog : public QDialog {
+  Q_OBJECT
+ public:
+  DuplicateDialog(int bodies, QWidget* parent);
+
+  unsigned count() const { return static_cast<unsigned>(count_->value()); }
+  /// Of each copy from the one before it, in the world, m; zero: above the originals.
+  geometry_msgs::Vector3 offset() const;
+
+ private:
+  QSpinBox* count_;
+  std::array<QDoubleSpinBox*, 3> offset_;
+};
+
+}  // namespace rbs

@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bodies panel, by its keys and its mouse, beside a running simulator; without a screen.
+#include "bodies_panel.h"
+
+#include <rigid_body_sim/EditBodies.h>
+#include <rigid_body_sim/GetBody.h>
+#include <rigid_body_sim/ListBodies.h>
+#include <rigid_body_sim/LoadScene.h>
+#include <rigid_body_sim/NamedBodies.h>
+#include <rigid_body_sim/SpawnBodies.h>
+#include <ros/package.h>
+#include <ros/ros.h>
+#include <std_srvs/Trigger.h>
+
+#include <QApplication>
+#include <QDialog>
+#include <QElapsedTimer>
+#include <QInputDialog>
+#include <QSpinBox>
+#include <QTest>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <string>
+
+using namespace rbs;
+
+namespace {
+
+constexpr int kPatience = 30'000;  // ms
+
+template <class Service>
+typename Service::Response call(const char* service, const typename Service::Request& request = {}) {
+  static std::map<std::string, ros::ServiceClient> clients;
+  ros::ServiceClient& client = clients[service];
+  if (!client) client = ros::NodeHandle().serviceClient<Service>("/sim/" + std::string(service), true);
+  typename Service::Response response;
+  EXPECT_TRUE(client.call(request, response)) << service;
+  EXPECT_TRUE(response.success) << service << ": " << response.message;
+  return response;
+}
+
+rigid_body_sim::BodyState body(const std::string& name) {
+  rigid_body_sim::GetBody::Request request;
+  request.name = name;
+  return call<rigid_body_sim::GetBody>("get_body", request).body;
+}
+
+std::vector<std::string> names() {
+  return call<rigid_body_sim::ListBodies>("list_bodies").names;
+}
+
+void run() {
+  ros::spinOnce();
+  QTest::qWait(5);
+}
+
+bool waitFor(const std::function<bool()>& condition) {
+  QElapsedTimer time;
+  time.start();
+  while (!condition()) {
+    if (time.elapsed() > kPatience) return false;
+    run();
+  }
+  return true;
+}
+
+// Whether it stays so for a while.
+bool stays(const std::function<bool()>& condition) {
+  for (int k = 0; k < 50; ++k) {
+    if (!condition()) return false;
+    run();
+  }
+  return true;
+}
+
+class BodiesPanelTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    rigid_body_sim::LoadScene::Request scene;
+    scene.name = ros::package::getPath("rigid_body_sim") + "/test/node/small.yaml";
+    call<rigid_body_sim::LoadScene>("load_scene", scene);
+    panel_.load(config("/sim"));
+    panel_.resize(400, 900);
+    panel_.show();
+    QApplication::setActiveWindow(&panel_);
+    ASSERT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball"}); }));
+    select({});
+  }
+
+  static rviz::Config config(const QString& node) {
+    rviz::Config config;
+    config.mapSetValue("Node", node);
+    return config;
+  }
+
+  QTableView& list() { return *panel_.findChild<QTableView*>(); }
+  QLineEdit& search() { return *panel_.findChild<QLineEdit*>("search"); }
+  ValueField& field(const QString& name) {
+    for (ValueField* const field : panel_.findChildren<ValueField*>())
+      if (field->accessibleName() == name) return *field;
+    throw std::runtime_error("no field " + name.toStdString());
+  }
+  QString note() {
+    for (const QLabel* const label : panel_.findChildren<QLabel*>("note"))
+      if (label->isVisible()) return label->text();
+    return {};
+  }
+  QStringList rows() {
+    QStringList names;
+    for (int row = 0; row < list().model()->rowCount(); ++row)
+      names.append(list().model()->index(row, 0).data().toString());
+    return names;
+  }
+  QStringList selectedRows() {
+    QStringList names;
+    for (const QModelIndex& index : list().selectionModel()->selectedRows())
+      names.append(index.data().toString());
+    names.sort();
+    return names;
+  }
+  void click(const QString& name, Qt::KeyboardModifiers keys = Qt::NoModifier) {
+    const int row = rows().indexOf(name);
+    ASSERT_GE(row, 0) << name.toStdString();
+    const QRect place = list().visualRect(list().model()->index(row, 1));
+    QTest::mouseClick(list().viewport(), Qt::LeftButton, keys, place.center());
+  }
+  void select(const QStringList& names) {
+    rigid_body_sim::BodyNames message;
+    for (const QString& name : names) message.names.push_back(name.toStdString());
+    ASSERT_TRUE(waitFor([] { return select_.getNumSubscribers() > 0; }));
+    select_.publish(message);
+    QStringList sorted = names;
+    sorted.sort();
+    ASSERT_TRUE(waitFor([&] { return selectedRows() == sorted; }));
+  }
+  /// Replaces what stands in a field, by keys.
+  void enter(const QString& name, const QString& text) {
+    ValueField& line = field(name);
+    line.setFocus();
+    line.selectAll();
+    QTest::keyClicks(&line, text);
+    QTest::keyClick(&line, Qt::Key_Return);
+  }
+  bool shows(const QString& name, const QString& text) {
+    return waitFor([&] { return field(name).text() == text; });
+  }
+
+  BodiesPanel panel_;
+  static ros::Publisher select_;
+
+ public:
+  static void connect(ros::NodeHandle& node) {
+    select_ = node.advertise<rigid_body_sim::BodyNames>("/sim/select_bodies", 10);
+  }
+};
+
+ros::Publisher BodiesPanelTest::select_;
+
+TEST_F(BodiesPanelTest, SelectsInStepWithTheSimulator) {
+  click("crate");
+  std::vector<std::string> selected;
+  ros::NodeHandle node;
+  const boost::function<void(const rigid_body_sim::BodyNames&)> keep =
+      [&](const rigid_body_sim::BodyNames& message) { selected = message.names; };
+  const ros::Subscriber subscriber =
+      node.subscribe<rigid_body_sim::BodyNames>("/sim/selected_bodies", 1, keep);
+  EXPECT_TRUE(waitFor([&] { return selected == std::vector<std::string>{"crate"}; }));
+  click("ball", Qt::ControlModifier);
+  EXPECT_TRUE(waitFor([&] { return selected == std::vector<std::string>({"crate", "ball"}); }));
+  click("crate", Qt::ControlModifier);
+  EXPECT_TRUE(waitFor([&] { return selected == std::vector<std::string>{"ball"}; }));
+  select({"floor", "crate"});
+  select({});
+}
+
+TEST_F(BodiesPanelTest, FindsBodiesByEveryWord) {
+  QTest::keyClicks(&search(), "sph dyn");
+  EXPECT_TRUE(waitFor([&] { return rows() == QStringList{"ball"}; }));
+  search().clear();
+  QTest::keyClicks(&search(), "STATIC");
+  EXPECT_TRUE(waitFor([&] { return rows() == QStringList{"floor"}; }));
+  select({"floor"});
+  search().setText("no such body");
+  EXPECT_TRUE(waitFor([&] { return rows().isEmpty(); }));
+  search().clear();
+  EXPECT_TRUE(
+      waitFor([&] { return selectedRows() == QStringList{"floor"}; }));  // what was hidden stays selected
+}
+
+TEST_F(BodiesPanelTest, ChangesEveryNumberOfABody) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Position z", "0.25"));
+  const std::vector<std::pair<QString, std::function<double()>>> fields = {
+      {"Position x", [] { return body("crate").pose.position.x; }},
+      {"Velocity z", [] { return body("crate").twist.linear.z; }},
+      {"Spin y", [] { return body("crate").twist.angular.y; }},
+      {"Size y", [] { return body("crate").description.size.y; }},
+      {"Mass", [] { return body("crate").description.mass; }},
+      {"Density", [] { return body("crate").description.density; }},
+      {"Friction", [] { return body("crate").description.material.friction[0]; }},
+      {"Restitution", [] { return body("crate").description.material.restitution[0]; }},
+      {"Rolling", [] { return body("crate").description.material.rolling_resistance[0]; }},
+      {"Torsion", [] { return body("crate").description.material.torsional_resistance[0]; }},
+      {"Drag", [] { return body("crate").description.material.drag_coefficient[0]; }}};
+  double value = 0.125;
+  for (const auto& [name, read] : fields) {
+    enter(name, QString::number(value));
+    EXPECT_TRUE(waitFor([&] { return read() == value; }))
+        << name.toStdString() << ": " << note().toStdString();
+    EXPECT_EQ(note(), "");
+    value += 0.0625;
+  }
+  enter("Rotation z", "90");
+  EXPECT_TRUE(waitFor([] { return std::abs(body("crate").pose.orientation.z - std::sqrt(0.5)) < 1e-12; }));
+  enter("Group", "0xff");
+  EXPECT_TRUE(waitFor([] { return body("crate").description.collision_group == 255; }));
+  enter("Mask", "6");
+  EXPECT_TRUE(waitFor([] { return body("crate").description.collision_mask == 6; }));
+  EXPECT_TRUE(shows("Mask", "0x6"));
+  enter("Name", "chest");
+  EXPECT_TRUE(waitFor([this] { return rows().contains("chest"); }));
+  EXPECT_TRUE(waitFor([this] { return selectedRows() == QStringList{"chest"}; }));
+}
+
+TEST_F(BodiesPanelTest, ShowsWhatBodiesHaveInCommonAndSetsAllOfThemInOneEdit) {
+  select({"crate", "ball"});
+  ASSERT_TRUE(shows("Position y", "0"));
+  EXPECT_EQ(field("Position x").text(), "");
+  EXPECT_EQ(field("Position x").placeholderText(), "mixed");
+  EXPECT_EQ(field("Size x").placeholderText(), "mixed");
+  enter("Position z", "4");
+  EXPECT_TRUE(
+      waitFor([] { return body("crate").pose.position.z == 4.0 && body("ball").pose.position.z == 4.0; }));
+  EXPECT_EQ(body("ball").pose.position.x, 2.0);
+  enter("Size x", "0.3");  // of the ball as well: its diameter
+  EXPECT_TRUE(waitFor([] { return body("ball").description.size.z == 0.3; }));
+  EXPECT_EQ(body("crate").description.size.y, 0.5);
+  enter("Name", "thing");
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "thing_1", "thing_2"}); }));
+  call<std_srvs::Trigger>("undo");
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball"}); }));
+}
+
+TEST_F(BodiesPanelTest, SaysBesideTheFieldWhyItWasRefused) {
+  select({"crate", "ball"});
+  ASSERT_TRUE(shows("Position y", "0"));
+  const std::string before = call<rigid_body_sim::ListBodies>("list_bodies").hash;
+  struct Bad {
+    const char *field, *text, *word;
+  };
+  for (const Bad& bad :
+       {Bad{"Friction", "-1", "-1"}, Bad{"Friction", "abc", "a number"}, Bad{"Friction", "nan", "a number"},
+        Bad{"Friction", "1e400", "a number"}, Bad{"Restitution", "2", "0 to 1"}, Bad{"Mass", "0", "above 0"},
+        Bad{"Mass", "-3", "-3"}, Bad{"Mask", "-1", "whole number"},
+        Bad{"Mask", "0x1ffffffff", "whole number"}, Bad{"Position x", "1e300", "1e+300"},
+        Bad{"Name", "a//b", "a//b"}, Bad{"Size y", "-1", "-1"}}) {
+    SCOPED_TRACE(std::string(bad.field) + " " + bad.text);
+    enter(bad.field, bad.text);
+    ASSERT_TRUE(waitFor([&] { return note().contains(bad.word); })) << note().toStdString();
+    EXPECT_EQ(field(bad.field).text(), bad.text);  // it stays, to be mended
+    QTest::keyClick(&field(bad.field), Qt::Key_Escape);
+    EXPECT_EQ(note(), "");
+  }
+  EXPECT_EQ(call<rigid_body_sim::ListBodies>("list_bodies").hash, before);
+  field("Name").setText(QString(100000, 'a'));
+  field("Name").setModified(true);
+  QTest::keyClick(&field("Name"), Qt::Key_Return);
+  ASSERT_TRUE(waitFor([&] { return !note().isEmpty(); }));
+  EXPECT_LT(note().size(), 2000);
+  enter("Friction", "");  // nothing typed changes nothing
+  EXPECT_TRUE(shows("Friction", "0.6"));
+}
+
+TEST_F(BodiesPanelTest, KeepsWhatIsTypedWhileTheSceneChanges) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Position x", "0"));
+  ValueField& line = field("Position x");
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "1.5");
+  rigid_body_sim::EditBodies::Request request;
+  request.changes.resize(1);
+  request.changes[0].name = "crate";
+  request.changes[0].mass = 3.0;
+  call<rigid_body_sim::EditBodies>("edit_bodies", request);
+  EXPECT_TRUE(shows("Mass", "3"));
+  EXPECT_EQ(line.text(), "1.5");
+  QTest::keyClick(&line, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([] { return body("crate").pose.position.x == 1.5; }));
+}
+
+TEST_F(BodiesPanelTest, OutlivesABodyThatSomebodyElseDeletes) {
+  select({"crate"});
+  ValueField& line = field("Mass");
+  ASSERT_TRUE(shows("Mass", "125"));
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "7");
+  rigid_body_sim::NamedBodies::Request request;
+  request.names = {"crate"};
+  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "ball"}); }));
+  EXPECT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  select({"ball"});
+  EXPECT_TRUE(waitFor([&] { return line.text() != "7"; }));
+  EXPECT_NE(body("ball").description.mass, 7.0);
+}
+
+TEST_F(BodiesPanelTest, DeletesDuplicatesAndRenamesByKeys) {
+  select({"crate", "ball"});
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_D, Qt::ControlModifier);
+  auto* const dialog = panel_.findChild<QDialog*>();
+  ASSERT_TRUE(dialog);
+  dialog->findChild<QSpinBox*>()->setValue(2);
+  dialog->accept();
+  EXPECT_TRUE(waitFor([this] { return rows().size() == 7; }));
+  EXPECT_TRUE(waitFor([this] { return selectedRows().size() == 4 && !selectedRows().contains("crate"); }));
+  QApplication::setActiveWindow(&panel_);
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_Delete);
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball"}); }));
+  list().setCurrentIndex(list().model()->index(1, 0));
+  QTest::keyClick(&list(), Qt::Key_F2);
+  auto* const editor = list().viewport()->findChild<QLineEdit*>();
+  ASSERT_TRUE(editor);
+  QTest::keyClicks(editor, "chest");
+  QTest::keyClick(editor, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "chest", "ball"}); }));
+}
+
+TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
+  select({"ball"});
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_G, Qt::ControlModifier);
+  auto* const dialog = panel_.findChild<QInputDialog*>();
+  ASSERT_TRUE(dialog);
+  dialog->setTextValue("round");
+  dialog->accept();
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
+  rviz::Config layout;
+  panel_.save(layout);
+  BodiesPanel other;
+  other.load(layout);
+  other.show();
+  EXPECT_GE(other.findChild<QComboBox*>("groups")->findText("round"), 0);
+  QString node;
+  EXPECT_TRUE(layout.mapGetString("Node", &node));
+  EXPECT_EQ(node, "/sim");
+}
+
+TEST_F(BodiesPanelTest, TheWheelChangesNothing) {
+  select({"crate"});
+  for (QComboBox* const box : panel_.findChildren<QComboBox*>()) {
+    QWheelEvent wheel(QPointF(5, 5), QPointF(5, 5), QPoint(), QPoint(0, -120), Qt::NoButton, Qt::NoModifier,
+                      Qt::NoScrollPhase, false);
+    QApplication::sendEvent(box, &wheel);
+  }
+  EXPECT_TRUE(stays([] { return body("crate").description.kind == "dynamic"; }));
+}
+
+TEST_F(BodiesPanelTest, TellsOfANameThatIsNone) {
+  panel_.load(config("no name"));
+  EXPECT_TRUE(waitFor([this] { return rows().isEmpty(); }));
+  EXPECT_FALSE(panel_.findChild<ElidedText*>()->text().isEmpty());
+  panel_.load(config("/nobody"));
+  EXPECT_TRUE(stays([this] { return rows().isEmpty(); }));
+  panel_.load(config("/sim"));
+  EXPECT_TRUE(waitFor([this] { return rows().size() == 3; }));
+}
+
+TEST_F(BodiesPanelTest, ThousandsOfBodiesAreSelectedAndChanged) {
+  rigid_body_sim::SpawnBodies::Request request;
+  for (int k = 0; k < 5000; ++k) {
+    rigid_body_sim::BodySpec spec;
+    spec.shape = "sphere";
+    spec.size.x = 0.1;
+    spec.pose.position.x = 0.2 * (k % 70);
+    spec.pose.position.y = 0.2 * (k / 70);
+    spec.pose.position.z = 9.0;
+    request.bodies.push_back(spec);
+  }
+  call<rigid_body_sim::SpawnBodies>("spawn_bodies", request);
+  ASSERT_TRUE(waitFor([this] { return rows().size() == 5003; }));
+  list().selectAll();
+  ASSERT_TRUE(
+      waitFor([this] { return field("Position x").isVisible() && field("Density").text() == "1000"; }));
+  enter("Density", "500");
+  EXPECT_TRUE(waitFor([] { return body("ball").description.density == 500.0; }));
+  EXPECT_EQ(note(), "");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "bodies_panel_test", ros::init_options::NoSigintHandler);
+  QApplication application(argc, argv);
+  ros::NodeHandle node;
+  BodiesPanelTest::connect(node);
+  return RUN_ALL_TESTS();
+}
