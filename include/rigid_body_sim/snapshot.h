@@ -66,6 +66,7 @@ struct StageInfo {
   /// Wall time in the last step, s. 0 for a stage that did not run, and for a part of another stage that is
   /// not timed by itself. That of islands.advance includes its parts, which follow it.
   double seconds = 0.0;
+  std::string part_of;  ///< name of the stage that it is a part of; empty: it is a stage of the step itself
 };
 
 /// Trouble at run time, with its remedy.

@@ -9,7 +9,6 @@
 #include <rigid_body_sim/SetBody.h>
 #include <rigid_body_sim/SpawnBody.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,13 +49,5 @@ BodyEdit editFrom(const rigid_body_sim::SetBody::Request& request);
 BodyEdit editFrom(const rigid_body_sim::BodyChange& change, const Shape& shape, const std::string& path);
 /// Whether an edit changes nothing.
 bool isEmpty(const BodyEdit& edit);
-
-/// The one element of a list, or nothing. Throws InvalidInput where there are more.
-template <class Value>
-std::optional<Value> oneOrNone(const std::vector<Value>& list, const std::string& path) {
-  if (list.empty()) return std::nullopt;
-  if (list.size() == 1) return list.front();
-  throw InvalidInput({{path, std::to_string(list.size()) + " entries", "none, or one"}});
-}
 
 }  // namespace rbs

@@ -18,6 +18,10 @@
 #include <ros/time.h>
 #include <std_msgs/ColorRGBA.h>
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace rbs {
 
 double finite(double value);  ///< the value, or 0 where it is NaN or infinite
@@ -40,6 +44,14 @@ Quat fromMsg(const geometry_msgs::Quaternion& q);
 Pose fromMsg(const geometry_msgs::Pose& pose);
 Twist fromMsg(const geometry_msgs::Twist& twist);
 Color fromMsg(const std_msgs::ColorRGBA& color);
+
+/// The one element of a list, or nothing. Throws InvalidInput where there are more.
+template <class Value>
+std::optional<Value> oneOrNone(const std::vector<Value>& list, const std::string& path) {
+  if (list.empty()) return std::nullopt;
+  if (list.size() == 1) return list.front();
+  throw InvalidInput({{path, std::to_string(list.size()) + " entries", "none, or one"}});
+}
 
 /// Whether every number of the message is zero: the way a request leaves a field out.
 bool isZero(const geometry_msgs::Vector3& v);

@@ -19,12 +19,11 @@ std::string threeDigits(double value) {
   return digits;
 }
 
-// islands.advance is timed with its parts, the contacts.* rows. This is its time without them.
+// A stage is timed with its parts. This is its time without them.
 double ownSeconds(const StageInfo& stage, const std::vector<StageInfo>& stages) {
-  if (stage.name != "islands.advance") return stage.seconds;
   double seconds = stage.seconds;
   for (const StageInfo& part : stages)
-    if (part.name.rfind("contacts.", 0) == 0) seconds -= part.seconds;
+    if (part.part_of == stage.name) seconds -= part.seconds;
   return seconds;
 }
 

@@ -9,6 +9,7 @@
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
+#include <rigid_body_sim/LoadSceneWithSeed.h>
 
 namespace rbs {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using rigid_body_sim::File;
 using rigid_body_sim::ListScenes;
 using rigid_body_sim::LoadScene;
+using rigid_body_sim::LoadSceneWithSeed;
 
 std::string saveScene(Simulator& simulator, const File::Request& request) {
   const std::string path = yamlPath(request.file);
@@ -49,6 +51,12 @@ void Services::offerScenes() {
     session_.loadScene(request.name);
     return loadedInWords(simulator_);
   });
+  offer<LoadSceneWithSeed>("load_scene_with_seed",
+                           [this](const LoadSceneWithSeed::Request& request, LoadSceneWithSeed::Response&) {
+                             requireSceneName(request.name);
+                             session_.loadScene(request.name, request.seed);
+                             return loadedInWords(simulator_);
+                           });
   offer<File>("load_state", [this](const File::Request& request, File::Response&) {
     session_.loadState(yamlPath(request.file));
     return loadedInWords(simulator_);

@@ -27,9 +27,11 @@ SceneDef Session::read(const Options& options, const std::string& file) {
 Session::Session(const Options& options, SceneDef first)
     : options_(options), simulator_(std::move(first), options.run), timeline_(options.wall_stamps) {}
 
-void Session::loadScene(const std::string& name_or_file) {
+void Session::loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed) {
   const std::string file = findScene(options_.folder, name_or_file);
-  replace({read(options_, file), std::nullopt}, file);
+  Options options = options_;
+  if (seed) options.seed = seed;
+  replace({read(options, file), std::nullopt}, file);
 }
 
 void Session::loadState(const std::string& file) {

@@ -21,6 +21,7 @@ rigid_body_sim::StageStatus stageMsg(const StageInfo& stage) {
   msg.items = stage.items;
   msg.unit = stage.unit;
   msg.seconds = stage.seconds;
+  msg.part_of = stage.part_of;
   return msg;
 }
 
@@ -124,6 +125,8 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   fillSettings(snapshot, msg);
   fillResiduals(snapshot.report.residuals, msg);
   for (const StageInfo& stage : snapshot.pipeline) msg.pipeline.push_back(stageMsg(stage));
+  for (const auto& [effect, is_on] : snapshot.effects)
+    (is_on ? msg.forced_on : msg.forced_off).push_back(effectName(effect));
   return msg;
 }
 

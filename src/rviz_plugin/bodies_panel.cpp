@@ -32,6 +32,12 @@ QString bodyCount(int n) {
   return n == 1 ? QString("1 body") : QString("%1 bodies").arg(n);
 }
 
+QSet<QString> toSet(const QStringList& names) {
+  QSet<QString> set;
+  for (const QString& name : names) set.insert(name);
+  return set;
+}
+
 }  // namespace
 
 BodiesPanel::BodiesPanel()
@@ -171,7 +177,7 @@ void BodiesPanel::follow(const QString& node) {
 
 // Rows that are side by side are selected as one range: thousands of ranges would take seconds.
 void BodiesPanel::showSelection() {
-  const QSet<QString> names(simulator_.selection().begin(), simulator_.selection().end());
+  const QSet<QString> names = toSet(simulator_.selection());
   QItemSelection selection;
   for (int row = 0, first = -1; row <= filter_.rowCount(); ++row) {
     const bool is_selected = row < filter_.rowCount() &&
@@ -238,7 +244,7 @@ void BodiesPanel::rename(const QString& name, const QString& new_name) {
 
 // The view turns about the middle of the bodies' bounds.
 void BodiesPanel::focus() {
-  const QSet<QString> names(simulator_.selection().begin(), simulator_.selection().end());
+  const QSet<QString> names = toSet(simulator_.selection());
   Ogre::AxisAlignedBox bounds;
   for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) {
     const std::optional<BodyMotion> motion = simulator_.motion(i);

@@ -78,12 +78,13 @@ BodyFilter::BodyFilter(BodyTable& table) : table_(table) {
 }
 
 void BodyFilter::setText(const QString& text) {
-  words_ = text.simplified().split(' ', Qt::SkipEmptyParts);
+  words_ = text.simplified().split(' ');  // one empty word, of no text, is in all
   invalidateFilter();
 }
 
 void BodyFilter::setGroup(const QStringList& names) {
-  group_ = QSet<QString>(names.begin(), names.end());
+  group_.clear();
+  for (const QString& name : names) group_.insert(name);
   invalidateFilter();
 }
 

@@ -2,12 +2,14 @@
 #include "simulation_panel.h"
 
 #include "colors.h"
+#include "shortcuts.h"
 #include "view.h"
-#include "wheel_guard.h"
 
+#include <QAction>
 #include <QApplication>
 #include <QHBoxLayout>
 #include <QLabel>
+#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include <rviz/panel_dock_widget.h>
@@ -23,14 +25,17 @@ namespace rbs {
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),
       transport_(new TransportBar(simulator_)),
-      scenes_(new QComboBox),
+      scenes_(new SceneBar(simulator_)),
       wind_(new QCheckBox("Wind")),
       node_(new NodeBox),
-      answer_(new ElidedText(3)),
-      warnings_(new ElidedText(2)),
+      answer_(new ElidedText(2)),
       status_(new StatusView),
+      pages_(new QTabWidget),
       accuracy_(new AccuracyView(simulator_)),
-      pipeline_(new PipelineTable) {
+      pipeline_(new PipelineTree),
+      effects_(new EffectsView(simulator_)),
+      air_(new WindView(simulator_)),
+      warnings_(new WarningsView) {
   node_->setNode("sim");
   layOut();
   connectWidgets();
@@ -42,14 +47,23 @@ SimulationPanel::~SimulationPanel() {
   for (const QPointer<QShortcut>& key : keys_) delete key;
   const QList<SimulationPanel*> all = panels();
   const auto heir = std::find_if(all.begin(), all.end(), [this](const auto* other) { return other != this; });
-  if (had_keys && heir != all.end()) (*heir)->takeKeys();
+  if (heir == all.end()) return;
+  if (had_keys) (*heir)->takeKeys();
+  delete findChild<QAction*>(kShortcutsName, Qt::FindDirectChildrenOnly);
+  offerShortcuts(*window_, **heir);
 }
 
 void SimulationPanel::layOut() {
-  guardFromWheel(*scenes_);
-  scenes_->setToolTip("Loads a scene of the catalogue");
-  showTrouble(*warnings_, true);
-  warnings_->hide();
+  auto* const accuracy = new QScrollArea;
+  accuracy->setWidget(accuracy_);
+  accuracy->setWidgetResizable(true);
+  accuracy->setFrameShape(QFrame::NoFrame);
+  pages_->setDocumentMode(true);
+  pages_->addTab(pipeline_, "Step");
+  pages_->addTab(accuracy, "Accuracy");
+  pages_->addTab(effects_, "Effects");
+  pages_->addTab(air_, "Wind");
+  pages_->addTab(warnings_, "Warnings");
 
   auto* choices = new QHBoxLayout;
   choices->addWidget(scenes_, 1);
@@ -60,8 +74,7 @@ void SimulationPanel::layOut() {
   rows->addWidget(transport_);
   rows->addLayout(choices);
   rows->addWidget(status_);
-  rows->addWidget(accuracy_);
-  rows->addWidget(pipeline_, 1);
+  rows->addWidget(pages_, 1);
 
   auto* last_row = new QHBoxLayout;
   last_row->addStretch();
@@ -71,7 +84,6 @@ void SimulationPanel::layOut() {
   panel->setContentsMargins(6, 4, 6, 4);
   panel->setSpacing(4);
   panel->addWidget(controls_, 1);
-  panel->addWidget(warnings_);
   panel->addWidget(answer_);
   panel->addLayout(last_row);
 }
@@ -79,11 +91,10 @@ void SimulationPanel::layOut() {
 void SimulationPanel::connectWidgets() {
   connect(&simulator_, &SimulatorClient::statusReceived, this, &SimulationPanel::show);
   connect(&simulator_, &SimulatorClient::heardChanged, this, &SimulationPanel::showHeard);
-  connect(&simulator_, &SimulatorClient::scenesListed, this, &SimulationPanel::showScenes);
   connect(&simulator_, &SimulatorClient::reported, this, &SimulationPanel::showMessage);
   connect(&simulator_, &SimulatorClient::selectionChanged, this, &SimulationPanel::followSelection);
-  connect(scenes_, qOverload<int>(&QComboBox::activated), this,
-          [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
+  connect(scenes_, &SceneBar::recentChanged, this, &rviz::Panel::configChanged);
+  connect(warnings_, &WarningsView::countChanged, this, &SimulationPanel::countWarnings);
   connect(wind_, &QCheckBox::clicked, &simulator_, &SimulatorClient::enableWind);
   connect(node_, &NodeBox::chosen, this, [this](const QString& node) {
     if (node == simulator_.node()) return;
@@ -93,15 +104,12 @@ void SimulationPanel::connectWidgets() {
   connect(qApp, &QApplication::focusChanged, this, [this](QWidget*, QWidget* now) {
     if (now && isAncestorOf(now)) takeKeys();
   });
-  warned_.setSingleShot(true);
-  connect(&warned_, &QTimer::timeout, warnings_, &QWidget::hide);
 }
 
 void SimulationPanel::onInitialize() {
   window_ = vis_manager_->getWindowManager()->getParentWindow();
-  addKey(Qt::Key_1, &SimulatorClient::toggleWind);
-  addKey(Qt::CTRL | Qt::Key_Z, &SimulatorClient::undo);
-  addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, &SimulatorClient::redo);
+  addKeys();
+  offerShortcuts(*window_, *this);
   connect(vis_manager_, &rviz::VisualizationManager::escapePressed, this, [this] { simulator_.select({}); });
   const QList<SimulationPanel*> all = panels();
   const bool is_taken = std::any_of(all.begin(), all.end(), [this](const SimulationPanel* other) {
@@ -111,11 +119,21 @@ void SimulationPanel::onInitialize() {
   follow(node_->node());
 }
 
-void SimulationPanel::addKey(const QKeySequence& keys, void (SimulatorClient::*action)()) {
+void SimulationPanel::addKeys() {
+  addKey(Qt::Key_Space, [this] { transport_->playOrPause(); });
+  addKey(Qt::Key_Period, [this] { transport_->step(); });
+  addKey(Qt::Key_Plus, [this] { transport_->goFaster(); });
+  addKey(Qt::Key_Minus, [this] { transport_->goSlower(); });
+  addKey(Qt::Key_1, [this] { simulator_.toggleWind(); });
+  addKey(Qt::CTRL | Qt::Key_Z, [this] { simulator_.undo(); });
+  addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, [this] { simulator_.redo(); });
+}
+
+void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void()>& act) {
   auto* const key = new QShortcut(keys, window_);
   key->setContext(Qt::ApplicationShortcut);
   key->setAutoRepeat(false);
-  connect(key, &QShortcut::activated, &simulator_, action);
+  connect(key, &QShortcut::activated, this, act);
   keys_.append(key);
 }
 
@@ -124,12 +142,21 @@ void SimulationPanel::load(const rviz::Config& config) {
   QString node;
   if (config.mapGetString("Node", &node)) follow(node);
   config.mapGetString("Scene", &scene_);
+  QStringList recent;
+  const rviz::Config files = config.mapGetChild("Recent");
+  for (int i = 0; i < files.listLength(); ++i) recent.append(files.listChildAt(i).getValue().toString());
+  scenes_->setRecent(recent);
+  int page = 0;
+  if (config.mapGetInt("Page", &page)) pages_->setCurrentIndex(page);
 }
 
 void SimulationPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Node", node_->node());
   config.mapSetValue("Scene", scene_);
+  config.mapSetValue("Page", pages_->currentIndex());
+  rviz::Config recent = config.mapMakeChild("Recent");
+  for (const QString& file : scenes_->recent()) recent.listAppendNew().setValue(file);
 }
 
 void SimulationPanel::follow(const QString& node) {
@@ -144,10 +171,11 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   status_->show(status);
   accuracy_->show(status);
   pipeline_->show(status.pipeline);
-  scenes_->setCurrentIndex(scenes_->findText(QString::fromStdString(status.scene)));
+  effects_->show(status);
+  warnings_->show(status);
+  scenes_->show(status);
   wind_->setChecked(status.wind);
   showUnsaved(status.unsaved);
-  warn(status.warnings);
 }
 
 void SimulationPanel::showUnsaved(bool is_unsaved) {
@@ -155,15 +183,9 @@ void SimulationPanel::showUnsaved(bool is_unsaved) {
     dock->setWindowTitle(getName() + (is_unsaved ? " *" : ""));
 }
 
-// A status has the warnings of its last step; they stay long enough to be read.
-void SimulationPanel::warn(const std::vector<std::string>& warnings) {
-  constexpr int kStay = 5000;  // ms
-  if (warnings.empty()) return;
-  QStringList texts;
-  for (const std::string& warning : warnings) texts.append(QString::fromStdString(warning));
-  warnings_->setText(texts.join("; "));
-  warnings_->show();
-  warned_.start(kStay);
+void SimulationPanel::countWarnings(int count) {
+  const int page = pages_->indexOf(warnings_);
+  pages_->setTabText(page, count == 0 ? QString("Warnings") : QString("Warnings (%1)").arg(count));
 }
 
 void SimulationPanel::look(const rigid_body_sim::Status& status) {
@@ -181,14 +203,6 @@ void SimulationPanel::showHeard(bool is_heard) {
     showMessage({}, false);
   } else {
     showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
-  }
-}
-
-void SimulationPanel::showScenes(const QStringList& names, const QStringList& properties) {
-  scenes_->clear();
-  for (int i = 0; i < names.size(); ++i) {
-    scenes_->addItem(names[i]);
-    scenes_->setItemData(i, properties.value(i), Qt::ToolTipRole);
   }
 }
 

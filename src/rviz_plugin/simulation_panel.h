@@ -3,20 +3,25 @@
 #pragma once
 
 #include "accuracy_view.h"
+#include "effects_view.h"
 #include "elided_text.h"
 #include "node_box.h"
-#include "pipeline_table.h"
+#include "pipeline_tree.h"
+#include "scene_bar.h"
 #include "simulator_client.h"
 #include "status_view.h"
 #include "transport_bar.h"
+#include "warnings_view.h"
+#include "wind_view.h"
 
 #include <rviz/panel.h>
 
 #include <QCheckBox>
-#include <QComboBox>
 #include <QPointer>
 #include <QShortcut>
-#include <QTimer>
+#include <QTabWidget>
+
+#include <functional>
 
 namespace rbs {
 
@@ -24,8 +29,8 @@ namespace rbs {
 /// view was saved with as "Scene": for any other scene, the view moves to the view that the scene defines.
 ///
 /// A window may have several panels, each for a simulator of its own. One body is selected among them all,
-/// and the keys go to the panel that was used last: 1 for the wind, Ctrl+Z and Ctrl+Shift+Z for undo and redo.
-/// The title has a star while no file holds the edits.
+/// and the keys go to the panel that was used last. RViz's menu Help lists them. The title has a star while no
+/// file holds the edits.
 class SimulationPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -53,13 +58,13 @@ class SimulationPanel : public rviz::Panel {
   void show(const rigid_body_sim::Status& status);
   void showHeard(bool is_heard);
   void look(const rigid_body_sim::Status& status);
-  void showScenes(const QStringList& names, const QStringList& properties);
   void showMessage(const QString& text, bool is_trouble);
-  void warn(const std::vector<std::string>& warnings);
+  void countWarnings(int count);
   void followSelection(const QStringList& bodies);
   void takeKeys();
   void setKeys(bool has_keys);
-  void addKey(const QKeySequence& keys, void (SimulatorClient::*action)());
+  void addKeys();
+  void addKey(const QKeySequence& keys, const std::function<void()>& act);
   bool hasKeys() const { return !keys_.isEmpty() && keys_.front() && keys_.front()->isEnabled(); }
   void showUnsaved(bool is_unsaved);
   QList<SimulationPanel*> panels() const;
@@ -69,15 +74,18 @@ class SimulationPanel : public rviz::Panel {
   QString scene_;             ///< that the view belongs to
   QWidget* controls_;
   TransportBar* transport_;
-  QComboBox* scenes_;
+  SceneBar* scenes_;
   QCheckBox* wind_;
   NodeBox* node_;
-  ElidedText *answer_, *warnings_;
+  ElidedText* answer_;
   StatusView* status_;
+  QTabWidget* pages_;
   AccuracyView* accuracy_;
-  PipelineTable* pipeline_;
+  PipelineTree* pipeline_;
+  EffectsView* effects_;
+  WindView* air_;
+  WarningsView* warnings_;
   QList<QPointer<QShortcut>> keys_;  ///< children of RViz's window, which may go first
-  QTimer warned_;                    ///< how long a warning stays
 };
 
 }  // namespace rbs

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulator_client.h"
 
+#include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
+#include <rigid_body_sim/LoadSceneWithSeed.h>
 #include <rigid_body_sim/MeasureAccuracy.h>
 #include <rigid_body_sim/NamedBodies.h>
+#include <rigid_body_sim/SetEffects.h>
 #include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetSpeed.h>
+#include <rigid_body_sim/SetWind.h>
 #include <rigid_body_sim/Step.h>
 #include <rigid_body_sim/TuneFidelity.h>
 #include <std_srvs/SetBool.h>
@@ -37,6 +41,7 @@ void SimulatorClient::follow(const QString& node) {
   try {
     subscribers_ = {
         ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),
+        ros_.subscribe(inNode("wind"), 1, &SimulatorClient::receiveWind, this),
         ros_.subscribe(inNode("accuracy"), 1, &SimulatorClient::receiveStudy, this),
         ros_.subscribe(inNode("selected_bodies"), 1, &SimulatorClient::receiveSelection, this),
         ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
@@ -141,9 +146,60 @@ void SimulatorClient::setSpeed(double factor) {
 }
 
 void SimulatorClient::loadScene(const QString& name) {
-  rigid_body_sim::LoadScene::Request request;
+  using rigid_body_sim::LoadScene;
+  LoadScene::Request request;
   request.name = name.toStdString();
-  call<rigid_body_sim::LoadScene>("load_scene", request);
+  worker_.call<LoadScene>(inNode("load_scene"), request, [this, name](const LoadScene::Response&) {
+    Q_EMIT fileUsed(name.startsWith('/') ? name : QString());
+  });
+}
+
+void SimulatorClient::loadSceneWithSeed(const QString& name, std::uint64_t seed) {
+  rigid_body_sim::LoadSceneWithSeed::Request request;
+  request.name = name.toStdString();
+  request.seed = seed;
+  call<rigid_body_sim::LoadSceneWithSeed>("load_scene_with_seed", request);
+}
+
+void SimulatorClient::loadState(const QString& file) {
+  callFile("load_state", file);
+}
+
+void SimulatorClient::saveScene(const QString& file) {
+  callFile("save_scene", file);
+}
+
+void SimulatorClient::saveState(const QString& file) {
+  callFile("save_state", file);
+}
+
+void SimulatorClient::callFile(const char* service, const QString& file) {
+  using rigid_body_sim::File;
+  File::Request request;
+  request.file = file.toStdString();
+  request.overwrite = true;
+  worker_.call<File>(inNode(service), request,
+                     [this, file](const File::Response&) { Q_EMIT fileUsed(file); });
+}
+
+void SimulatorClient::setWind(const geometry_msgs::Vector3& velocity, double gust) {
+  rigid_body_sim::SetWind::Request request;
+  request.velocity = velocity;
+  request.gust = gust;
+  call<rigid_body_sim::SetWind>("set_wind", request);
+}
+
+void SimulatorClient::forceEffect(const QString& effect, const QString& mode) {
+  using rigid_body_sim::SetEffects;
+  SetEffects::Request request;
+  (mode == "on"    ? request.force_on
+   : mode == "off" ? request.force_off
+                   : request.detect) = {effect.toStdString()};
+  worker_.call<SetEffects>(inNode("set_effects"), request,
+                           [this, effect](const SetEffects::Response& response) {
+                             for (const std::string& error : response.neglected)
+                               Q_EMIT effectNeglected(effect, QString::fromStdString(error));
+                           });
 }
 
 void SimulatorClient::setFidelity(const QString& preset) {

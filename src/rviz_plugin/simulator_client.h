@@ -8,6 +8,7 @@
 #include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/SettingCost.h>
 #include <rigid_body_sim/Status.h>
+#include <rigid_body_sim/Wind.h>
 #include <ros/ros.h>
 #include <std_msgs/String.h>
 
@@ -16,6 +17,7 @@
 #include <QStringList>
 #include <QTimer>
 
+#include <cstdint>
 #include <vector>
 
 namespace rbs {
@@ -39,7 +41,17 @@ class SimulatorClient : public QObject {
   void undo();
   void redo();
   void setSpeed(double factor);  ///< times real time; 0 is as fast as possible
+  /// By its name in the catalogue, or the path of its file.
   void loadScene(const QString& name);
+  void loadSceneWithSeed(const QString& name, std::uint64_t seed);
+  void loadState(const QString& file);
+  /// Writes the scene, or the whole state, to a file. A file that exists is replaced.
+  void saveScene(const QString& file);
+  void saveState(const QString& file);
+  /// Sets the velocity of the air, m/s, and the standard deviation of its gusts, m/s, and switches the wind on.
+  void setWind(const geometry_msgs::Vector3& velocity, double gust);
+  /// `mode` is "auto", "on" or "off".
+  void forceEffect(const QString& effect, const QString& mode);
   void enableWind(bool on);
   void toggleWind() { enableWind(!wind_); }
   void setFidelity(const QString& preset);
@@ -55,6 +67,11 @@ class SimulatorClient : public QObject {
 
  Q_SIGNALS:
   void statusReceived(const rigid_body_sim::Status& status);
+  void windReceived(const rigid_body_sim::Wind& wind);
+  /// What is neglected by forcing an effect off, in words.
+  void effectNeglected(const QString& effect, const QString& error);
+  /// The scene is in this file, from which it was loaded or to which it was saved.
+  void fileUsed(const QString& file);
   void studyReceived(const rigid_body_sim::AccuracyStudy& study);
   void heardChanged(bool is_heard);
   void selectionChanged(const QStringList& bodies);
@@ -65,6 +82,7 @@ class SimulatorClient : public QObject {
 
  private:
   void receive(const rigid_body_sim::Status& status);
+  void receiveWind(const rigid_body_sim::Wind& wind) { Q_EMIT windReceived(wind); }
   void receiveStudy(const rigid_body_sim::AccuracyStudy& study);
   void receiveSelection(const rigid_body_sim::BodyNames& bodies);
   void receiveAnswer(const std_msgs::String& text);
@@ -74,6 +92,7 @@ class SimulatorClient : public QObject {
   void tellAnswer(const QString& service, bool success, const QString& message);
   template <class Service>
   void call(const char* service, const typename Service::Request& request);
+  void callFile(const char* service, const QString& file);
   void callSwitch(const char* service, bool on);
   std::string inNode(const char* name) const;
 

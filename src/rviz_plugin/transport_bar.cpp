@@ -4,10 +4,13 @@
 #include "icons.h"
 #include "wheel_guard.h"
 
-#include <QHBoxLayout>
 #include <QLabel>
 #include <QMessageBox>
 #include <QSignalBlocker>
+#include <QVBoxLayout>
+
+#include <algorithm>
+#include <cmath>
 
 namespace rbs {
 namespace {
@@ -33,6 +36,23 @@ QDoubleSpinBox* makeSpeed() {
   return box;
 }
 
+// The slider is logarithmic: its middle is real time.
+constexpr int kSliderSteps = 80;
+constexpr double kSlowest = 0.01, kFastest = 100.0;
+
+double factorAt(int place) {
+  const double factor = kSlowest * std::pow(kFastest / kSlowest, double(place) / kSliderSteps);
+  const double digit = std::pow(10.0, std::floor(std::log10(factor)) - 1.0);
+  return digit * std::round(factor / digit);  // two digits
+}
+
+int placeOf(double factor) {
+  if (factor == 0.0) return kSliderSteps;
+  const double bounded = std::min(std::max(factor, kSlowest), kFastest);
+  return static_cast<int>(
+      std::lround(kSliderSteps * std::log(bounded / kSlowest) / std::log(kFastest / kSlowest)));
+}
+
 void offer(QToolButton& button, const char* name, const char* keys, const std::string& edit) {
   button.setEnabled(!edit.empty());
   button.setToolTip(edit.empty() ? QString("%1: nothing (%2)").arg(name, keys)
@@ -42,22 +62,36 @@ void offer(QToolButton& button, const char* name, const char* keys, const std::s
 }  // namespace
 
 TransportBar::TransportBar(SimulatorClient& simulator)
-    : simulator_(simulator), steps_(makeSteps()), speed_(makeSpeed()) {
-  auto* row = new QHBoxLayout(this);
-  row->setContentsMargins(0, 0, 0, 0);
-  row->setSpacing(4);
-  play_ = addButton(playIcon(), "Run");
+    : simulator_(simulator),
+      row_(new QHBoxLayout),
+      steps_(makeSteps()),
+      slider_(new QSlider(Qt::Horizontal)),
+      speed_(makeSpeed()) {
+  row_->setSpacing(4);
+  play_ = addButton(playIcon(), "Run (space)");
   QToolButton* const reset = addButton(resetIcon(), "Reset: back to the scene as it was loaded");
-  step_ = addButton(stepIcon(), "Take steps, while paused");
-  row->addWidget(steps_);
+  step_ = addButton(stepIcon(), "Take steps, while paused (.)");
+  row_->addWidget(steps_);
   undo_ = addButton(undoIcon(), {});
   redo_ = addButton(redoIcon(), {});
-  row->addStretch();
-  row->addWidget(new QLabel("Speed"));
-  row->addWidget(speed_);
+  row_->addStretch();
+  slider_->setRange(0, kSliderSteps);
+  slider_->setToolTip("Requested real-time factor, 0.01 to 100 (+ doubles it, - halves it)");
+  guardFromWheel(*slider_);
+  auto* const speed = new QHBoxLayout;
+  speed->setSpacing(4);
+  speed->addWidget(new QLabel("Speed"));
+  speed->addWidget(slider_, 1);
+  speed->addWidget(speed_);
+  auto* const rows = new QVBoxLayout(this);
+  rows->setContentsMargins(0, 0, 0, 0);
+  rows->setSpacing(4);
+  rows->addLayout(row_);
+  rows->addLayout(speed);
 
+  connect(slider_, &QSlider::valueChanged, this, [this](int place) { speed_->setValue(factorAt(place)); });
   connect(play_, &QToolButton::clicked, this, &TransportBar::playOrPause);
-  connect(step_, &QToolButton::clicked, this, [this] { simulator_.step(steps_->value()); });
+  connect(step_, &QToolButton::clicked, this, &TransportBar::step);
   connect(reset, &QToolButton::clicked, this, &TransportBar::askToReset);
   connect(undo_, &QToolButton::clicked, &simulator_, &SimulatorClient::undo);
   connect(redo_, &QToolButton::clicked, &simulator_, &SimulatorClient::redo);
@@ -69,7 +103,7 @@ QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
   button->setIcon(icon);
   button->setIconSize(QSize(kIconSize, kIconSize));
   button->setToolTip(tip);
-  layout()->addWidget(button);
+  row_->addWidget(button);
   return button;
 }
 
@@ -88,6 +122,21 @@ void TransportBar::askToReset() {
   question->open();
 }
 
+void TransportBar::step() {
+  simulator_.step(steps_->value());
+}
+
+void TransportBar::scaleSpeed(double factor) {
+  const double now = speed_->value();
+  if (now > 0.0) speed_->setValue(std::min(std::max(factor * now, kSlowest), kFastest));
+}
+
+void TransportBar::showSpeed(double factor) {
+  const QSignalBlocker quiet_box(speed_), quiet_slider(slider_);
+  speed_->setValue(factor);
+  slider_->setValue(placeOf(factor));
+}
+
 void TransportBar::playOrPause() {
   if (is_paused_) {
     simulator_.resume();
@@ -102,14 +151,11 @@ void TransportBar::show(const rigid_body_sim::Status& status) {
   offer(*undo_, "Undo", "Ctrl+Z", status.undo);
   offer(*redo_, "Redo", "Ctrl+Shift+Z", status.redo);
   is_unsaved_ = status.unsaved;
-  if (!speed_->hasFocus()) {
-    const QSignalBlocker quiet(speed_);
-    speed_->setValue(status.requested_speed);
-  }
+  if (!speed_->hasFocus() && !slider_->isSliderDown()) showSpeed(status.requested_speed);
   if (is_still == is_paused_) return;
   is_paused_ = is_still;
   play_->setIcon(is_paused_ ? playIcon() : pauseIcon());
-  play_->setToolTip(is_paused_ ? "Run" : "Pause");
+  play_->setToolTip(is_paused_ ? "Run (space)" : "Pause (space)");
 }
 
 }  // namespace rbs

@@ -5,6 +5,8 @@
 #include "simulator_client.h"
 
 #include <QDoubleSpinBox>
+#include <QHBoxLayout>
+#include <QSlider>
 #include <QSpinBox>
 #include <QToolButton>
 #include <QWidget>
@@ -17,16 +19,25 @@ class TransportBar : public QWidget {
   explicit TransportBar(SimulatorClient& simulator);
 
   void show(const rigid_body_sim::Status& status);
+  /// What the keys do: run or pause; take the number of steps that is shown, while paused; double or halve the
+  /// requested speed.
+  void playOrPause();
+  void step();
+  void goFaster() { scaleSpeed(2.0); }
+  void goSlower() { scaleSpeed(0.5); }
 
  private:
-  void playOrPause();
+  void scaleSpeed(double factor);
+  void showSpeed(double factor);
   void askToReset();
   QToolButton* addButton(const QIcon& icon, const QString& tip);
 
   SimulatorClient& simulator_;
+  QHBoxLayout* row_;  ///< of the buttons
   QToolButton* play_;
   QToolButton* step_;
   QSpinBox* steps_;
+  QSlider* slider_;  ///< logarithm of the requested speed
   QDoubleSpinBox* speed_;
   QToolButton *undo_, *redo_;
   bool is_paused_ = true;

@@ -200,6 +200,25 @@ class ServicesTest(unittest.TestCase):
         faults = [self.fault_of(words, 'edit_bodies', changes=changes) for words, changes in cases]
         self.assertEqual([fault for fault in faults if fault], [])
 
+    def test_a_scene_is_loaded_with_another_seed(self):
+        def wind_after(seed):
+            call('load_scene_with_seed', name='windy_day', seed=seed)
+            call('step', n=30)
+            return call('list_bodies').hash
+        first, second = wind_after(1), wind_after(2 ** 64 - 1)
+        self.assertNotEqual(first, second)
+        self.assertEqual(wind_after(1), first)
+        self.assert_refused(['nowhere'], 'load_scene_with_seed', name='nowhere', seed=1)
+
+    def test_what_is_forced_is_in_the_status(self):
+        call('set_effects', force_off=['friction'], force_on=['rolling'])
+        now = self.status.fresh()
+        self.assertEqual((now.forced_off, now.forced_on), (['friction'], ['rolling']))
+        parts = [stage.part_of for stage in now.pipeline if stage.name == 'contacts.friction']
+        self.assertEqual(parts, ['islands.advance'])
+        call('set_effects', detect=['friction', 'rolling'])
+        self.assertEqual(self.status.fresh().forced_off, [])
+
     def test_many_bodies_are_deleted_in_one_edit(self):
         self.assertIn('2 bodies', call('delete_bodies', names=['ball', 'crate']).message)
         self.assertEqual(call('list_bodies').names, ['floor'])

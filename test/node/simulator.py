@@ -24,7 +24,7 @@ TYPES = {
     'tune_fidelity': srv.TuneFidelity, 'seek_accuracy': srv.AccuracyGoal, 'apply_accuracy': srv.AccuracyGoal,
     'measure_accuracy': srv.MeasureAccuracy, 'stop_accuracy': Trigger, 'estimate_error': SetBool, 'show_ghost': SetBool,
     'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'step': srv.Step,
-    'reset': Trigger, 'undo': Trigger, 'redo': Trigger, 'set_speed': srv.SetSpeed, 'load_scene': srv.LoadScene, 'save_scene': srv.File,
+    'reset': Trigger, 'undo': Trigger, 'redo': Trigger, 'set_speed': srv.SetSpeed, 'load_scene': srv.LoadScene, 'load_scene_with_seed': srv.LoadSceneWithSeed, 'save_scene': srv.File,
     'save_state': srv.File, 'load_state': srv.File,
 }
 

@@ -236,16 +236,16 @@ void Pipeline::run(Context& context) {
 std::vector<StageInfo> Pipeline::describe(const SceneAnalysis& analysis, const SceneStore& scene,
                                           const StepStore& step) const {
   std::vector<StageInfo> rows;
-  const auto add = [&](const auto& row, double seconds) {
+  const auto add = [&](const auto& row, double seconds, const char* part_of) {
     const Need need = row.need(analysis);
     const Items items = need.active ? row.items(scene, step) : Items{0, ""};
-    rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds});
+    rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds, part_of});
   };
   for (std::size_t row = 0; row < kStages.size(); ++row) {
-    add(kStages[row], seconds_[row]);
+    add(kStages[row], seconds_[row], "");
     if (kStages[row].run != step_controller::run) continue;
     for (std::size_t part = 0; part < kParts.size(); ++part)
-      add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0);
+      add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0, kStages[row].name);
   }
   return rows;
 }

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline_tree.h"
+
+#include <QHeaderView>
+#include <QPainter>
+#include <QStyledItemDelegate>
+
+#include <map>
+
+namespace rbs {
+namespace {
+
+enum Column { kStage, kMilliseconds, kReason, kColumns };
+constexpr int kShare = Qt::UserRole;  // of the step, 0 to 1
+
+/// Draws the share of a stage as a bar behind its number.
+class ShareBar : public QStyledItemDelegate {
+ public:
+  using QStyledItemDelegate::QStyledItemDelegate;
+
+  void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override {
+    const double share = index.data(kShare).toDouble();
+    QRect bar = option.rect.adjusted(1, 2, -1, -2);
+    bar.setWidth(static_cast<int>(share * bar.width()));
+    QColor color = option.palette.color(QPalette::Highlight);
+    color.setAlphaF(0.45);
+    painter->fillRect(bar, color);
+    QStyledItemDelegate::paint(painter, option, index);
+  }
+};
+
+/// A stage that has not run, or is timed as part of another, is only on.
+QString costOf(const rigid_body_sim::StageStatus& stage) {
+  if (!stage.active) return "off";
+  return stage.seconds > 0.0 ? QString::number(1e3 * stage.seconds, 'f', 3) : QString("on");
+}
+
+void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, double total,
+          const QPalette& palette) {
+  QString reason = QString::fromStdString(stage.reason);
+  if (stage.active && !stage.unit.empty())
+    reason = QString("%1 %2: ").arg(stage.items).arg(QString::fromStdString(stage.unit)) + reason;
+  row.setText(kStage, QString::fromStdString(stage.name));
+  row.setText(kMilliseconds, costOf(stage));
+  row.setData(kMilliseconds, kShare, total > 0.0 ? stage.seconds / total : 0.0);
+  row.setText(kReason, reason);
+  row.setToolTip(kReason, reason);
+  row.setTextAlignment(kMilliseconds, Qt::AlignRight);
+  const QBrush brush = palette.brush(stage.active ? QPalette::Active : QPalette::Disabled, QPalette::Text);
+  for (int column = 0; column < kColumns; ++column) row.setForeground(column, brush);
+}
+
+}  // namespace
+
+PipelineTree::PipelineTree() {
+  setColumnCount(kColumns);
+  setHeaderLabels({"Stage", "ms", "Why"});
+  setUniformRowHeights(true);
+  setSelectionMode(QAbstractItemView::NoSelection);
+  setFocusPolicy(Qt::NoFocus);
+  setIndentation(indentation() / 2);
+  setItemDelegateForColumn(kMilliseconds, new ShareBar(this));
+  header()->setStretchLastSection(true);
+  header()->setSectionResizeMode(kStage, QHeaderView::ResizeToContents);
+  header()->resizeSection(kMilliseconds, fontMetrics().horizontalAdvance("1000.000") + 12);
+}
+
+void PipelineTree::show(const std::vector<rigid_body_sim::StageStatus>& pipeline) {
+  if (rows_.size() != pipeline.size()) build(pipeline);
+  double total = 0.0;
+  for (const rigid_body_sim::StageStatus& stage : pipeline)
+    if (stage.part_of.empty()) total += stage.seconds;
+  for (std::size_t i = 0; i < pipeline.size(); ++i) fill(*rows_[i], pipeline[i], total, palette());
+}
+
+void PipelineTree::build(const std::vector<rigid_body_sim::StageStatus>& pipeline) {
+  clear();
+  rows_.clear();
+  std::map<std::string, QTreeWidgetItem*> stages;
+  for (const rigid_body_sim::StageStatus& stage : pipeline) {
+    const auto whole = stages.find(stage.part_of);
+    rows_.push_back(new QTreeWidgetItem);
+    if (whole == stages.end()) {
+      addTopLevelItem(rows_.back());
+    } else {
+      whole->second->addChild(rows_.back());
+    }
+    stages.emplace(stage.name, rows_.back());
+  }
+  expandAll();
+}
+
+}  // namespace rbs

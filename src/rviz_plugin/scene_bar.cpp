@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_bar.h"
+
+#include "scene_list.h"
+#include "wheel_guard.h"
+
+#include <QFileDialog>
+#include <QFileInfo>
+#include <QHBoxLayout>
+#include <QInputDialog>
+
+namespace rbs {
+namespace {
+
+constexpr int kMostRecent = 8;
+
+}  // namespace
+
+SceneBar::SceneBar(SimulatorClient& simulator) : simulator_(simulator), scenes_(new QComboBox) {
+  scenes_->setToolTip("Loads a scene of the catalogue");
+  scenes_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  guardFromWheel(*scenes_);
+  showAsSceneList(*scenes_);
+  auto* const files = new QToolButton;
+  files->setText("File");
+  files->setToolTip("Opens and saves scenes and states");
+  files->setMenu(&menu_);
+  files->setPopupMode(QToolButton::InstantPopup);
+  auto* const row = new QHBoxLayout(this);
+  row->setContentsMargins(0, 0, 0, 0);
+  row->setSpacing(4);
+  row->addWidget(scenes_, 1);
+  row->addWidget(files);
+
+  connect(scenes_, qOverload<int>(&QComboBox::activated), this,
+          [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
+  connect(&menu_, &QMenu::aboutToShow, this, &SceneBar::fillMenu);
+  connect(&simulator_, &SimulatorClient::scenesListed, this, &SceneBar::listScenes);
+  connect(&simulator_, &SimulatorClient::fileUsed, this, &SceneBar::use);
+}
+
+void SceneBar::listScenes(const QStringList& names, const QStringList& properties) {
+  fillSceneList(*scenes_, names, properties);
+}
+
+// A scene that another client has loaded is not in our file.
+void SceneBar::show(const rigid_body_sim::Status& status) {
+  const QString scene = QString::fromStdString(status.scene);
+  if (scene != scene_ && QFileInfo(file_).completeBaseName() != scene) file_.clear();
+  scene_ = scene;
+  scenes_->setCurrentIndex(scenes_->findText(scene));
+}
+
+void SceneBar::use(const QString& file) {
+  file_ = file;
+  if (file.isEmpty()) return;
+  recent_.removeAll(file);
+  recent_.prepend(file);
+  while (recent_.size() > kMostRecent) recent_.removeLast();
+  Q_EMIT recentChanged();
+}
+
+void SceneBar::fillMenu() {
+  menu_.clear();
+  menu_.addAction("Open scene…", this, [this] { askFile("Open scene", false, nullptr); });
+  menu_.addAction("Open state…", this, [this] { askFile("Open state", false, &SimulatorClient::loadState); });
+  QMenu* const recent = menu_.addMenu("Recent");
+  recent->setEnabled(!recent_.isEmpty());
+  for (const QString& file : recent_) recent->addAction(file, this, [this, file] { open(file); });
+  menu_.addAction("Load again with a seed…", this, &SceneBar::askSeed)->setEnabled(!scene_.isEmpty());
+  menu_.addSeparator();
+  const QString save = file_.isEmpty() ? "Save scene" : "Save scene to " + QFileInfo(file_).fileName();
+  menu_.addAction(save, this, [this] { simulator_.saveScene(file_); })->setEnabled(!file_.isEmpty());
+  menu_.addAction("Save scene as…", this,
+                  [this] { askFile("Save scene", true, &SimulatorClient::saveScene); });
+  menu_.addAction("Save state as…", this,
+                  [this] { askFile("Save state", true, &SimulatorClient::saveState); });
+}
+
+void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&)) {
+  auto* const dialog = new QFileDialog(this, title, QFileInfo(recent_.value(0)).path(), "Scenes (*.yaml)");
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
+  dialog->setFileMode(QFileDialog::AnyFile);
+  dialog->setDefaultSuffix("yaml");
+  connect(dialog, &QFileDialog::fileSelected, this, [this, act](const QString& file) {
+    if (act) {
+      (simulator_.*act)(file);
+    } else {
+      open(file);
+    }
+  });
+  dialog->open();
+}
+
+void SceneBar::open(const QString& file) {
+  simulator_.loadScene(file);
+}
+
+void SceneBar::askSeed() {
+  auto* const dialog = new QInputDialog(this);
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setWindowTitle("Seed");
+  dialog->setLabelText(QString("Seed of '%1', 0 to 18446744073709551615:").arg(scene_));
+  connect(dialog, &QInputDialog::textValueSelected, this, [this](const QString& text) {
+    bool is_number = false;
+    const qulonglong seed = text.trimmed().toULongLong(&is_number);
+    const QString scene = file_.isEmpty() ? scene_ : file_;
+    if (is_number) {
+      simulator_.loadSceneWithSeed(scene, seed);
+    } else {
+      Q_EMIT simulator_.reported(
+          QString("'%1' is no seed: a whole number from 0 to 18446744073709551615").arg(text.left(64)), true);
+    }
+  });
+  dialog->open();
+}
+
+}  // namespace rbs

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SceneBar: chooses a scene of the catalogue, and opens and saves files.
+#pragma once
+
+#include "simulator_client.h"
+
+#include <QComboBox>
+#include <QMenu>
+#include <QStringList>
+#include <QToolButton>
+#include <QWidget>
+
+namespace rbs {
+
+/// Files are those of the machine on which the simulator runs. Save writes the file that was opened or saved
+/// last; the most recent ones are offered again.
+class SceneBar : public QWidget {
+  Q_OBJECT
+ public:
+  explicit SceneBar(SimulatorClient& simulator);
+
+  void show(const rigid_body_sim::Status& status);
+  /// Files, the newest first.
+  const QStringList& recent() const { return recent_; }
+  void setRecent(const QStringList& files) { recent_ = files; }
+
+ Q_SIGNALS:
+  void recentChanged();
+
+ private:
+  void listScenes(const QStringList& names, const QStringList& properties);
+  void use(const QString& file);
+  void fillMenu();
+  /// Asks for a file, without holding anything up meanwhile.
+  void askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&));
+  void open(const QString& file);
+  void askSeed();
+
+  SimulatorClient& simulator_;
+  QComboBox* scenes_;
+  QMenu menu_;
+  QString scene_, file_;  ///< name of the scene; file that holds it, empty: none
+  QStringList recent_;
+};
+
+}  // namespace rbs

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shortcuts.h"
+
+#include <QAction>
+#include <QMenu>
+#include <QMenuBar>
+#include <QMessageBox>
+
+namespace rbs {
+namespace {
+
+struct Shortcut {
+  const char *keys, *what;
+};
+constexpr Shortcut kEverywhere[] = {{"Space", "run or pause"},
+                                    {".", "take steps, while paused"},
+                                    {"+, -", "double or halve the speed"},
+                                    {"1", "wind on or off"},
+                                    {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"}};
+constexpr Shortcut kInView[] = {{"Click", "select a body"},
+                                {"Ctrl+click", "add a body to the selection, or take it away"},
+                                {"Shift+drag", "select the bodies in a rectangle"},
+                                {"Drag", "pull a body"},
+                                {"Right click", "menu of a body"},
+                                {"Delete", "delete the selected bodies"},
+                                {"Escape, click on nothing", "select nothing"}};
+constexpr Shortcut kInList[] = {{"F2", "rename"},        {"Delete", "delete"},
+                                {"Ctrl+D", "duplicate"}, {"Ctrl+G", "make a group"},
+                                {"F", "look at"},        {"Ctrl+A", "select all that are listed"}};
+
+template <std::size_t kCount>
+QString table(const char* title, const Shortcut (&rows)[kCount]) {
+  QString text = QString("<tr><td colspan=2><b>%1</b></td></tr>").arg(title);
+  for (const Shortcut& row : rows)
+    text += QString("<tr><td>%1&nbsp;&nbsp;</td><td>%2</td></tr>").arg(row.keys, row.what);
+  return text;
+}
+
+void show(QWidget* window) {
+  auto* const box = new QMessageBox(window);
+  box->setAttribute(Qt::WA_DeleteOnClose);
+  box->setWindowTitle("Keys and mouse of the simulation");
+  box->setTextFormat(Qt::RichText);
+  box->setText("<table>" + table("Everywhere", kEverywhere) +
+               table("In the view, with the tool Interact", kInView) +
+               table("In the list of bodies", kInList) + "</table>");
+  box->open();
+}
+
+}  // namespace
+
+void offerShortcuts(QWidget& window, QObject& owner) {
+  const auto* const bar = window.findChild<QMenuBar*>();
+  if (!bar) return;
+  for (QAction* const entry : bar->actions()) {
+    if (!entry->menu() || entry->text().remove('&') != "Help") continue;
+    for (const QAction* const other : entry->menu()->actions())
+      if (other->objectName() == kShortcutsName) return;
+    auto* const action = new QAction("Keys of the &simulation", &owner);
+    action->setObjectName(kShortcutsName);
+    QObject::connect(action, &QAction::triggered, &owner, [&window] { show(&window); });
+    entry->menu()->addAction(action);
+  }
+}
+
+}  // namespace rbs
