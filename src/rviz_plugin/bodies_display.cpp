@@ -8,6 +8,9 @@
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/status_property.h>
+
+#include <cmath>
+#include <limits>
 #include <pluginlib/class_list_macros.hpp>
 
 namespace rbs {
@@ -27,6 +30,58 @@ BodiesDisplay::BodiesDisplay() {
       "Draw the bodies between the states that come, about one and a half messages behind the newest. Off: "
       "where the newest message has them.",
       this);
+  addOptions();
+}
+
+void BodiesDisplay::addOptions() {
+  color_by_ = new rviz::EnumProperty("Color By", "Material", "", this, SLOT(explainColors()));
+  color_by_->addOption("Material", static_cast<int>(ColorBy::Material));
+  color_by_->addOption("Island", static_cast<int>(ColorBy::Island));
+  color_by_->addOption("Awake", static_cast<int>(ColorBy::Awake));
+  color_by_->addOption("Speed", static_cast<int>(ColorBy::Speed));
+  fastest_ = new rviz::FloatProperty("Fastest", 5.0f, "Speed at the bright end of the colours, m/s.",
+                                     color_by_, SLOT(explainColors()), this);
+  fastest_->setMin(1e-3f);
+  const auto option = [this](const QString& name, bool on, const QString& what, const char* slot = nullptr) {
+    return new rviz::BoolProperty(name, on, what, this, slot);
+  };
+  shadows_ = option("Shadows", true, "A soft spot on the floor straight below each body: how high it is.");
+  trails_ = option("Trails", false, "The ways that the centres of dynamic bodies have gone.");
+  trail_seconds_ =
+      new rviz::FloatProperty("Duration", 2.0f, "How long a trail stays, s of simulation.", trails_);
+  trail_seconds_->setMin(0.05f);
+  names_ = option("Names", false, QString("The names of the %1 nearest bodies.").arg(NamesVisual::kMost));
+  axes_ =
+      option("Axes", false, "The principal axes of each body that is not static: x red, y green, z blue.");
+  centres_ = option("Centres of Mass", false,
+                    "A chequered ball at the centre of mass of each body that is not static.");
+  bounds_ = option("Bounding Boxes", false,
+                   "The bounds of each body that is not static, along the axes of the world.");
+  points_ =
+      option("Contact Points", false, "A dot at each contact point of ~contacts.", SLOT(followContacts()));
+  forces_ =
+      option("Contact Forces", false,
+             "The mean forces over the last step on the body that was created later: the normal force in "
+             "blue, friction in orange.",
+             SLOT(followContacts()));
+  force_scale_ =
+      new rviz::FloatProperty("Scale", 0.0f,
+                              "Length of an arrow, m per N. 0: the largest force is drawn as long as a "
+                              "body is wide; the status tells the scale.",
+                              forces_);
+  force_scale_->setMin(0.0f);
+  cones_ = option("Friction Cones", false, "What the force at each contact point cannot leave.",
+                  SLOT(followContacts()));
+  explainColors();
+}
+
+void BodiesDisplay::explainColors() {
+  color_by_->setDescription(QString::fromStdString(
+      "What the colours stand for. Now: " + legendOf(colorBy(), fastest_->getFloat()) + "."));
+  fastest_->setHidden(colorBy() != ColorBy::Speed);
+  if (!isEnabled() || !visuals_) return;
+  setStatusStd(StatusProperty::Ok, "Colors", legendOf(colorBy(), fastest_->getFloat()));
+  followContacts();
 }
 
 BodiesDisplay::~BodiesDisplay() {
@@ -40,7 +95,7 @@ void BodiesDisplay::onInitialize() {
               "~visualization_marker_array.");
     return;
   }
-  bodies_ = std::make_unique<BodiesVisual>(*context_, *scene_node_);
+  visuals_ = std::make_unique<Visuals>(*context_, *scene_node_);
 }
 
 void BodiesDisplay::onEnable() {
@@ -66,21 +121,24 @@ std::string BodiesDisplay::node() const {
   return topic.substr(0, topic.rfind('/'));
 }
 
+template <class Message>
+ros::Subscriber BodiesDisplay::listen(const std::string& topic) {
+  constexpr std::uint32_t kQueue = 10;
+  using Pointer = boost::shared_ptr<const Message>;
+  const boost::function<void(const Pointer&)> receive = [inbox = inbox_](const Pointer& message) {
+    inbox->receive(message);
+  };
+  return threaded_nh_.subscribe<Message>(topic, kQueue, receive);
+}
+
 void BodiesDisplay::subscribe() {
   unsubscribe();
-  if (!isEnabled() || !bodies_) return;
-  constexpr std::uint32_t kQueue = 10;
+  if (!isEnabled() || !visuals_) return;
   inbox_ = std::make_shared<BodyInbox>();
   try {
-    const boost::function<void(const rigid_body_sim::BodyDescriptionsConstPtr&)> describe =
-        [inbox = inbox_](const rigid_body_sim::BodyDescriptionsConstPtr& message) {
-          inbox->receive(message);
-        };
-    const boost::function<void(const rigid_body_sim::BodyStatesConstPtr&)> move =
-        [inbox = inbox_](const rigid_body_sim::BodyStatesConstPtr& message) { inbox->receive(message); };
-    states_ = threaded_nh_.subscribe<rigid_body_sim::BodyStates>(topic_->getTopicStd(), kQueue, move);
-    descriptions_ = threaded_nh_.subscribe<rigid_body_sim::BodyDescriptions>(node() + "/body_descriptions",
-                                                                             kQueue, describe);
+    states_ = listen<rigid_body_sim::BodyStates>(topic_->getTopicStd());
+    descriptions_ = listen<rigid_body_sim::BodyDescriptions>(node() + "/body_descriptions");
+    explainColors();
     setStatus(StatusProperty::Warn, "Topic", "No message received");
   } catch (const ros::Exception& error) {
     inbox_.reset();
@@ -88,16 +146,29 @@ void BodiesDisplay::subscribe() {
   }
 }
 
+// What only an option needs is only listened to for that option.
+void BodiesDisplay::followContacts() {
+  const bool needs_contacts = inbox_ && (shownContacts().any() || colorBy() == ColorBy::Island);
+  const bool needs_step = inbox_ && shownContacts().forces;
+  if (!needs_contacts)
+    contacts_topic_.shutdown(), contacts_message_.reset(), contacts_.clear(), links_.clear();
+  if (!needs_step) status_topic_.shutdown(), step_ = 0.0, deleteStatus("Forces");
+  if (needs_contacts && !contacts_topic_)
+    contacts_topic_ = listen<rigid_body_sim::Contacts>(node() + "/contacts");
+  if (needs_step && !status_topic_) status_topic_ = listen<rigid_body_sim::Status>(node() + "/status");
+}
+
 void BodiesDisplay::unsubscribe() {
   states_.shutdown();
   descriptions_.shutdown();
   inbox_.reset();
+  followContacts();
   playback_.clear();
   drawn_.reset();
   places_.clear();
   descriptions_count_ = states_count_ = states_shown_ = 0;
-  if (!bodies_) return;
-  bodies_->setCatalog(nullptr, "");
+  if (!visuals_) return;
+  visuals_->clear();
   clearStatuses();
 }
 
@@ -108,13 +179,54 @@ void BodiesDisplay::update(float, float) {
                                                   : std::numeric_limits<double>::infinity());
   if (playback_.catalog() != drawn_) {
     drawn_ = playback_.catalog();
-    bodies_->setCatalog(drawn_, node());
+    visuals_->bodies.setCatalog(drawn_, node());
+    visuals_->trails.clear();
+    readContacts();
   }
   if (!told_.isValid() || told_.elapsed() >= 1000) showCounts();
   if (!drawn_ || !place()) return;
-  std::vector<Ogre::ColourValue> colors;
-  for (const CatalogBody& body : drawn_->bodies) colors.push_back(body.color);
-  bodies_->draw(places_, colors, eyeOf(*context_, *scene_node_));
+  draw();
+}
+
+void BodiesDisplay::Visuals::clear() {
+  bodies.setCatalog(nullptr, "");
+  shadows.clear();
+  guides.clear();
+  trails.clear();
+  contacts.clear();
+  names.clear();
+}
+
+void BodiesDisplay::draw() {
+  const Eye eye = eyeOf(*context_, *scene_node_);
+  const std::vector<Ogre::ColourValue> colors =
+      colorsOf(*drawn_, places_, colorBy(), links_, fastest_->getFloat());
+  visuals_->bodies.draw(places_, colors, eye);
+  const GuidesVisual::Shown guides = shownGuides();
+  shadows_->getBool() ? visuals_->shadows.draw(*drawn_, places_, eye) : visuals_->shadows.clear();
+  guides.any() ? visuals_->guides.draw(*drawn_, places_, guides, eye) : visuals_->guides.clear();
+  names_->getBool() ? visuals_->names.draw(*drawn_, places_, eye) : visuals_->names.clear();
+  shownContacts().any() ? drawContacts(eye) : visuals_->contacts.clear();
+  if (trails_->getBool())
+    visuals_->trails.draw(*drawn_, places_, colors, playback_.stamp(), trail_seconds_->getFloat(), eye);
+  else
+    visuals_->trails.clear();
+}
+
+void BodiesDisplay::drawContacts(const Eye& eye) {
+  const float scale = visuals_->contacts.draw(*drawn_, contacts_, shownContacts(), static_cast<float>(step_),
+                                              force_scale_->getFloat(), eye);
+  if (shownContacts().forces && step_ > 0.0)
+    setStatus(StatusProperty::Ok, "Forces",
+              QString("%1 contact points, %2 m/N").arg(contacts_.size()).arg(scale, 0, 'g', 2));
+}
+
+GuidesVisual::Shown BodiesDisplay::shownGuides() const {
+  return {axes_->getBool(), centres_->getBool(), bounds_->getBool()};
+}
+
+ContactsVisual::Shown BodiesDisplay::shownContacts() const {
+  return {points_->getBool(), forces_->getBool(), cones_->getBool()};
 }
 
 void BodiesDisplay::takeIn(BodyInbox::Content content) {
@@ -124,6 +236,22 @@ void BodiesDisplay::takeIn(BodyInbox::Content content) {
     setStatusStd(StatusProperty::Error, "Last refused message", complaint);
   descriptions_count_ += content.descriptions;
   states_count_ += content.states;
+  if (std::isfinite(content.step) && content.step > 0.0) step_ = content.step;
+  if (!content.contacts || !contacts_topic_) return;
+  contacts_message_ = content.contacts;
+  readContacts();
+}
+
+void BodiesDisplay::readContacts() {
+  contacts_.clear();
+  links_.clear();
+  if (!contacts_message_ || !drawn_) return;
+  try {
+    contacts_ = rbs::readContacts(*contacts_message_, *drawn_);
+  } catch (const BadMessage& error) {
+    setStatus(StatusProperty::Error, "Last refused message", QString("Contacts: %1.").arg(error.what()));
+  }
+  for (const DrawnContact& contact : contacts_) links_.emplace_back(contact.a, contact.b);
 }
 
 void BodiesDisplay::showCounts() {
@@ -165,7 +293,7 @@ bool BodiesDisplay::place() {
 }
 
 void BodiesDisplay::setHighlighted(const std::set<std::string>& names) {
-  if (bodies_) bodies_->setHighlighted(names);
+  if (visuals_) visuals_->bodies.setHighlighted(names);
 }
 
 std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const {

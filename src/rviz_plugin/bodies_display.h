@@ -3,11 +3,19 @@
 #pragma once
 
 #include "bodies_visual.h"
+#include "body_colors.h"
 #include "body_inbox.h"
 #include "body_playback.h"
+#include "contacts_visual.h"
+#include "guides_visual.h"
+#include "names_visual.h"
+#include "shadow_visual.h"
+#include "trails_visual.h"
 
 #include <rviz/display.h>
 #include <rviz/properties/bool_property.h>
+#include <rviz/properties/enum_property.h>
+#include <rviz/properties/float_property.h>
 #include <rviz/properties/ros_topic_property.h>
 
 #include <QElapsedTimer>
@@ -51,21 +59,53 @@ class BodiesDisplay : public rviz::Display {
 
  private Q_SLOTS:
   void subscribe();
+  void followContacts();
+  void explainColors();
 
  private:
+  /// What is drawn; there is none where the graphics driver cannot do it.
+  struct Visuals {
+    Visuals(rviz::DisplayContext& context, Ogre::SceneNode& node)
+        : bodies(context, node), shadows(node), guides(node), trails(node), contacts(node), names(node) {}
+    void clear();
+
+    BodiesVisual bodies;
+    ShadowVisual shadows;
+    GuidesVisual guides;
+    TrailsVisual trails;
+    ContactsVisual contacts;
+    NamesVisual names;
+  };
+
+  void addOptions();
+  template <class Message>
+  ros::Subscriber listen(const std::string& topic);
   void unsubscribe();
   void takeIn(BodyInbox::Content content);
+  void readContacts();
   void showCounts();
   bool place();
+  void draw();
+  void drawContacts(const Eye& eye);
+  ColorBy colorBy() const { return static_cast<ColorBy>(color_by_->getOptionInt()); }
+  GuidesVisual::Shown shownGuides() const;
+  ContactsVisual::Shown shownContacts() const;
 
   rviz::RosTopicProperty* topic_;
-  rviz::BoolProperty* interpolates_;
+  rviz::BoolProperty *interpolates_, *shadows_, *trails_, *names_, *axes_, *centres_, *bounds_, *points_,
+      *forces_, *cones_;
+  rviz::EnumProperty* color_by_;
+  rviz::FloatProperty *fastest_, *trail_seconds_, *force_scale_;
   std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
-  ros::Subscriber descriptions_, states_;
+  ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_;
   BodyPlayback playback_;
-  std::shared_ptr<const BodyCatalog> drawn_;  ///< that the visuals know
-  std::vector<BodyPlace> places_;             ///< as last drawn
-  std::unique_ptr<BodiesVisual> bodies_;
+  std::shared_ptr<const BodyCatalog> drawn_;                ///< that the visuals know
+  std::vector<BodyPlace> places_;                           ///< as last drawn
+  rigid_body_sim::ContactsConstPtr contacts_message_;       ///< the newest; null: none
+  std::vector<DrawnContact> contacts_;                      ///< of that message
+  std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< the bodies of those
+  double step_ = 0.0;                                       ///< length of a step, s; 0: not told
+  std::unique_ptr<Visuals> visuals_;
   std::size_t descriptions_count_ = 0, states_count_ = 0;  ///< messages since the subscription
   std::size_t states_shown_ = 0;                           ///< states_count_ when it was last told
   QElapsedTimer told_;                                     ///< since the status told the counts

@@ -47,6 +47,16 @@ void BodyInbox::receive(const rigid_body_sim::BodyStatesConstPtr& message) {
   if (!complaint.empty()) content_.complaints = {complaint};
 }
 
+void BodyInbox::receive(const rigid_body_sim::ContactsConstPtr& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  content_.contacts = message;
+}
+
+void BodyInbox::receive(const rigid_body_sim::StatusConstPtr& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  content_.step = message->step;
+}
+
 BodyInbox::Content BodyInbox::take() {
   std::lock_guard<std::mutex> lock(mutex_);
   return std::exchange(content_, {});

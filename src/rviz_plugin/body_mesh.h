@@ -18,11 +18,11 @@ enum class Pattern { None, Octants, Quarters, Tiles, BoxEdges };
 struct BodyMesh {
   struct Vertex {
     Ogre::Vector3 position, normal;
-    float end;      ///< of a capsule: the half ball that it belongs to, +1 or -1; else 0
-    float pattern;  ///< a Pattern
+    float end;  ///< of a capsule: the half ball that it belongs to, +1 or -1; else 0
   };
   std::vector<Vertex> vertices;
   std::vector<std::uint16_t> indices;
+  Pattern pattern = Pattern::None;
   bool is_lines = false;
 };
 

@@ -28,7 +28,7 @@ void InstanceGroups::end(const Ogre::Vector3& eye) {
   for (auto& [key, group] : groups_) {
     const auto& [mesh, look] = key;
     if (!group.drawn) {
-      group.drawn = std::make_unique<Instances>(*mesh, instanceMaterial(look));
+      group.drawn = std::make_unique<Instances>(*mesh, instanceMaterial(look, mesh->pattern));
       if (look == Look::OnTop) group.drawn->setRenderQueueGroup(Ogre::RENDER_QUEUE_8);
       if (look == Look::Ground) group.drawn->setRenderQueueGroup(Ogre::RENDER_QUEUE_4);  // before all else
       node_.attachObject(group.drawn.get());

@@ -2,6 +2,8 @@
 // The materials of instances, with the shaders that place, light and mark them.
 #pragma once
 
+#include "body_mesh.h"
+
 #include <OgreMaterial.h>
 
 namespace rbs {
@@ -16,10 +18,10 @@ enum class Look {
   Shadow       ///< a soft dark spot: the alpha is its strength in the middle
 };
 
-/// The material of this look. Shared by all displays; made when first asked for.
+/// The material of this look for meshes with this pattern. Shared by all displays; made when first asked for.
 ///
 /// All of them take part in RViz's picking: it draws scenes again with the handle in place of the colour, and
 /// with the depth. What has the handle 0 is passed through by the mouse. Plain, OnTop and Shadow always are.
-Ogre::MaterialPtr instanceMaterial(Look look);
+Ogre::MaterialPtr instanceMaterial(Look look, Pattern pattern);
 
 }  // namespace rbs

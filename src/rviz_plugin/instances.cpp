@@ -34,7 +34,7 @@ Instance Instance::at(const Ogre::Vector3& position, const Ogre::Quaternion& ori
 }
 
 Instances::Instances(const BodyMesh& mesh, const Ogre::MaterialPtr& material) {
-  static_assert(sizeof(BodyMesh::Vertex) == 8 * sizeof(float), "as declared below");
+  static_assert(sizeof(BodyMesh::Vertex) == 7 * sizeof(float), "as declared below");
   static_assert(sizeof(Instance) == 16 * sizeof(float), "as declared below");
   mRenderOp.vertexData = new Ogre::VertexData;
   mRenderOp.indexData = new Ogre::IndexData;
@@ -46,7 +46,7 @@ Instances::Instances(const BodyMesh& mesh, const Ogre::MaterialPtr& material) {
   Ogre::VertexDeclaration& declared = *mRenderOp.vertexData->vertexDeclaration;
   declared.addElement(kMesh, 0, Ogre::VET_FLOAT3, Ogre::VES_POSITION);
   declared.addElement(kMesh, 3 * sizeof(float), Ogre::VET_FLOAT3, Ogre::VES_NORMAL);
-  declared.addElement(kMesh, 6 * sizeof(float), Ogre::VET_FLOAT2, Ogre::VES_TEXTURE_COORDINATES, 0);
+  declared.addElement(kMesh, 6 * sizeof(float), Ogre::VET_FLOAT1, Ogre::VES_TEXTURE_COORDINATES, 0);
   for (unsigned short k = 0; k < 4; ++k)
     declared.addElement(kInstance, 4 * k * sizeof(float), Ogre::VET_FLOAT4, Ogre::VES_TEXTURE_COORDINATES,
                         k + 1);
