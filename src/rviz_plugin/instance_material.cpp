@@ -26,7 +26,7 @@ attribute vec4 uv3;
 attribute vec4 uv4;
 uniform mat4 worldviewproj_matrix, worldview_matrix, world_matrix;
 uniform vec4 ambient, light_positions[4], light_colors[4];
-varying vec3 point;
+varying vec3 point, picked;
 varying vec2 tiles;
 varying vec4 color, plain;
 varying float extra, handle, depth, far;
@@ -44,6 +44,12 @@ vec3 lightAt(vec3 place, vec3 n) {
   return sum;
 }
 
+// A handle is a whole number below 2^24, which a float holds exactly, but not after it was interpolated.
+vec3 bytesOf(float whole) {
+  float r = floor(whole / 65536.0), g = floor((whole - 65536.0 * r) / 256.0);
+  return vec3(r, g, whole - 65536.0 * r - 256.0 * g) / 255.0;
+}
+
 void main() {
   vec3 size = uv3.xyz;
   vec4 here = vec4(turned(uv2, vertex.xyz * size + vec3(0.0, 0.0, uv0.x * uv3.w)) + uv1.xyz, 1.0);
@@ -54,6 +60,7 @@ void main() {
   color = vec4(uv4.rgb * lightAt((world_matrix * here).xyz, n), uv4.a);
   extra = uv3.w;
   handle = uv1.w;
+  picked = bytesOf(uv1.w);
   depth = -(worldview_matrix * here).z;
   far = size.x;
   gl_Position = worldviewproj_matrix * here;
@@ -93,7 +100,7 @@ float marked() {
 )"};
 
 const char* const kVaryings = R"(
-varying vec3 point;
+varying vec3 point, picked;
 varying vec2 tiles;
 varying vec4 color, plain;
 varying float extra, handle, depth, far;
@@ -118,13 +125,10 @@ void main() {
 }
 )";
 
-// The handle is a whole number below 2^24, which a float holds exactly.
 const char* const kPick = R"(
 void main() {
-  float h = floor(handle + 0.5);
-  if (h < 0.5) discard;
-  float r = floor(h / 65536.0), g = floor((h - 65536.0 * r) / 256.0), b = h - 65536.0 * r - 256.0 * g;
-  gl_FragColor = vec4(vec3(r, g, b) / 255.0, 1.0);
+  if (handle < 0.5) discard;
+  gl_FragColor = vec4(picked, 1.0);
 }
 )";
 
