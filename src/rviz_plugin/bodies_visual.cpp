@@ -12,10 +12,10 @@ using Ogre::Vector3;
 
 /// The meshes of a shape by fineness.
 struct Meshes {
-  std::array<BodyMesh, 3> sphere{sphereMesh(6), sphereMesh(12), sphereMesh(24)};
-  std::array<BodyMesh, 3> capsule{capsuleMesh(6), capsuleMesh(12), capsuleMesh(24)};
-  std::array<BodyMesh, 3> cylinder{cylinderMesh(12), cylinderMesh(24), cylinderMesh(48)};
-  std::array<BodyMesh, 3> cone{coneMesh(12), coneMesh(24), coneMesh(48)};
+  std::array<BodyMesh, 4> sphere{sphereMesh(4), sphereMesh(6), sphereMesh(12), sphereMesh(24)};
+  std::array<BodyMesh, 4> capsule{capsuleMesh(4), capsuleMesh(6), capsuleMesh(12), capsuleMesh(24)};
+  std::array<BodyMesh, 4> cylinder{cylinderMesh(8), cylinderMesh(12), cylinderMesh(24), cylinderMesh(48)};
+  std::array<BodyMesh, 4> cone{coneMesh(8), coneMesh(12), coneMesh(24), coneMesh(48)};
   BodyMesh box = boxMesh();
   BodyMesh plane = squareMesh(Pattern::Tiles);
 };
@@ -25,9 +25,11 @@ const Meshes& meshes() {
   return all;
 }
 
-std::size_t finenessOf(float reach, float distance, const Eye& eye) {
-  const float pixels = eye.pixels * reach / std::max(distance, 1e-6f);
-  return pixels > 50.0f ? 2 : pixels > 9.0f ? 1 : 0;
+// By the radius in the picture. Where no graphics card helps, triangles are what takes the time.
+std::size_t finenessOf(const CatalogBody& body, float distance, const Eye& eye) {
+  const float radius = body.shape == BodyShape::Sphere ? body.half_size.x : body.reach();
+  const float pixels = eye.pixels * radius / std::max(distance, 1e-6f);
+  return pixels > 40.0f ? 3 : pixels > 9.0f ? 2 : pixels > 3.5f ? 1 : 0;
 }
 
 const BodyMesh& meshOf(const CatalogBody& body, std::size_t fineness) {
@@ -139,7 +141,7 @@ void BodiesVisual::draw(const std::vector<BodyPlace>& places, const std::vector<
 
 void BodiesVisual::add(const CatalogBody& body, const BodyPlace& place, Instance instance, const Eye& eye) {
   setSize(body, instance);
-  const std::size_t fineness = finenessOf(body.reach(), (place.position - eye.position).length(), eye);
+  const std::size_t fineness = finenessOf(body, (place.position - eye.position).length(), eye);
   constexpr float kOpaque = 0.998f;
   groups_.add(meshOf(body, fineness), instance.alpha < kOpaque ? Look::SeeThrough : Look::Solid, instance);
 }

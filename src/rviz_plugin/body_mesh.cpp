@@ -22,18 +22,28 @@ void addQuad(BodyMesh& mesh, const Vector3 (&corners)[4], const Vector3& normal)
   for (const int k : {0, 1, 2, 0, 2, 3}) mesh.indices.push_back(static_cast<std::uint16_t>(first + k));
 }
 
-// A grid of rows (down) and columns (around); a row is a ring with one vertex more than it has columns.
+// A grid of rows (down) and columns (around); a row is a ring with one vertex more than it has columns. At a pole,
+// a ring is a point, and the quads below or above it are triangles.
 void addRings(BodyMesh& mesh, int rows, int columns,
               const std::function<void(int row, float angle)>& vertex) {
   const auto first = static_cast<int>(mesh.vertices.size());
   for (int row = 0; row <= rows; ++row)
     for (int column = 0; column <= columns; ++column)
       vertex(row, 2.0f * static_cast<float>(M_PI) * static_cast<float>(column) / static_cast<float>(columns));
+  const auto addTriangle = [&](int a, int b, int c) {
+    const auto isOnePoint = [&](int k, int l) {
+      const BodyMesh::Vertex &one = mesh.vertices[static_cast<std::size_t>(k)],
+                             &other = mesh.vertices[static_cast<std::size_t>(l)];
+      return one.end == other.end && one.position.positionEquals(other.position);
+    };
+    if (isOnePoint(a, b) || isOnePoint(b, c) || isOnePoint(c, a)) return;
+    for (const int k : {a, b, c}) mesh.indices.push_back(static_cast<std::uint16_t>(k));
+  };
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const int upper = first + row * (columns + 1) + column, lower = upper + columns + 1;
-      for (const int k : {lower, lower + 1, upper + 1, lower, upper + 1, upper})
-        mesh.indices.push_back(static_cast<std::uint16_t>(k));
+      addTriangle(lower, lower + 1, upper + 1);
+      addTriangle(lower, upper + 1, upper);
     }
   }
 }

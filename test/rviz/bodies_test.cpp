@@ -190,6 +190,13 @@ TEST(BodyMesh, FacesOutwardAndHasItsVolume) {
   EXPECT_NEAR(volumeOf(coneMesh(48)), M_PI / 3.0, 0.02);
 }
 
+// The half balls apart, the wall between them closes the surface.
+TEST(BodyMesh, OfACapsuleHasAWall) {
+  BodyMesh mesh = capsuleMesh(24);
+  for (BodyMesh::Vertex& vertex : mesh.vertices) vertex.position.z += vertex.end;
+  EXPECT_NEAR(volumeOf(mesh), 4.0 / 3.0 * M_PI + 2.0 * M_PI, 0.1);
+}
+
 }  // namespace
 }  // namespace rbs
 
