@@ -71,6 +71,7 @@ TEST(BodyPlayback, MovesEvenlyBetweenMessages) {
 TEST(BodyPlayback, DoesNotExtrapolate) {
   BodyPlayback playback = steadyMotion();
   EXPECT_FLOAT_EQ(playback.at(200.0)[0].position.x, 2.0f);
+  EXPECT_DOUBLE_EQ(playback.stamp(), 2.0);
 }
 
 TEST(BodyPlayback, DoesNotInterpolateAJump) {
@@ -124,13 +125,14 @@ TEST(PlaybackClock, NeverGoesBackWhereMessagesAreLate) {
   PlaybackClock clock;
   double last = 0.0;
   for (int k = 0; k < 100; ++k) {
-    const double late = k % 3 == 0 ? 0.02 : 0.0;
+    const double late = k % 20 == 0 ? 0.2 : 0.0;
     clock.add(0.0125 * k, 10.0 + 0.0125 * k + late);
     const double shown = clock.at(10.0 + 0.0125 * k + late);
     EXPECT_GE(shown, last);
     EXPECT_LE(shown, 0.0125 * k);
     last = shown;
   }
+  EXPECT_DOUBLE_EQ(clock.at(1000.0), 0.0125 * 99);
 }
 
 TEST(ReadStates, RefusesWhatIsNotFinite) {
