@@ -155,7 +155,8 @@ class BodiesTest(unittest.TestCase):
         with self.open() as rviz:
             self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
             self.fake.move(4, [there])
-            self.wait_for_hues(rviz, [(here, 0)], 'the ball has stayed')
+            rviz.wait_for_rest()
+            self.assertEqual(hue(self.pixel(rviz, here)), 0)
             self.fake.describe(4, [body(1, 'sphere', GREEN)])
             self.wait_for_hues(rviz, [(there, 1)], 'the ball is green in its new place')
 
