@@ -6,7 +6,6 @@
 #include <OgreCamera.h>
 #include <OgreRay.h>
 #include <OgreViewport.h>
-#include <rviz/default_plugin/markers/marker_selection_handler.h>
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
 #include <rviz/render_panel.h>
@@ -40,11 +39,12 @@ BodyMouse::BodyMouse(rviz::DisplayContext& context) : context_(context) {
 }
 
 void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator,
-                    const rigid_body_sim::BodyDescription& body, const rviz::MarkerSelectionHandler& marker) {
+                    const rigid_body_sim::BodyDescription& body, const Ogre::Vector3& position,
+                    const Ogre::Quaternion& orientation) {
   simulator_ = simulator;
   body_ = body;
-  position_ = marker.getPosition();
-  orientation_ = marker.getOrientation();
+  position_ = position;
+  orientation_ = orientation;
 }
 
 void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {

@@ -18,8 +18,7 @@
 
 namespace rviz {
 class DisplayContext;
-class MarkerSelectionHandler;
-}  // namespace rviz
+}
 
 namespace rbs {
 
@@ -30,9 +29,9 @@ class BodyMouse : public rviz::InteractiveObject {
  public:
   explicit BodyMouse(rviz::DisplayContext& context);
 
-  /// From now on it stands for this body, which is drawn where `marker` is. Not while it drags.
+  /// From now on it stands for this body, which is drawn here in the fixed frame, m. Not while it drags.
   void aim(const std::shared_ptr<SimulatorBodies>& simulator, const rigid_body_sim::BodyDescription& body,
-           const rviz::MarkerSelectionHandler& marker);
+           const Ogre::Vector3& position, const Ogre::Quaternion& orientation);
   bool drags() const { return drag_.has_value(); }
   /// Ends the drag, if there is one.
   void letGo();

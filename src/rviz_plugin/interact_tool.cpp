@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interact_tool.h"
 
-#include "picked_marker.h"
+#include "picked_body.h"
 #include "simulation_panel.h"
 
-#include <rviz/default_plugin/markers/marker_selection_handler.h>
 #include <rviz/display_context.h>
 #include <rviz/load_resource.h>
 #include <rviz/render_panel.h>
+#include <rviz/selection/selection_handler.h>
 #include <rviz/viewport_mouse_event.h>
 #include <rviz/window_manager_interface.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -65,7 +65,7 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   nothing_there_ = "There is no body here: the mouse turns the view.";
   for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
     bodiesOf(node);  // so that they are known before the first press
-  const std::optional<PickedMarker> picked = pickMarker(*context_, event);
+  const std::optional<PickedBody> picked = pickBody(*context_, event);
   if (!picked) return;
   picked->handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
   const std::shared_ptr<SimulatorBodies> simulator = bodiesOf(picked->node);
@@ -79,7 +79,7 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
                          .arg(QString::fromStdString(body->name));
   } else {
     aimed_ = {picked->node, QString::fromStdString(body->name)};
-    mouse_->aim(simulator, *body, *picked->handler);
+    mouse_->aim(simulator, *body, picked->position, picked->orientation);
     picked->handler->setInteractiveObject(mouse_);
   }
 }

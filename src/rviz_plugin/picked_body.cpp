@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "picked_marker.h"
+#include "picked_body.h"
+
+#include "body_handler.h"
 
 #include <rviz/default_plugin/markers/marker_selection_handler.h>
 #include <rviz/display_context.h>
@@ -29,20 +31,36 @@ QString titleOf(rviz::SelectionManager& manager, rviz::SelectionHandler& handler
   return title;
 }
 
+constexpr std::uint64_t kLow = 0x7fffffff;
+
+std::optional<PickedBody> bodyOf(BodyHandler& handler) {
+  return PickedBody{&handler, handler.node(), handler.body().id & kLow, handler.position(),
+                    handler.orientation()};
+}
+
+// The namespace of a marker names the node.
+std::optional<PickedBody> bodyOf(rviz::SelectionManager& manager, rviz::MarkerSelectionHandler& handler,
+                                 const rviz::Picked& picked) {
+  static const QRegularExpression kTitle("^Marker (/.+)/bodies(_dark)?/(\\d+)$");
+  const QRegularExpressionMatch match = kTitle.match(titleOf(manager, handler, picked));
+  if (!match.hasMatch()) return std::nullopt;
+  return PickedBody{&handler, match.captured(1).toStdString(), match.captured(3).toULongLong(),
+                    handler.getPosition(), handler.getOrientation()};
+}
+
 }  // namespace
 
-std::optional<PickedMarker> pickMarker(rviz::DisplayContext& context, const rviz::ViewportMouseEvent& event) {
+std::optional<PickedBody> pickBody(rviz::DisplayContext& context, const rviz::ViewportMouseEvent& event) {
   rviz::SelectionManager& manager = *context.getSelectionManager();
   rviz::M_Picked results;
   manager.pick(event.viewport, event.x, event.y, event.x + 1, event.y + 1, results, true);
   if (results.empty()) return std::nullopt;
   const rviz::Picked& picked = results.begin()->second;
-  auto* const handler = dynamic_cast<rviz::MarkerSelectionHandler*>(manager.getHandler(picked.handle));
-  if (!handler) return std::nullopt;
-  static const QRegularExpression kTitle("^Marker (/.+)/bodies(_dark)?/(\\d+)$");
-  const QRegularExpressionMatch match = kTitle.match(titleOf(manager, *handler, picked));
-  if (!match.hasMatch()) return std::nullopt;
-  return PickedMarker{handler, match.captured(1).toStdString(), match.captured(3).toULongLong()};
+  rviz::SelectionHandler* const handler = manager.getHandler(picked.handle);
+  if (auto* const body = dynamic_cast<BodyHandler*>(handler)) return bodyOf(*body);
+  if (auto* const marker = dynamic_cast<rviz::MarkerSelectionHandler*>(handler))
+    return bodyOf(manager, *marker, picked);
+  return std::nullopt;
 }
 
 }  // namespace rbs

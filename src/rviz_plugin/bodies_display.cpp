@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bodies_display.h"
+
+#include <OgreCamera.h>
+#include <OgreSceneNode.h>
+#include <OgreViewport.h>
+#include <ros/message_traits.h>
+#include <rviz/display_context.h>
+#include <rviz/frame_manager.h>
+#include <rviz/properties/status_property.h>
+
+#include <cmath>
+#include <limits>
+#include <pluginlib/class_list_macros.hpp>
+
+namespace rbs {
+namespace {
+
+using rviz::StatusProperty;
+
+}  // namespace
+
+BodiesDisplay::BodiesDisplay() {
+  const QString type = ros::message_traits::datatype<rigid_body_sim::BodyStates>();
+  topic_ = new rviz::RosTopicProperty(
+      "Topic", "/sim/body_states", type,
+      type + " topic of a simulator. What else it publishes is found beside it.", this, SLOT(subscribe()));
+  interpolates_ = new rviz::BoolProperty(
+      "Smooth Motion", true,
+      "Draw the bodies between the states that come, about one and a half messages behind the newest. Off: "
+      "where the newest message has them.",
+      this);
+  addOptions();
+}
+
+void BodiesDisplay::addOptions() {
+  color_by_ = new rviz::EnumProperty("Color By", "Material", "", this, SLOT(explainColors()));
+  color_by_->addOption("Material", static_cast<int>(ColorBy::Material));
+  color_by_->addOption("Island", static_cast<int>(ColorBy::Island));
+  color_by_->addOption("Awake", static_cast<int>(ColorBy::Awake));
+  color_by_->addOption("Speed", static_cast<int>(ColorBy::Speed));
+  fastest_ = new rviz::FloatProperty("Fastest", 5.0f, "Speed at the bright end of the colours, m/s.",
+                                     color_by_, SLOT(explainColors()), this);
+  fastest_->setMin(1e-3f);
+  const auto option = [this](const QString& name, bool on, const QString& what, const char* slot = nullptr) {
+    return new rviz::BoolProperty(name, on, what, this, slot);
+  };
+  shadows_ = option("Shadows", true, "A soft spot on the floor straight below each body: how high it is.");
+  trails_ = option("Trails", false, "The ways that the centres of dynamic bodies have gone.");
+  trail_seconds_ =
+      new rviz::FloatProperty("Duration", 2.0f, "How long a trail stays, s of simulation.", trails_);
+  trail_seconds_->setMin(0.05f);
+  names_ = option("Names", false, QString("The names of the %1 nearest bodies.").arg(NamesVisual::kMost));
+  axes_ =
+      option("Axes", false, "The principal axes of each body that is not static: x red, y green, z blue.");
+  centres_ = option("Centres of Mass", false,
+                    "A chequered ball at the centre of mass of each body that is not static.");
+  bounds_ = option("Bounding Boxes", false,
+                   "The bounds of each body that is not static, along the axes of the world.");
+  points_ =
+      option("Contact Points", false, "A dot at each contact point of ~contacts.", SLOT(followContacts()));
+  forces_ =
+      option("Contact Forces", false,
+             "The mean forces over the last step on the body that was created later: the normal force in "
+             "blue, friction in orange.",
+             SLOT(followContacts()));
+  force_scale_ =
+      new rviz::FloatProperty("Scale", 0.0f,
+                              "Length of an arrow, m per N. 0: the largest force is drawn as long as a "
+                              "body is wide; the status tells the scale.",
+                              forces_);
+  force_scale_->setMin(0.0f);
+  cones_ = option("Friction Cones", false, "What the force at each contact point cannot leave.",
+                  SLOT(followContacts()));
+  explainColors();
+}
+
+void BodiesDisplay::explainColors() {
+  color_by_->setDescription(QString::fromStdString(
+      "What the colours stand for. Now: " + legendOf(colorBy(), fastest_->getFloat()) + "."));
+  fastest_->setHidden(colorBy() != ColorBy::Speed);
+  if (!isEnabled() || !visuals_) return;
+  setStatusStd(StatusProperty::Ok, "Colors", legendOf(colorBy(), fastest_->getFloat()));
+  followContacts();
+}
+
+BodiesDisplay::~BodiesDisplay() {
+  unsubscribe();
+}
+
+void BodiesDisplay::onInitialize() {
+  if (!Instances::areSupported()) {
+    setStatus(StatusProperty::Error, "Graphics",
+              "The graphics driver has no hardware instancing: use a MarkerArray display of "
+              "~visualization_marker_array.");
+    return;
+  }
+  visuals_ = std::make_unique<Visuals>(*context_, *scene_node_);
+}
+
+void BodiesDisplay::onEnable() {
+  subscribe();
+}
+
+void BodiesDisplay::onDisable() {
+  unsubscribe();
+}
+
+void BodiesDisplay::setTopic(const QString& topic, const QString&) {
+  topic_->setString(topic);
+}
+
+// The states come again to who subscribes anew, also while the simulator is paused.
+void BodiesDisplay::reset() {
+  rviz::Display::reset();
+  subscribe();
+}
+
+std::string BodiesDisplay::node() const {
+  const std::string topic = update_nh_.resolveName(topic_->getTopicStd());
+  return topic.substr(0, topic.rfind('/'));
+}
+
+template <class Message>
+ros::Subscriber BodiesDisplay::listen(const std::string& topic) {
+  constexpr std::uint32_t kQueue = 10;
+  using Pointer = boost::shared_ptr<const Message>;
+  const boost::function<void(const Pointer&)> receive = [inbox = inbox_](const Pointer& message) {
+    inbox->receive(message);
+  };
+  return threaded_nh_.subscribe<Message>(topic, kQueue, receive);
+}
+
+void BodiesDisplay::subscribe() {
+  unsubscribe();
+  if (!isEnabled() || !visuals_) return;
+  inbox_ = std::make_shared<BodyInbox>();
+  try {
+    states_ = listen<rigid_body_sim::BodyStates>(topic_->getTopicStd());
+    descriptions_ = listen<rigid_body_sim::BodyDescriptions>(node() + "/body_descriptions");
+    explainColors();
+    setStatus(StatusProperty::Warn, "Topic", "No message received");
+  } catch (const ros::Exception& error) {
+    inbox_.reset();
+    setStatus(StatusProperty::Error, "Topic", QString("Cannot subscribe: ") + error.what());
+  }
+}
+
+// What only an option needs is only listened to for that option.
+void BodiesDisplay::followContacts() {
+  const bool needs_contacts = inbox_ && (shownContacts().any() || colorBy() == ColorBy::Island);
+  const bool needs_step = inbox_ && shownContacts().forces;
+  if (!needs_contacts)
+    contacts_topic_.shutdown(), contacts_message_.reset(), contacts_.clear(), links_.clear();
+  if (!needs_step) status_topic_.shutdown(), step_ = 0.0, deleteStatus("Forces");
+  if (needs_contacts && !contacts_topic_)
+    contacts_topic_ = listen<rigid_body_sim::Contacts>(node() + "/contacts");
+  if (needs_step && !status_topic_) status_topic_ = listen<rigid_body_sim::Status>(node() + "/status");
+}
+
+void BodiesDisplay::unsubscribe() {
+  states_.shutdown();
+  descriptions_.shutdown();
+  inbox_.reset();
+  followContacts();
+  playback_.clear();
+  drawn_.reset();
+  places_.clear();
+  descriptions_count_ = states_count_ = states_shown_ = 0;
+  if (!visuals_) return;
+  visuals_->clear();
+  clearStatuses();
+}
+
+void BodiesDisplay::update(float, float) {
+  if (!inbox_) return;
+  takeIn(inbox_->take());
+  places_ = playback_.at(interpolates_->getBool() ? ros::WallTime::now().toSec()
+                                                  : std::numeric_limits<double>::infinity());
+  if (playback_.catalog() != drawn_) {
+    drawn_ = playback_.catalog();
+    visuals_->bodies.setCatalog(drawn_, node());
+    visuals_->trails.clear();
+    readContacts();
+  }
+  if (!told_.isValid() || told_.elapsed() >= 1000) showCounts();
+  if (!drawn_ || !place()) return;
+  draw();
+}
+
+void BodiesDisplay::Visuals::clear() {
+  bodies.setCatalog(nullptr, "");
+  shadows.clear();
+  guides.clear();
+  trails.clear();
+  contacts.clear();
+  names.clear();
+}
+
+void BodiesDisplay::draw() {
+  const Eye eye = eyeOf(*context_, *scene_node_);
+  const std::vector<Ogre::ColourValue> colors =
+      colorsOf(*drawn_, places_, colorBy(), links_, fastest_->getFloat());
+  visuals_->bodies.draw(places_, colors, eye);
+  const GuidesVisual::Shown guides = shownGuides();
+  shadows_->getBool() ? visuals_->shadows.draw(*drawn_, places_, eye) : visuals_->shadows.clear();
+  guides.any() ? visuals_->guides.draw(*drawn_, places_, guides, eye) : visuals_->guides.clear();
+  names_->getBool() ? visuals_->names.draw(*drawn_, places_, eye) : visuals_->names.clear();
+  shownContacts().any() ? drawContacts(eye) : visuals_->contacts.clear();
+  if (trails_->getBool())
+    visuals_->trails.draw(*drawn_, places_, colors, playback_.stamp(), trail_seconds_->getFloat(), eye);
+  else
+    visuals_->trails.clear();
+}
+
+void BodiesDisplay::drawContacts(const Eye& eye) {
+  const float scale = visuals_->contacts.draw(*drawn_, contacts_, shownContacts(), static_cast<float>(step_),
+                                              force_scale_->getFloat(), eye);
+  if (shownContacts().forces && step_ > 0.0)
+    setStatus(StatusProperty::Ok, "Forces",
+              QString("%1 contact points, %2 m/N").arg(contacts_.size()).arg(scale, 0, 'g', 2));
+}
+
+GuidesVisual::Shown BodiesDisplay::shownGuides() const {
+  return {axes_->getBool(), centres_->getBool(), bounds_->getBool()};
+}
+
+ContactsVisual::Shown BodiesDisplay::shownContacts() const {
+  return {points_->getBool(), forces_->getBool(), cones_->getBool()};
+}
+
+void BodiesDisplay::takeIn(BodyInbox::Content content) {
+  for (auto& catalog : content.catalogs) playback_.add(std::move(catalog));
+  for (auto& frame : content.frames) playback_.add(std::move(frame));
+  for (const std::string& complaint : content.complaints)
+    setStatusStd(StatusProperty::Error, "Last refused message", complaint);
+  descriptions_count_ += content.descriptions;
+  states_count_ += content.states;
+  if (std::isfinite(content.step) && content.step > 0.0) step_ = content.step;
+  if (!content.contacts || !contacts_topic_) return;
+  contacts_message_ = content.contacts;
+  readContacts();
+}
+
+void BodiesDisplay::readContacts() {
+  contacts_.clear();
+  links_.clear();
+  if (!contacts_message_ || !drawn_) return;
+  try {
+    contacts_ = rbs::readContacts(*contacts_message_, *drawn_);
+  } catch (const BadMessage& error) {
+    setStatus(StatusProperty::Error, "Last refused message", QString("Contacts: %1.").arg(error.what()));
+  }
+  for (const DrawnContact& contact : contacts_) links_.emplace_back(contact.a, contact.b);
+}
+
+void BodiesDisplay::showCounts() {
+  const double seconds = told_.isValid() ? 1e-3 * static_cast<double>(told_.restart()) : 0.0;
+  if (!told_.isValid()) told_.start();
+  const std::size_t news = states_count_ - states_shown_;
+  states_shown_ = states_count_;
+  if (states_count_ + descriptions_count_ > 0)
+    setStatus(StatusProperty::Ok, "Topic",
+              QString("%1 states and %2 descriptions received").arg(states_count_).arg(descriptions_count_));
+  if (playback_.waits()) {
+    setStatus(StatusProperty::Warn, "Bodies",
+              QString("The states wait for the descriptions of version %1").arg(playback_.awaitedVersion()));
+  } else if (drawn_) {
+    setStatus(StatusProperty::Ok, "Bodies",
+              QString("%1 bodies, %2 Hz")
+                  .arg(drawn_->bodies.size())
+                  .arg(seconds > 0.0 ? static_cast<double>(news) / seconds : 0.0, 0, 'f', 0));
+  }
+}
+
+// The frame of the world in the fixed frame. Nothing is drawn where that is not known.
+bool BodiesDisplay::place() {
+  Ogre::Vector3 position;
+  Ogre::Quaternion orientation;
+  const bool is_known =
+      context_->getFrameManager()->getTransform(drawn_->frame, ros::Time(), position, orientation);
+  scene_node_->setVisible(is_known && isEnabled());
+  if (!is_known) {
+    std::string trouble = "No transform from '" + drawn_->frame + "' to the fixed frame";
+    context_->getFrameManager()->transformHasProblems(drawn_->frame, ros::Time(), trouble);
+    setStatusStd(StatusProperty::Error, "Transform", trouble);
+    return false;
+  }
+  setStatus(StatusProperty::Ok, "Transform", "OK");
+  scene_node_->setPosition(position);
+  scene_node_->setOrientation(orientation);
+  return true;
+}
+
+void BodiesDisplay::setHighlighted(const std::set<std::string>& names) {
+  if (visuals_) visuals_->bodies.setHighlighted(names);
+}
+
+std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const {
+  std::vector<std::string> names;
+  const Ogre::Camera& camera = *viewport.getCamera();
+  const Ogre::Matrix4 to_eye = camera.getViewMatrix();
+  const Ogre::Matrix4 to_view = camera.getProjectionMatrix();
+  const auto width = static_cast<float>(viewport.getActualWidth());
+  const auto height = static_cast<float>(viewport.getActualHeight());
+  for (std::size_t k = 0; k < places_.size(); ++k) {
+    if (drawn_->bodies[k].shape == BodyShape::Plane) continue;
+    const Ogre::Vector3 seen = to_eye * scene_node_->convertLocalToWorldPosition(places_[k].position);
+    if (seen.z >= 0.0f) continue;  // behind the eye
+    const Ogre::Vector3 at = to_view * seen;
+    const QPoint pixel(static_cast<int>(0.5f * (1.0f + at.x) * width),
+                       static_cast<int>(0.5f * (1.0f - at.y) * height));
+    if (pixels.contains(pixel)) names.push_back(drawn_->bodies[k].name);
+  }
+  return names;
+}
+
+}  // namespace rbs
+
+PLUGINLIB_EXPORT_CLASS(rbs::BodiesDisplay, rviz::Display)

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// BodiesDisplay: a display of RViz that draws the bodies of a simulator.
+#pragma once
+
+#include "bodies_visual.h"
+#include "body_colors.h"
+#include "body_inbox.h"
+#include "body_playback.h"
+#include "contacts_visual.h"
+#include "guides_visual.h"
+#include "names_visual.h"
+#include "shadow_visual.h"
+#include "trails_visual.h"
+
+#include <rviz/display.h>
+#include <rviz/properties/bool_property.h>
+#include <rviz/properties/enum_property.h>
+#include <rviz/properties/float_property.h>
+#include <rviz/properties/ros_topic_property.h>
+
+#include <QElapsedTimer>
+#include <QRect>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace Ogre {
+class Viewport;
+}
+
+namespace rbs {
+
+/// Follows ~body_states and what the node publishes beside it. Draws thousands of bodies by a few draw calls;
+/// each can be clicked, selected and focused on.
+class BodiesDisplay : public rviz::Display {
+  Q_OBJECT
+ public:
+  BodiesDisplay();
+  ~BodiesDisplay() override;
+
+  void setTopic(const QString& topic, const QString& datatype) override;
+  void update(float wall_dt, float ros_dt) override;
+  void reset() override;
+
+  /// The resolved name of the simulator's node, which is the namespace of the topic.
+  std::string node() const;
+  /// Draws the bodies of these names brighter than the others.
+  void setHighlighted(const std::set<std::string>& names);
+  /// The names of the bodies, other than planes, whose centres are drawn inside a rectangle of pixels of a
+  /// viewport, hidden or not.
+  std::vector<std::string> namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const;
+
+ protected:
+  void onInitialize() override;
+  void onEnable() override;
+  void onDisable() override;
+
+ private Q_SLOTS:
+  void subscribe();
+  void followContacts();
+  void explainColors();
+
+ private:
+  /// What is drawn; there is none where the graphics driver cannot do it.
+  struct Visuals {
+    Visuals(rviz::DisplayContext& context, Ogre::SceneNode& node)
+        : bodies(context, node), shadows(node), guides(node), trails(node), contacts(node), names(node) {}
+    void clear();
+
+    BodiesVisual bodies;
+    ShadowVisual shadows;
+    GuidesVisual guides;
+    TrailsVisual trails;
+    ContactsVisual contacts;
+    NamesVisual names;
+  };
+
+  void addOptions();
+  template <class Message>
+  ros::Subscriber listen(const std::string& topic);
+  void unsubscribe();
+  void takeIn(BodyInbox::Content content);
+  void readContacts();
+  void showCounts();
+  bool place();
+  void draw();
+  void drawContacts(const Eye& eye);
+  ColorBy colorBy() const { return static_cast<ColorBy>(color_by_->getOptionInt()); }
+  GuidesVisual::Shown shownGuides() const;
+  ContactsVisual::Shown shownContacts() const;
+
+  rviz::RosTopicProperty* topic_;
+  rviz::BoolProperty *interpolates_, *shadows_, *trails_, *names_, *axes_, *centres_, *bounds_, *points_,
+      *forces_, *cones_;
+  rviz::EnumProperty* color_by_;
+  rviz::FloatProperty *fastest_, *trail_seconds_, *force_scale_;
+  std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
+  ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_;
+  BodyPlayback playback_;
+  std::shared_ptr<const BodyCatalog> drawn_;                ///< that the visuals know
+  std::vector<BodyPlace> places_;                           ///< as last drawn
+  rigid_body_sim::ContactsConstPtr contacts_message_;       ///< the newest; null: none
+  std::vector<DrawnContact> contacts_;                      ///< of that message
+  std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< the bodies of those
+  double step_ = 0.0;                                       ///< length of a step, s; 0: not told
+  std::unique_ptr<Visuals> visuals_;
+  std::size_t descriptions_count_ = 0, states_count_ = 0;  ///< messages since the subscription
+  std::size_t states_shown_ = 0;                           ///< states_count_ when it was last told
+  QElapsedTimer told_;                                     ///< since the status told the counts
+};
+
+}  // namespace rbs

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the Bodies display that need no RViz: reading messages, playback, colours, meshes.
+#include "body_catalog.h"
+#include "body_colors.h"
+#include "body_mesh.h"
+#include "body_playback.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rbs {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+rigid_body_sim::BodyDescriptions descriptions(std::uint64_t version, std::size_t count) {
+  rigid_body_sim::BodyDescriptions message;
+  message.version = version;
+  for (std::size_t k = 0; k < count; ++k) {
+    rigid_body_sim::BodyDescription body;
+    body.id = k + 1;
+    body.name = "body_" + std::to_string(k + 1);
+    body.shape = "box";
+    body.kind = "dynamic";
+    body.size.x = body.size.y = body.size.z = 1.0;
+    body.color.a = 1.0f;
+    message.bodies.push_back(body);
+  }
+  return message;
+}
+
+rigid_body_sim::BodyStates states(std::uint64_t version, double stamp, const std::vector<double>& xs,
+                                  double speed = 0.0) {
+  rigid_body_sim::BodyStates message;
+  message.version = version;
+  message.header.stamp = ros::Time(stamp);
+  for (std::size_t k = 0; k < xs.size(); ++k) {
+    message.ids.push_back(k + 1);
+    geometry_msgs::Pose pose;
+    pose.position.x = xs[k];
+    pose.orientation.w = 1.0;
+    message.poses.push_back(pose);
+    geometry_msgs::Twist twist;
+    twist.linear.x = speed;
+    message.twists.push_back(twist);
+  }
+  return message;
+}
+
+/// One body at x(t) = t, seen ten times a second.
+BodyPlayback steadyMotion() {
+  BodyPlayback playback;
+  playback.add(readDescriptions(descriptions(1, 1)));
+  for (int k = 0; k <= 10; ++k)
+    playback.add(readStates(states(1, 1.0 + 0.1 * k, {1.0 + 0.1 * k}, 1.0), 100.0 + 0.1 * k));
+  return playback;
+}
+
+TEST(BodyPlayback, MovesEvenlyBetweenMessages) {
+  BodyPlayback playback = steadyMotion();
+  double last = playback.at(100.87)[0].position.x;
+  for (double now = 100.88; now < 101.1; now += 0.01) {
+    const double x = playback.at(now)[0].position.x;
+    EXPECT_NEAR(x - last, 0.01, 1e-4) << now;
+    last = x;
+  }
+}
+
+TEST(BodyPlayback, DoesNotExtrapolate) {
+  BodyPlayback playback = steadyMotion();
+  EXPECT_FLOAT_EQ(playback.at(200.0)[0].position.x, 2.0f);
+  EXPECT_DOUBLE_EQ(playback.stamp(), 2.0);
+}
+
+TEST(BodyPlayback, DoesNotInterpolateAJump) {
+  BodyPlayback playback = steadyMotion();
+  playback.add(readStates(states(1, 2.1, {50.0}, 1.0), 101.1));
+  for (double now = 101.0; now < 101.4; now += 0.01) {
+    const double x = playback.at(now)[0].position.x;
+    EXPECT_TRUE(x <= 2.0 + 1e-4 || x == 50.0) << x;
+  }
+  EXPECT_FLOAT_EQ(playback.at(102.0)[0].position.x, 50.0f);
+}
+
+TEST(BodyPlayback, ShowsAStampThatGoesBackAtOnce) {
+  BodyPlayback playback = steadyMotion();
+  playback.at(101.0);
+  playback.add(readStates(states(1, 1.0, {0.5}), 101.1));
+  EXPECT_FLOAT_EQ(playback.at(101.1)[0].position.x, 0.5f);
+}
+
+TEST(BodyPlayback, WaitsForTheDescriptionsOfAState) {
+  BodyPlayback playback = steadyMotion();
+  playback.add(readStates(states(2, 2.1, {3.0, 4.0}), 101.1));
+  EXPECT_TRUE(playback.waits());
+  EXPECT_EQ(playback.awaitedVersion(), 2u);
+  EXPECT_EQ(playback.at(102.0).size(), 1u);
+  playback.add(readDescriptions(descriptions(2, 2)));
+  EXPECT_FALSE(playback.waits());
+  EXPECT_EQ(playback.at(102.0).size(), 2u);
+  EXPECT_EQ(playback.catalog()->version, 2u);
+}
+
+TEST(BodyPlayback, KeepsWhatIsShownUntilAStateGoesWithNewDescriptions) {
+  BodyPlayback playback = steadyMotion();
+  playback.add(readDescriptions(descriptions(2, 2)));
+  EXPECT_EQ(playback.catalog()->version, 1u);
+  EXPECT_EQ(playback.at(102.0).size(), 1u);
+  playback.add(readStates(states(2, 2.1, {3.0, 4.0}), 101.1));
+  EXPECT_EQ(playback.catalog()->version, 2u);
+}
+
+// A simulator that starts again counts its versions again.
+TEST(BodyPlayback, DoesNotMixOneVersionOfTwoSimulators) {
+  BodyPlayback playback = steadyMotion();
+  playback.add(readStates(states(1, 1.0, {3.0, 4.0}), 101.1));
+  EXPECT_TRUE(playback.waits());
+  playback.add(readDescriptions(descriptions(1, 2)));
+  EXPECT_EQ(playback.at(102.0).size(), 2u);
+}
+
+TEST(PlaybackClock, NeverGoesBackWhereMessagesAreLate) {
+  PlaybackClock clock;
+  double last = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    const double late = k % 20 == 0 ? 0.2 : 0.0;
+    clock.add(0.0125 * k, 10.0 + 0.0125 * k + late);
+    const double shown = clock.at(10.0 + 0.0125 * k + late);
+    EXPECT_GE(shown, last);
+    EXPECT_LE(shown, 0.0125 * k);
+    last = shown;
+  }
+  EXPECT_DOUBLE_EQ(clock.at(1000.0), 0.0125 * 99);
+}
+
+TEST(ReadStates, RefusesWhatIsNotFinite) {
+  for (const double bad : {kNan, std::numeric_limits<double>::infinity(), 1e300})
+    EXPECT_THROW(readStates(states(1, 1.0, {bad}), 0.0), BadMessage);
+  auto message = states(1, 1.0, {0.0});
+  message.poses[0].orientation.w = 0.0;
+  EXPECT_THROW(readStates(message, 0.0), BadMessage);
+  message = states(1, 1.0, {0.0});
+  message.twists.clear();
+  EXPECT_THROW(readStates(message, 0.0), BadMessage);
+}
+
+TEST(ReadDescriptions, RefusesWhatCannotBeDrawnAndNamesTheBody) {
+  const auto complaintOf = [](auto change) {
+    auto message = descriptions(1, 1);
+    change(message.bodies[0]);
+    try {
+      readDescriptions(message);
+    } catch (const BadMessage& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto names = [](const std::string& text) { return text.find("'body_1'") != std::string::npos; };
+  EXPECT_PRED1(names, complaintOf([](auto& body) { body.size.y = kNan; }));
+  EXPECT_PRED1(names, complaintOf([](auto& body) { body.size.y = 0.0; }));
+  EXPECT_PRED1(names, complaintOf([](auto& body) { body.shape = "pear"; }));
+  EXPECT_PRED1(names, complaintOf([](auto& body) { body.shape = "hull"; }));
+  EXPECT_PRED1(names, complaintOf([](auto& body) { body.color.g = std::nanf(""); }));
+}
+
+TEST(IslandsOf, AreConnectedOnlyByDynamicBodies) {
+  auto message = descriptions(1, 5);
+  message.bodies[2].kind = "static";
+  const auto catalog = readDescriptions(message);
+  const auto islands = islandsOf(*catalog, {{0, 1}, {1, 2}, {2, 3}, {3, 4}});
+  EXPECT_EQ(islands, (std::vector<std::size_t>{0, 0, 2, 3, 3}));
+}
+
+// The volume that a closed surface encloses is the sum of the tetrahedra from the origin to its triangles,
+// positive where these face outward.
+double volumeOf(const BodyMesh& mesh) {
+  double volume = 0.0;
+  for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
+    const auto corner = [&](std::size_t i) { return mesh.vertices[mesh.indices[i]].position; };
+    volume += static_cast<double>(corner(k).dotProduct(corner(k + 1).crossProduct(corner(k + 2)))) / 6.0;
+  }
+  return volume;
+}
+
+TEST(BodyMesh, FacesOutwardAndHasItsVolume) {
+  EXPECT_NEAR(volumeOf(boxMesh()), 8.0, 1e-5);
+  EXPECT_NEAR(volumeOf(sphereMesh(24)), 4.0 / 3.0 * M_PI, 0.05);
+  EXPECT_NEAR(volumeOf(capsuleMesh(24)), 4.0 / 3.0 * M_PI, 0.05);
+  EXPECT_NEAR(volumeOf(cylinderMesh(48)), 2.0 * M_PI, 0.05);
+  EXPECT_NEAR(volumeOf(coneMesh(48)), M_PI / 3.0, 0.02);
+}
+
+// The half balls apart, the wall between them closes the surface.
+TEST(BodyMesh, OfACapsuleHasAWall) {
+  BodyMesh mesh = capsuleMesh(24);
+  for (BodyMesh::Vertex& vertex : mesh.vertices) vertex.position.z += vertex.end;
+  EXPECT_NEAR(volumeOf(mesh), 4.0 / 3.0 * M_PI + 2.0 * M_PI, 0.1);
+}
+
+}  // namespace
+}  // namespace rbs
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  return RUN_ALL_TESTS();
+}

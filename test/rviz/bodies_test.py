@@ -1,0 +1,257 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Bodies display in a real RViz: what it draws, what a mouse takes, and messages that cannot be drawn.
+
+Nothing here is timed: every check waits, for up to a minute, until what it expects is so.
+"""
+import math
+import os
+import random
+import sys
+import tempfile
+import threading
+import unittest
+
+import rospy
+import rosservice
+import rostest
+import yaml
+from geometry_msgs.msg import Point, Pose, Twist
+from rigid_body_sim.msg import BodyDescription, BodyDescriptions, BodyStates
+from std_msgs.msg import Bool, String
+from visualization_msgs.msg import InteractiveMarkerFeedback
+
+ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
+sys.path.insert(0, os.path.join(ROOT, 'scripts'))
+import rviz_driver  # noqa: E402
+from rviz_driver import wait_until  # noqa: E402
+
+LAYOUT = os.path.join(ROOT, 'rviz', 'sim.rviz')
+CLICKS = 200
+VIEW = rviz_driver.View(eye=[6.0, -6.0, 5.0], target=[0.0, 0.0, 0.5])
+RED, GREEN, BLUE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+COLUMNS, ROWS, SIZE = 40, 25, 0.7  # of the field of 1,000 boxes that the mouse picks from
+
+
+class SendFilePath:
+    """A service of RViz, for which Debian has no Python: its messages look the same as these on the wire."""
+
+    _type, _md5sum = 'rviz/SendFilePath', '*'
+    _request_class, _response_class = String, Bool
+
+
+class Fake:
+    """Publishes descriptions and states as a simulator would."""
+
+    def __init__(self, name):
+        self.name = name
+        self.descriptions = rospy.Publisher(name + '/body_descriptions', BodyDescriptions, queue_size=10, latch=True)
+        self.states = rospy.Publisher(name + '/body_states', BodyStates, queue_size=10, latch=True)
+        self.stamp = 1.0
+
+    def describe(self, version, bodies):
+        message = BodyDescriptions(version=version, bodies=bodies)
+        message.header.frame_id = 'world'
+        self.descriptions.publish(message)
+
+    def move(self, version, places, ids=None):
+        self.stamp += 0.01
+        message = BodyStates(version=version, ids=ids or range(1, len(places) + 1))
+        message.header.frame_id = 'world'
+        message.header.stamp = rospy.Time.from_sec(self.stamp)
+        for place in places:
+            pose = Pose()
+            pose.position.x, pose.position.y, pose.position.z = place
+            pose.orientation.w = 1.0
+            message.poses.append(pose)
+            message.twists.append(Twist())
+        self.states.publish(message)
+
+
+def body(id, shape, color, size=(1.0, 1.0, 1.0), kind='dynamic', alpha=1.0):
+    description = BodyDescription(id=id, name='body_%d' % id, shape=shape, kind=kind)
+    description.size.x, description.size.y, description.size.z = size
+    description.color.r, description.color.g, description.color.b = color
+    description.color.a = alpha
+    return description
+
+
+def hue(pixel):
+    """The index of the strongest part of a colour where it stands out, else None."""
+    strongest = max(range(3), key=lambda k: pixel[k])
+    return strongest if pixel[strongest] > 1.6 * sorted(pixel)[1] else None
+
+
+class BodiesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.fake = Fake('/sim')
+        cls.mouse, cls.lock = [], threading.Lock()
+        rospy.Subscriber('/sim/interactive_bodies/mouse', InteractiveMarkerFeedback, cls.hear, queue_size=1000)
+        cls.screen = rviz_driver.Screen().__enter__()
+        cls.addClassCleanup(cls.screen.__exit__)
+
+    @classmethod
+    def hear(cls, feedback):
+        with cls.lock:
+            if feedback.event_type == InteractiveMarkerFeedback.MOUSE_DOWN:
+                cls.mouse.append(feedback.marker_name)
+
+    def clicked(self):
+        with self.lock:
+            return list(self.mouse)
+
+    def open(self, view=VIEW, **properties):
+        def change(layout):
+            rviz_driver.look_from(layout, view)
+            displays = layout['Visualization Manager']['Displays']
+            # The panel goes where nothing answers it: a fake has no services.
+            for display in displays:
+                if display['Class'] == 'rigid_body_sim/Bodies':
+                    display.update(properties)
+            layout['Visualization Manager']['Displays'] = [
+                display for display in displays if 'rigid_body_sim/' in display['Class']]
+
+        return rviz_driver.Rviz(self.screen, LAYOUT, change)
+
+    def pixel(self, rviz, point):
+        """The colour at a point of the world that is in sight."""
+        x, y = rviz.pixel_of(point)
+        picture = self.screen.picture()
+        at = 3 * (y * picture.width + x)
+        return tuple(picture.rgb[at:at + 3])
+
+    def wait_for_hues(self, rviz, wanted, what):
+        """Waits until every point of `wanted` is drawn in the part of the colour that stands beside it."""
+        wait_until(lambda: all(hue(self.pixel(rviz, point)) == part for point, part in wanted), what)
+
+    def test_every_shape_is_drawn_in_its_colour(self):
+        shapes = ['box', 'sphere', 'capsule', 'cylinder', 'cone', 'hull']
+        bodies = [body(k + 1, shape, BLUE, (1.0, 1.0, 1.6)) for k, shape in enumerate(shapes)]
+        bodies[1].size.z = 1.0
+        bodies[5].size.z = 1.0
+        for x in (-0.5, 0.5):
+            for y in (-0.5, 0.5):
+                for z in (-0.5, 0.5):
+                    bodies[5].vertices.append(Point(x, y, z))
+        bodies.append(body(7, 'plane', RED, (0.0, 0.0, 0.0), 'static'))
+        places = [(1.6 * k - 4.0, 0.0, 1.0) for k in range(6)] + [(0.0, 0.0, 0.0)]
+        self.fake.describe(1, bodies)
+        self.fake.move(1, places)
+        with self.open(rviz_driver.View(eye=[0.0, -14.0, 6.0], target=[0.0, 0.0, 0.5]), Shadows=False) as rviz:
+            self.wait_for_hues(rviz, [(place, 2) for place in places[:6]] + [((0.0, -3.0, 0.0), 0)],
+                               'all shapes stand on a red floor in blue')
+
+    def test_colours_follow_the_speed(self):
+        self.fake.describe(2, [body(1, 'sphere', RED), body(2, 'sphere', RED)])
+        self.fake.move(2, [(-1.0, -1.0, 0.5), (1.0, 1.0, 0.5)])
+        with self.open(**{'Color By': 'Speed'}) as rviz:
+            self.wait_for_hues(rviz, [((-1.0, -1.0, 0.5), 2), ((1.0, 1.0, 0.5), 2)], 'what is at rest is blue')
+
+    def test_states_wait_for_their_descriptions(self):
+        here, there = (0.0, 0.0, 0.5), (2.0, -1.0, 0.5)
+        self.fake.describe(3, [body(1, 'sphere', RED)])
+        self.fake.move(3, [here])
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            self.fake.move(4, [there])
+            rviz.wait_for_rest()
+            self.assertEqual(hue(self.pixel(rviz, here)), 0)
+            self.fake.describe(4, [body(1, 'sphere', GREEN)])
+            self.wait_for_hues(rviz, [(there, 1)], 'the ball is green in its new place')
+
+    def test_what_cannot_be_drawn_is_refused(self):
+        here = (0.0, 0.0, 0.5)
+        self.fake.describe(5, [body(1, 'sphere', RED)])
+        self.fake.move(5, [here])
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            for bad in (math.nan, math.inf, 1e300):
+                self.fake.move(5, [(bad, 0.0, 0.0)])
+                self.fake.describe(5, [body(1, 'sphere', RED, (bad, 1.0, 1.0))])
+            self.fake.describe(5, [body(1, 'pear', RED)])
+            self.fake.describe(5, [body(1, 'hull', RED)])
+            self.fake.move(5, [here, here], ids=[1])
+            self.fake.describe(6, [body(1, 'sphere', GREEN)])
+            self.fake.move(6, [here])
+            self.wait_for_hues(rviz, [(here, 1)], 'RViz goes on with what can be drawn')
+
+    def test_a_simulator_that_starts_again_is_drawn(self):
+        here, there = (0.0, 0.0, 0.5), (2.0, -1.0, 0.5)
+        self.fake.describe(7, [body(1, 'sphere', RED)])
+        self.fake.move(7, [here])
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            self.fake.stamp = 0.5
+            self.fake.describe(1, [body(1, 'sphere', GREEN)])
+            self.fake.move(1, [there])
+            self.wait_for_hues(rviz, [(there, 1)], 'the new ball is where it says')
+
+    def test_a_topic_that_ros_does_not_take_is_no_crash(self):
+        with self.open(Topic='/no topic/../%') as rviz:
+            rviz.wait_for_rest()
+            self.assertIsNone(rviz.process.poll())
+
+    def test_a_click_takes_the_right_one_of_1000_bodies(self):
+        places = [(x - 0.5 * (COLUMNS - 1), y - 0.5 * (ROWS - 1), 0.5 * SIZE) for x in range(COLUMNS) for y in range(ROWS)]
+        self.fake.describe(8, [body(k + 1, 'box', GREEN, (SIZE, SIZE, SIZE)) for k in range(len(places))])
+        self.fake.move(8, places)
+        chosen = random.Random(1)
+        for _ in range(4):
+            yaw, pitch, distance = chosen.uniform(0, 2 * math.pi), chosen.uniform(0.7, 1.3), chosen.uniform(26.0, 34.0)
+            eye = [distance * math.cos(pitch) * math.cos(yaw), distance * math.cos(pitch) * math.sin(yaw),
+                   distance * math.sin(pitch)]
+            with self.open(rviz_driver.View(eye=eye, target=[0.0, 0.0, 0.0])) as rviz:
+                self.wait_for_hues(rviz, [(place[:2] + (SIZE, ), 1) for place in places[500:503]], 'the field is drawn')
+                scene, taken = rviz.scene, 0
+                while taken < CLICKS // 4:
+                    k = chosen.randrange(len(places))
+                    pixel = rviz.pixel_of((places[k][0], places[k][1], SIZE))  # its top is never hidden
+                    if not rviz_driver.contains(scene, *pixel):
+                        continue
+                    before = len(self.clicked())
+                    rviz.click(pixel)
+                    wait_until(lambda: len(self.clicked()) > before, 'a body takes the click')
+                    self.assertEqual(self.clicked()[-1], 'body_%d' % (k + 1))
+                    taken += 1
+
+    def test_the_display_can_be_taken_away_and_added_again(self):
+        here = (0.0, 0.0, 0.5)
+        self.fake.describe(9, [body(1, 'sphere', RED)])
+        self.fake.move(9, [here])
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            with open(rviz.file) as file:
+                layout = yaml.safe_load(file)
+            displays = layout['Visualization Manager']['Displays']
+            layout['Visualization Manager']['Displays'] = [d for d in displays if d['Class'] != 'rigid_body_sim/Bodies']
+            self.load(layout)
+            wait_until(lambda: hue(self.pixel(rviz, here)) is None, 'the ball is gone')
+            layout['Visualization Manager']['Displays'] = displays
+            self.load(layout)
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red again')
+
+    def load(self, layout):
+        """Has RViz load another layout."""
+        with tempfile.NamedTemporaryFile('w', suffix='.rviz') as file:
+            yaml.safe_dump(layout, file)
+            file.flush()
+            service = wait_until(self.loader, 'RViz loads layouts')
+            rospy.ServiceProxy(service, SendFilePath)(String(file.name))
+
+    @staticmethod
+    def loader():
+        """The newest service that loads a layout: RViz has another name each time."""
+        for service in rosservice.get_service_list():
+            if service.endswith('/load_config') and rosservice.get_service_node(service):
+                try:
+                    rospy.wait_for_service(service, 1.0)
+                    return service
+                except rospy.ROSException:
+                    pass
+        return None
+
+
+if __name__ == '__main__':
+    rospy.init_node('bodies_test')
+    rostest.rosrun('rigid_body_sim', 'bodies', BodiesTest)
