@@ -11,9 +11,11 @@ namespace {
 
 constexpr std::size_t kMostTargets = 300;
 
-/// Whether it only fences others in and is drawn translucent: a click is meant for what one sees through it.
-bool isSeeThrough(const BodyDescription& body) {
-  return body.kind == BodyKind::Static && body.color[3] < 1.0f;
+/// Not what only fences others in and is drawn translucent, since a click is meant for what one sees through it,
+/// and not a plane, of which no part is the place to click.
+bool isTarget(const BodyDescription& body, BodyId selected) {
+  const bool is_see_through = body.kind == BodyKind::Static && body.color[3] < 1.0f;
+  return (!is_see_through || body.id == selected) && !std::holds_alternative<Plane>(body.shape);
 }
 
 }  // namespace
@@ -47,7 +49,7 @@ void ClickTargets::choose(const Snapshot& snapshot, const Vec3& focus, BodyId se
   chosen_.clear();
   for (std::size_t i = 0; i < snapshot.states.size(); ++i) {
     const BodyDescription& body = (*snapshot.bodies)[i];
-    if (!isSeeThrough(body) || body.id == selected) chosen_.push_back(static_cast<int>(i));
+    if (isTarget(body, selected)) chosen_.push_back(static_cast<int>(i));
   }
   if (chosen_.size() > kMostTargets) {
     const auto distance = [&](int i) {

@@ -6,6 +6,7 @@
 #include <OgreViewport.h>
 #include <ros/message_traits.h>
 #include <rviz/display_context.h>
+#include <rviz/display_group.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/status_property.h>
 
@@ -138,6 +139,8 @@ void BodiesDisplay::subscribe() {
   try {
     states_ = listen<rigid_body_sim::BodyStates>(topic_->getTopicStd());
     descriptions_ = listen<rigid_body_sim::BodyDescriptions>(node() + "/body_descriptions");
+    selection_topic_ =
+        update_nh_.subscribe(node() + "/selected_bodies", 1, &BodiesDisplay::receiveSelection, this);
     explainColors();
     setStatus(StatusProperty::Warn, "Topic", "No message received");
   } catch (const ros::Exception& error) {
@@ -161,10 +164,13 @@ void BodiesDisplay::followContacts() {
 void BodiesDisplay::unsubscribe() {
   states_.shutdown();
   descriptions_.shutdown();
+  selection_topic_.shutdown();
   inbox_.reset();
   followContacts();
   playback_.clear();
+  known_.reset();
   drawn_.reset();
+  shown_.clear();
   places_.clear();
   descriptions_count_ = states_count_ = states_shown_ = 0;
   if (!visuals_) return;
@@ -175,14 +181,18 @@ void BodiesDisplay::unsubscribe() {
 void BodiesDisplay::update(float, float) {
   if (!inbox_) return;
   takeIn(inbox_->take());
-  places_ = playback_.at(interpolates_->getBool() ? ros::WallTime::now().toSec()
-                                                  : std::numeric_limits<double>::infinity());
-  if (playback_.catalog() != drawn_) {
-    drawn_ = playback_.catalog();
+  const std::vector<BodyPlace> all = playback_.at(
+      interpolates_->getBool() ? ros::WallTime::now().toSec() : std::numeric_limits<double>::infinity());
+  if (playback_.catalog() != known_) {
+    known_ = playback_.catalog();
+    leaveOutHidden();
     visuals_->bodies.setCatalog(drawn_, node());
     visuals_->trails.clear();
     readContacts();
   }
+  places_.clear();
+  if (!all.empty())
+    for (const std::size_t k : shown_) places_.push_back(all[k]);
   if (!told_.isValid() || told_.elapsed() >= 1000) showCounts();
   if (!drawn_ || !place()) return;
   draw();
@@ -265,10 +275,10 @@ void BodiesDisplay::showCounts() {
   if (playback_.waits()) {
     setStatus(StatusProperty::Warn, "Bodies",
               QString("The states wait for the descriptions of version %1").arg(playback_.awaitedVersion()));
-  } else if (drawn_) {
+  } else if (known_) {
     setStatus(StatusProperty::Ok, "Bodies",
               QString("%1 bodies, %2 Hz")
-                  .arg(drawn_->bodies.size())
+                  .arg(known_->bodies.size())
                   .arg(seconds > 0.0 ? static_cast<double>(news) / seconds : 0.0, 0, 'f', 0));
   }
 }
@@ -292,8 +302,58 @@ bool BodiesDisplay::place() {
   return true;
 }
 
-void BodiesDisplay::setHighlighted(const std::set<std::string>& names) {
-  if (visuals_) visuals_->bodies.setHighlighted(names);
+void BodiesDisplay::receiveSelection(const rigid_body_sim::BodyNames& selection) {
+  if (visuals_) visuals_->bodies.setHighlighted({selection.names.begin(), selection.names.end()});
+}
+
+namespace {
+
+void collectDisplays(rviz::DisplayGroup& group, std::vector<BodiesDisplay*>& displays) {
+  for (int i = 0; i < group.numDisplays(); ++i) {
+    if (rviz::DisplayGroup* const inner = group.getGroupAt(i)) collectDisplays(*inner, displays);
+    auto* const display = qobject_cast<BodiesDisplay*>(group.getDisplayAt(i));
+    if (display && display->isEnabled()) displays.push_back(display);
+  }
+}
+
+}  // namespace
+
+std::vector<BodiesDisplay*> BodiesDisplay::allIn(rviz::DisplayContext& context) {
+  std::vector<BodiesDisplay*> displays;
+  collectDisplays(*context.getRootDisplayGroup(), displays);
+  return displays;
+}
+
+std::string BodiesDisplay::nameOf(std::uint64_t low_id) const {
+  constexpr std::uint64_t kLow = 0x7fffffff;
+  if (drawn_)
+    for (const CatalogBody& body : drawn_->bodies)
+      if ((body.id & kLow) == low_id) return body.name;
+  return {};
+}
+
+void BodiesDisplay::setHidden(const std::set<std::string>& names) {
+  if (names == hidden_) return;
+  hidden_ = names;
+  known_.reset();  // the next picture begins anew
+}
+
+// What is hidden is as if it were not there, for every visual.
+void BodiesDisplay::leaveOutHidden() {
+  shown_.clear();
+  drawn_ = known_;
+  if (!known_) return;
+  for (std::size_t k = 0; k < known_->bodies.size(); ++k)
+    if (hidden_.count(known_->bodies[k].name) == 0) shown_.push_back(k);
+  if (shown_.size() == known_->bodies.size()) return;
+  auto rest = std::make_shared<BodyCatalog>();
+  rest->version = known_->version;
+  rest->frame = known_->frame;
+  for (const std::size_t k : shown_) {
+    rest->by_name.emplace(known_->bodies[k].name, rest->bodies.size());
+    rest->bodies.push_back(known_->bodies[k]);
+  }
+  drawn_ = rest;
 }
 
 std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const {

@@ -12,6 +12,7 @@
 #include "shadow_visual.h"
 #include "trails_visual.h"
 
+#include <rigid_body_sim/BodyNames.h>
 #include <rviz/display.h>
 #include <rviz/properties/bool_property.h>
 #include <rviz/properties/enum_property.h>
@@ -33,7 +34,7 @@ class Viewport;
 namespace rbs {
 
 /// Follows ~body_states and what the node publishes beside it. Draws thousands of bodies by a few draw calls;
-/// each can be clicked, selected and focused on.
+/// each can be clicked, selected and focused on. Those that are selected (~selected_bodies) are brighter.
 class BodiesDisplay : public rviz::Display {
   Q_OBJECT
  public:
@@ -44,10 +45,15 @@ class BodiesDisplay : public rviz::Display {
   void update(float wall_dt, float ros_dt) override;
   void reset() override;
 
+  /// The enabled ones of a window.
+  static std::vector<BodiesDisplay*> allIn(rviz::DisplayContext& context);
+
   /// The resolved name of the simulator's node, which is the namespace of the topic.
   std::string node() const;
-  /// Draws the bodies of these names brighter than the others.
-  void setHighlighted(const std::set<std::string>& names);
+  /// The name of the drawn body whose id has these lower 31 bits; empty for an unknown one.
+  std::string nameOf(std::uint64_t low_id) const;
+  /// Does not draw the bodies of these names.
+  void setHidden(const std::set<std::string>& names);
   /// The names of the bodies, other than planes, whose centres are drawn inside a rectangle of pixels of a
   /// viewport, hidden or not.
   std::vector<std::string> namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const;
@@ -83,6 +89,8 @@ class BodiesDisplay : public rviz::Display {
   void unsubscribe();
   void takeIn(BodyInbox::Content content);
   void readContacts();
+  void receiveSelection(const rigid_body_sim::BodyNames& selection);
+  void leaveOutHidden();
   void showCounts();
   bool place();
   void draw();
@@ -97,10 +105,13 @@ class BodiesDisplay : public rviz::Display {
   rviz::EnumProperty* color_by_;
   rviz::FloatProperty *fastest_, *trail_seconds_, *force_scale_;
   std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
-  ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_;
+  ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_, selection_topic_;
   BodyPlayback playback_;
+  std::set<std::string> hidden_;
+  std::shared_ptr<const BodyCatalog> known_;                ///< hidden bodies included
   std::shared_ptr<const BodyCatalog> drawn_;                ///< that the visuals know
-  std::vector<BodyPlace> places_;                           ///< as last drawn
+  std::vector<std::size_t> shown_;                          ///< place in known_ of each body of drawn_
+  std::vector<BodyPlace> places_;                           ///< of drawn_
   rigid_body_sim::ContactsConstPtr contacts_message_;       ///< the newest; null: none
   std::vector<DrawnContact> contacts_;                      ///< of that message
   std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< the bodies of those

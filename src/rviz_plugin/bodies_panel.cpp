@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bodies_panel.h"
 
+#include "bodies_display.h"
 #include "colors.h"
 #include "duplicate_dialog.h"
 #include "wheel_guard.h"
@@ -22,6 +23,7 @@
 #include <QVBoxLayout>
 
 #include <algorithm>
+#include <set>
 
 namespace rbs {
 namespace {
@@ -58,6 +60,9 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
+  connect(&simulator_, &BodiesClient::bodiesChanged, this, [this] {
+    if (!hidden_.isEmpty()) applyHidden();
+  });
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
   connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
     if (index.column() != BodyTable::Name) focus();
@@ -129,6 +134,8 @@ void BodiesPanel::addActions() {
                    addAction("Duplicate…", Qt::CTRL | Qt::Key_D, &BodiesPanel::duplicate),
                    addAction("Delete", Qt::Key_Delete, &BodiesPanel::remove),
                    addAction("Make a group…", Qt::CTRL | Qt::Key_G, &BodiesPanel::groupSelection)};
+  of_selection_.append(addAction("Hide in the view", Qt::Key_H, &BodiesPanel::hideSelection));
+  addAction("Show all", Qt::SHIFT | Qt::Key_H, &BodiesPanel::showAll);
   addAction("Forget the group", {}, &BodiesPanel::ungroup);
   for (QAction* const action : of_selection_) action->setEnabled(false);
 }
@@ -155,6 +162,8 @@ void BodiesPanel::load(const rviz::Config& config) {
       in_group_[it.currentKey()].append(names.listChildAt(i).getValue().toString());
   }
   showGroups(kAllBodies);
+  const rviz::Config hidden = config.mapGetChild("Hidden");
+  for (int i = 0; i < hidden.listLength(); ++i) hidden_.insert(hidden.listChildAt(i).getValue().toString());
   QString node;
   if (config.mapGetString("Node", &node)) follow(node);
 }
@@ -162,6 +171,8 @@ void BodiesPanel::load(const rviz::Config& config) {
 void BodiesPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Node", node_->node());
+  rviz::Config hidden = config.mapMakeChild("Hidden");
+  for (const QString& name : hidden_) hidden.listAppendNew().setValue(name);
   rviz::Config groups = config.mapMakeChild("Groups");
   for (auto it = in_group_.begin(); it != in_group_.end(); ++it) {
     rviz::Config names = groups.mapMakeChild(it.key());
@@ -261,6 +272,28 @@ void BodiesPanel::focus() {
                        true);
   if (rviz::ViewController* const view = vis_manager_->getViewManager()->getCurrent())
     view->lookAt(position + orientation * bounds.getCenter());
+}
+
+void BodiesPanel::hideSelection() {
+  for (const QString& name : simulator_.selection()) hidden_.insert(name);
+  applyHidden();
+  Q_EMIT configChanged();
+}
+
+void BodiesPanel::showAll() {
+  hidden_.clear();
+  applyHidden();
+  Q_EMIT configChanged();
+}
+
+// A display may be added later, so this is done again with every list of bodies.
+void BodiesPanel::applyHidden() {
+  table_.setHidden(hidden_);
+  if (!vis_manager_) return;
+  std::set<std::string> names;
+  for (const QString& name : hidden_) names.insert(name.toStdString());
+  for (BodiesDisplay* const display : BodiesDisplay::allIn(*vis_manager_))
+    if (display->node() == ros::names::resolve(simulator_.node().toStdString())) display->setHidden(names);
 }
 
 void BodiesPanel::remove() {

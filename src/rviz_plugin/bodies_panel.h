@@ -18,7 +18,8 @@
 namespace rbs {
 
 /// What is selected here is selected in the view, and the other way round: the simulator keeps the selection.
-/// The layout keeps the name of the node as "Node", and named groups of bodies as "Groups".
+/// The layout keeps the name of the node as "Node", named groups of bodies as "Groups", and those that the Bodies
+/// displays do not draw as "Hidden".
 class BodiesPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -39,6 +40,9 @@ class BodiesPanel : public rviz::Panel {
   void showMessage(const QString& text, bool is_trouble);
   void rename(const QString& name, const QString& new_name);
   void focus();
+  void hideSelection();
+  void showAll();
+  void applyHidden();
   void remove();
   void duplicate();
   void groupSelection();
@@ -58,6 +62,7 @@ class BodiesPanel : public rviz::Panel {
   NodeBox* node_;
   QList<QAction*> of_selection_;         ///< actions that need one
   QMap<QString, QStringList> in_group_;  ///< names of bodies, by the name of the group
+  QSet<QString> hidden_;                 ///< names of bodies that the view does not draw
   bool shows_selection_ = false;         ///< the list is being brought in line with the simulator
 };
 

@@ -73,17 +73,26 @@ std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent&
   return point;
 }
 
-std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEvent& event) {
+std::optional<SimulatorBodies::Met> bodyUnder(const rviz::ViewportMouseEvent& event,
+                                              rviz::DisplayContext& context,
+                                              const SimulatorBodies& simulator) {
   Ogre::Vector3 p_FW;
   Ogre::Quaternion q_FW;
-  if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW))
+  if (!context.getFrameManager()->getTransform(simulator.frame(), ros::Time(), p_FW, q_FW))
     return std::nullopt;
   const Ogre::Ray ray = rayOf(event);
   const Ogre::Vector3 direction = q_FW.Inverse() * ray.getDirection();
   geometry_msgs::Vector3 direction_W;
   direction_W.x = direction.x, direction_W.y = direction.y, direction_W.z = direction.z;
-  const auto met = simulator_->meet(pointMsg(q_FW.Inverse() * (ray.getOrigin() - p_FW)), direction_W);
-  if (!met) return std::nullopt;
+  return simulator.meet(pointMsg(q_FW.Inverse() * (ray.getOrigin() - p_FW)), direction_W);
+}
+
+std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEvent& event) {
+  const auto met = bodyUnder(event, context_, *simulator_);
+  Ogre::Vector3 p_FW;
+  Ogre::Quaternion q_FW;
+  if (!met || !context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW))
+    return std::nullopt;
   const auto& [p, q] = std::tie(met->body.pose.position, met->body.pose.orientation);
   body_ = met->body.description;
   position_ = q_FW * Ogre::Vector3(p.x, p.y, p.z) + p_FW;

@@ -22,6 +22,13 @@ class DisplayContext;
 
 namespace rbs {
 
+/// The first body of a simulator under the mouse that hides what lies behind it and can be dragged, and the
+/// point of its surface, in the frame of the world. Empty where there is none, where the simulator does not
+/// answer within 0.2 s, and where that frame is not known.
+std::optional<SimulatorBodies::Met> bodyUnder(const rviz::ViewportMouseEvent& event,
+                                              rviz::DisplayContext& context,
+                                              const SimulatorBodies& simulator);
+
 /// One for all bodies: aim() says which one is under the mouse. RViz's Interact tool hands it the mouse like
 /// a control of an interactive marker, and the simulator gets the same feedback. The left button drags in the
 /// plane of the view, the right one opens the menu, all else moves the view.

@@ -2,6 +2,7 @@
 #include "body_table.h"
 
 #include <QColor>
+#include <QFont>
 
 #include <algorithm>
 
@@ -24,6 +25,12 @@ void BodyTable::update() {
   endResetModel();
 }
 
+void BodyTable::setHidden(const QSet<QString>& names) {
+  if (names == hidden_) return;
+  hidden_ = names;
+  if (rowCount() > 0) Q_EMIT dataChanged(index(0, 0), index(rowCount() - 1, kColumns - 1));
+}
+
 int BodyTable::rowCount(const QModelIndex& parent) const {
   return parent.isValid() ? 0 : static_cast<int>(ids_.size());
 }
@@ -38,6 +45,14 @@ QVariant BodyTable::data(const QModelIndex& index, int role) const {
   if (role == Qt::DecorationRole && index.column() == Name)
     return QColor::fromRgbF(body.color.r, body.color.g, body.color.b);
   if (role == Qt::UserRole && index.column() == Mass) return body.mass;  // to sort by
+  if (role == Qt::FontRole && hidden_.contains(name(index.row()))) {
+    QFont font;
+    font.setItalic(true);
+    font.setStrikeOut(true);
+    return font;
+  }
+  if (role == Qt::ToolTipRole && hidden_.contains(name(index.row())))
+    return "Hidden in the view (Shift+H shows all)";
   if (role == Qt::ToolTipRole && body.frozen)
     return "Frozen: its state became non-finite, or it left the bounds of positions.";
   if (role != Qt::DisplayRole && role != Qt::EditRole && role != Qt::UserRole) return {};

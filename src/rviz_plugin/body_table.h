@@ -26,6 +26,9 @@ class BodyTable : public QAbstractTableModel {
   /// A new name of a body, which is asked for and not yet set.
   bool setData(const QModelIndex& index, const QVariant& value, int role) override;
 
+  /// Rows of these names are told to be hidden in the view.
+  void setHidden(const QSet<QString>& names);
+
   const rigid_body_sim::BodyDescription& body(int row) const { return client_.bodies()[row]; }
   QString name(int row) const { return QString::fromStdString(body(row).name); }
 
@@ -37,6 +40,7 @@ class BodyTable : public QAbstractTableModel {
 
   const BodiesClient& client_;
   std::vector<std::uint64_t> ids_;  ///< of the rows
+  QSet<QString> hidden_;
 };
 
 /// Rows whose body has all words of a text in its name, shape or kind, and, where a group is given, is in it.

@@ -37,11 +37,7 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   const bool is_free = is_press || (event.type == QEvent::MouseMove && event.buttons_down == Qt::NoButton);
   if (is_free && context_->getFrameCount() > last_selection_frame_count_) aim(event);
 
-  if (is_press && event.left() && event.control() && aimed_) {
-    SimulationPanel::toggleSelected(context_->getWindowManager()->getParentWindow(), aimed_->node,
-                                    aimed_->body);
-    return 0;
-  }
+  if (is_press && event.left() && event.control() && toggle(event)) return 0;
   const int flags = rviz::InteractionTool::processMouseEvent(event);
 
   if (is_press) {
@@ -59,9 +55,20 @@ int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
   return Render;
 }
 
+// The simulator says what is there: the view may show a click target of an interactive marker in its place.
+bool InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
+  QWidget* const window = context_->getWindowManager()->getParentWindow();
+  for (const std::string& node : SimulationPanel::nodes(window)) {
+    const auto met = bodyUnder(event, *context_, *bodiesOf(node));
+    if (!met) continue;
+    SimulationPanel::toggleSelected(window, node, QString::fromStdString(met->body.description.name));
+    return true;
+  }
+  return false;
+}
+
 // Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
-  aimed_.reset();
   nothing_there_ = "There is no body here: the mouse turns the view.";
   for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
     bodiesOf(node);  // so that they are known before the first press
@@ -78,7 +85,6 @@ void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
     nothing_there_ = QString("'%1' is a plane, which cannot be dragged: the mouse turns the view.")
                          .arg(QString::fromStdString(body->name));
   } else {
-    aimed_ = {picked->node, QString::fromStdString(body->name)};
     mouse_->aim(simulator, *body, picked->position, picked->orientation);
     picked->handler->setInteractiveObject(mouse_);
   }

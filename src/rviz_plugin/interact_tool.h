@@ -10,7 +10,6 @@
 
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace rbs {
@@ -28,19 +27,14 @@ class InteractTool : public rviz::InteractionTool {
   int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
 
  private:
-  /// A body, by the resolved name of its simulator's node and by its own.
-  struct AimedBody {
-    std::string node;
-    QString body;
-  };
-
+  /// Adds the body under the mouse to the selection, or takes it away. False where there is none.
+  bool toggle(const rviz::ViewportMouseEvent& event);
   void aim(const rviz::ViewportMouseEvent& event);
   std::shared_ptr<SimulatorBodies> bodiesOf(const std::string& node);
   void finishMiss(const QPoint& released_at);
 
   boost::shared_ptr<BodyMouse> mouse_;
   std::map<std::string, std::shared_ptr<SimulatorBodies>> simulators_;  ///< by node
-  std::optional<AimedBody> aimed_;                                      ///< what is under the mouse
   QString nothing_there_;                                               ///< why the mouse is at no body
   bool missed_ = false;  ///< the last press was at nothing that takes it
   QPoint pressed_at_;

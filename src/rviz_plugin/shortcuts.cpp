@@ -19,14 +19,18 @@ constexpr Shortcut kEverywhere[] = {{"Space", "run or pause"},
                                     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"}};
 constexpr Shortcut kInView[] = {{"Click", "select a body"},
                                 {"Ctrl+click", "add a body to the selection, or take it away"},
-                                {"Shift+drag", "select the bodies in a rectangle"},
+                                {"S, then drag", "the tool Select: the bodies in a rectangle"},
                                 {"Drag", "pull a body"},
                                 {"Right click", "menu of a body"},
                                 {"Delete", "delete the selected bodies"},
                                 {"Escape, click on nothing", "select nothing"}};
-constexpr Shortcut kInList[] = {{"F2", "rename"},        {"Delete", "delete"},
-                                {"Ctrl+D", "duplicate"}, {"Ctrl+G", "make a group"},
-                                {"F", "look at"},        {"Ctrl+A", "select all that are listed"}};
+constexpr Shortcut kInList[] = {{"F2", "rename"},
+                                {"Delete", "delete"},
+                                {"Ctrl+D", "duplicate"},
+                                {"Ctrl+G", "make a group"},
+                                {"F", "look at"},
+                                {"H, Shift+H", "hide in the view; show all"},
+                                {"Ctrl+A", "select all that are listed"}};
 
 template <std::size_t kCount>
 QString table(const char* title, const Shortcut (&rows)[kCount]) {

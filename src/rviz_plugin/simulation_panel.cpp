@@ -249,6 +249,12 @@ std::vector<std::string> SimulationPanel::nodes(QWidget* window) {
   return names;
 }
 
+void SimulationPanel::select(QWidget* window, const std::string& node, const QStringList& bodies,
+                             Qt::KeyboardModifiers keys) {
+  for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
+    if (nodeOf(*panel) == node) return panel->simulator_.select(bodies, keys);
+}
+
 void SimulationPanel::toggleSelected(QWidget* window, const std::string& node, const QString& body) {
   for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
     if (nodeOf(*panel) == node) return panel->simulator_.toggleSelected(body);

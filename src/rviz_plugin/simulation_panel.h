@@ -43,7 +43,11 @@ class SimulationPanel : public rviz::Panel {
 
   /// The resolved names of the nodes that the panels of a window follow.
   static std::vector<std::string> nodes(QWidget* window);
-  /// Adds a body of a simulator, by the resolved name of its node, to the selection, or takes it away.
+  /// Selects bodies of a simulator, by the resolved name of its node, alone. With Shift they are added to the
+  /// selection, with Ctrl taken away.
+  static void select(QWidget* window, const std::string& node, const QStringList& bodies,
+                     Qt::KeyboardModifiers keys);
+  /// Adds a body of a simulator to the selection, or takes it away.
   static void toggleSelected(QWidget* window, const std::string& node, const QString& body);
   /// Deletes the bodies that are selected by one of the panels of a window; says so where there are none.
   static void deleteSelection(QWidget* window);

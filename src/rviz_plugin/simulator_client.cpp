@@ -16,6 +16,8 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <QSet>
+
 namespace rbs {
 namespace {
 
@@ -237,6 +239,17 @@ void SimulatorClient::select(const QStringList& bodies) {
   rigid_body_sim::BodyNames message;
   for (const QString& name : bodies) message.names.push_back(name.toStdString());
   select_.publish(message);
+}
+
+void SimulatorClient::select(const QStringList& bodies, Qt::KeyboardModifiers keys) {
+  if (!(keys & (Qt::ShiftModifier | Qt::ControlModifier))) return select(bodies);
+  QSet<QString> named;
+  for (const QString& name : bodies) named.insert(name);
+  QStringList all;
+  for (const QString& name : selection_)
+    if (!named.contains(name)) all.append(name);
+  if (keys & Qt::ShiftModifier) all += bodies;
+  select(all);
 }
 
 void SimulatorClient::toggleSelected(const QString& body) {

@@ -60,6 +60,8 @@ class SimulatorClient : public QObject {
   void estimateError(bool on);
   void showGhost(bool on);
   void select(const QStringList& bodies);
+  /// With Shift they are added to the selection, with Ctrl taken away.
+  void select(const QStringList& bodies, Qt::KeyboardModifiers keys);
   /// Adds a body to the selection, or takes it away.
   void toggleSelected(const QString& body);
   void deleteSelection();

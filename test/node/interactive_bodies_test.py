@@ -411,9 +411,17 @@ class InteractiveBodiesTest(unittest.TestCase):
 
     # Every scene numbers its bodies from 1 on, so the next one has bodies with the ids of these.
 
+    def wait_for_small(self):
+        wait(lambda: abs(self.client.markers["ball"].pose.position.x - 2.0) < 1e-6, "the small scene is shown")
+
+    def test_a_plane_has_no_marker(self):
+        call("load_scene", LoadScene, name=SMALL)
+        self.wait_for_small()
+        self.assertNotIn("floor", self.client.markers)
+
     def test_the_next_scene_has_nothing_selected(self):
         call("load_scene", LoadScene, name=SMALL)
-        self.client.wait_for("floor")
+        self.wait_for_small()
         self.client.choose("crate", "Resize")
         self.client.wait_for(*FACES)
         call("load_scene", LoadScene, name="playground")
@@ -422,7 +430,7 @@ class InteractiveBodiesTest(unittest.TestCase):
 
     def test_a_drag_ends_with_its_scene(self):
         call("load_scene", LoadScene, name=SMALL)
-        self.client.wait_for("floor")
+        self.wait_for_small()
         self.client.click("crate")
         self.client.press(GIZMO)
         self.client.move(GIZMO, pose_at(0, 0, 5))
@@ -439,7 +447,7 @@ class InteractiveBodiesTest(unittest.TestCase):
     def test_a_drag_ends_with_its_world_though_the_next_has_its_name(self):
         for again, request in (("load_scene", {"name": SMALL}), ("reset", {})):
             call("load_scene", LoadScene, name=SMALL)
-            self.client.wait_for("floor")
+            self.wait_for_small()
             self.client.click("crate")
             self.client.press("crate", hit=[0, 0, 0.5])
             self.client.move("crate", pose_at(0, 0, 5))
