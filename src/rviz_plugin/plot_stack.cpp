@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plot_stack.h"
+
+#include <qwt_scale_draw.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace rbs {
+namespace {
+
+constexpr int kDrawPeriod = 80;     // ms
+constexpr double kShortest = 1e-3;  // s that can be seen
+
+}  // namespace
+
+PlotStack::PlotStack(Recorder& recorder)
+    : recorder_(recorder), column_(nullptr), empty_(new QLabel("Nothing is plotted. Add a plot above.")) {
+  auto* const content = new QWidget;
+  column_ = new QVBoxLayout(content);
+  column_->setContentsMargins(0, 0, 0, 0);
+  column_->setSpacing(2);
+  empty_->setAlignment(Qt::AlignCenter);
+  empty_->setEnabled(false);
+  column_->addWidget(empty_, 1);
+  setWidget(content);
+  setWidgetResizable(true);
+  setFrameStyle(QFrame::NoFrame);
+  setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  drawing_.setSingleShot(true);
+  connect(&drawing_, &QTimer::timeout, this, &PlotStack::draw);
+  connect(&recorder_, &Recorder::recorded, this, [this] {
+    if (!held_) drawSoon();
+  });
+  connect(&recorder_, &Recorder::bodiesChanged, this, &PlotStack::drawSoon);
+}
+
+TimePlot* PlotStack::find(const Quantity& quantity) const {
+  const auto it = std::find_if(plots_.begin(), plots_.end(),
+                               [&](const TimePlot* plot) { return &plot->quantity() == &quantity; });
+  return it == plots_.end() ? nullptr : *it;
+}
+
+void PlotStack::add(const Quantity& quantity, const QString& body) {
+  if (TimePlot* const plot = find(quantity)) {
+    if (!body.isEmpty() && !plot->bodies().contains(body)) plot->setBodies(plot->bodies() + QStringList(body));
+  } else {
+    auto* const added = new TimePlot(quantity, body.isEmpty() ? QStringList() : QStringList(body));
+    connect(added, &TimePlot::removed, this, [this, added] { remove(added); });
+    connect(added, &TimePlot::rangeChosen, this, &PlotStack::choose);
+    connect(added, &TimePlot::valuesChosen, this, &PlotStack::drawSoon);
+    connect(added, &TimePlot::followed, this, &PlotStack::follow);
+    connect(added, &TimePlot::cursorMoved, this, [this](double time) {
+      cursor_ = time;
+      Q_EMIT cursorMoved(cursor_);
+      drawSoon();
+    });
+    connect(added, &TimePlot::cursorLeft, this, [this] {
+      cursor_.reset();
+      Q_EMIT cursorMoved(cursor_);
+      drawSoon();
+    });
+    plots_.push_back(added);
+    column_->addWidget(added, 1);
+  }
+  tellWanted();
+}
+
+void PlotStack::remove(TimePlot* plot) {
+  plots_.erase(std::find(plots_.begin(), plots_.end(), plot));
+  column_->removeWidget(plot);
+  plot->hide();
+  plot->deleteLater();
+  tellWanted();
+}
+
+void PlotStack::removeAll() {
+  while (!plots_.empty()) remove(plots_.back());
+}
+
+void PlotStack::tellWanted() {
+  std::vector<Recorder::Wanted> wanted;
+  for (const TimePlot* plot : plots_)
+    for (const QString& body : plot->bodies()) wanted.push_back({&plot->quantity(), body.toStdString()});
+  recorder_.want(wanted);
+  empty_->setVisible(plots_.empty());
+  for (TimePlot* plot : plots_) plot->showTimeAxis(plot == plots_.back());
+  drawSoon();
+  Q_EMIT plotsChanged();
+}
+
+void PlotStack::setWindow(double seconds) {
+  window_ = seconds;
+  follow();
+}
+
+void PlotStack::follow() {
+  for (TimePlot* plot : plots_) plot->fitValues();
+  is_following_ = true;
+  Q_EMIT viewChanged();
+  drawSoon();
+}
+
+void PlotStack::choose(double from, double to) {
+  if (!(to - from >= kShortest) || !(to - from < 1e9)) return;
+  from_ = from;
+  to_ = to;
+  is_following_ = false;
+  Q_EMIT viewChanged();
+  drawSoon();
+}
+
+void PlotStack::hold(bool on) {
+  if (on == (held_ != nullptr)) return;
+  held_ = on ? std::make_unique<History>(recorder_.history()) : nullptr;
+  drawSoon();
+}
+
+void PlotStack::setBaseline(bool on) {
+  baseline_.reset();
+  if (on) baseline_.emplace(history(), cursor_.value_or(history().end()));
+  for (TimePlot* plot : plots_) plot->fitValues();
+  Q_EMIT viewChanged();
+  drawSoon();
+}
+
+bool PlotStack::setBaselineAtMark() {
+  if (history().marks().empty()) return false;
+  const double time = history().marks().back().time;
+  setBaseline(true);
+  // What was there just before the change: the sample at its time has felt it.
+  baseline_.emplace(history(), std::nextafter(time, 0.0));
+  return true;
+}
+
+void PlotStack::restart() {
+  held_.reset();
+  baseline_.reset();
+  follow();
+}
+
+TimePlot::View PlotStack::view() {
+  if (is_following_) {
+    const double end = history().end();
+    to_ = std::max(end, window_ > 0.0 ? window_ : kShortest);
+    from_ = window_ > 0.0 ? to_ - window_ : 0.0;
+  }
+  return {from_, to_, cursor_, baseline_ ? &*baseline_ : nullptr};
+}
+
+// What cannot be seen is not drawn: a hidden dock only records.
+void PlotStack::drawSoon() {
+  if (isVisible() && !drawing_.isActive()) drawing_.start(kDrawPeriod);
+}
+
+void PlotStack::showEvent(QShowEvent* event) {
+  QScrollArea::showEvent(event);
+  drawSoon();
+}
+
+void PlotStack::draw() {
+  const TimePlot::View now = view();
+  for (TimePlot* plot : plots_) {
+    QStringList missing;
+    for (const QString& body : plot->bodies())
+      if (!recorder_.mayHave(body.toStdString())) missing << body;
+    plot->setMissing(missing);
+    plot->show(history(), now);
+  }
+  alignScales();
+}
+
+void PlotStack::alignScales() {
+  double widest = 0.0;
+  for (TimePlot* plot : plots_) {
+    QwtScaleDraw* const scale = plot->axisScaleDraw(QwtPlot::yLeft);
+    scale->setMinimumExtent(0.0);
+    widest = std::max(widest, scale->extent(plot->axisFont(QwtPlot::yLeft)));
+  }
+  for (TimePlot* plot : plots_) {
+    plot->axisScaleDraw(QwtPlot::yLeft)->setMinimumExtent(widest);
+    plot->updateLayout();
+  }
+}
+
+}  // namespace rbs
