@@ -29,7 +29,7 @@ QColor gridColor(const QPalette& palette) {
 }
 
 QFont smallFont(const QFont& font) {
-  QFont small(font);
+  QFont small(font.family());
   small.setPointSizeF(0.85 * QFontInfo(font).pointSizeF());
   return small;
 }

@@ -43,7 +43,8 @@ TimePlot* PlotStack::find(const Quantity& quantity) const {
 
 void PlotStack::add(const Quantity& quantity, const QString& body) {
   if (TimePlot* const plot = find(quantity)) {
-    if (!body.isEmpty() && !plot->bodies().contains(body)) plot->setBodies(plot->bodies() + QStringList(body));
+    if (!body.isEmpty() && !plot->bodies().contains(body))
+      plot->setBodies(plot->bodies() + QStringList(body));
   } else {
     auto* const added = new TimePlot(quantity, body.isEmpty() ? QStringList() : QStringList(body));
     connect(added, &TimePlot::removed, this, [this, added] { remove(added); });
@@ -170,16 +171,22 @@ void PlotStack::draw() {
   alignScales();
 }
 
+// The canvases stand below each other: the widest numbers at their left, and the half of the last number of the
+// axis of time at their right, are left free beside all of them.
 void PlotStack::alignScales() {
+  if (plots_.empty()) return;
   double widest = 0.0;
   for (TimePlot* plot : plots_) {
     QwtScaleDraw* const scale = plot->axisScaleDraw(QwtPlot::yLeft);
     scale->setMinimumExtent(0.0);
     widest = std::max(widest, scale->extent(plot->axisFont(QwtPlot::yLeft)));
   }
-  for (TimePlot* plot : plots_) {
-    plot->axisScaleDraw(QwtPlot::yLeft)->setMinimumExtent(widest);
-    plot->updateLayout();
+  const QwtPlot* const last = plots_.back();
+  for (auto plot = plots_.rbegin(); plot != plots_.rend(); ++plot) {
+    (*plot)->axisScaleDraw(QwtPlot::yLeft)->setMinimumExtent(widest);
+    const int right = *plot == last ? 0 : last->width() - last->canvas()->geometry().right() - 1;
+    (*plot)->setContentsMargins(0, 0, right, 0);
+    (*plot)->updateLayout();
   }
 }
 

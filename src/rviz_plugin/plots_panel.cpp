@@ -7,8 +7,8 @@
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QHBoxLayout>
+#include <QMenu>
 #include <QVBoxLayout>
-#include <QWidgetAction>
 
 #include <pluginlib/class_list_macros.hpp>
 
@@ -21,7 +21,7 @@ constexpr double kWindows[] = {2.0, 5.0, 10.0, 30.0, 60.0, 300.0, 0.0};  // s
 constexpr const char* kShownAtFirst[] = {"energy", "real-time factor", "step time", "stage times"};
 
 QString windowText(double seconds) {
-  if (seconds == 0.0) return "whole run";
+  if (seconds == 0.0) return "all";
   return seconds < 60.0 ? QString("%1 s").arg(seconds) : QString("%1 min").arg(seconds / 60.0);
 }
 
@@ -36,15 +36,14 @@ QToolButton* makeButton(const QString& text, const QString& tip) {
 
 PlotsPanel::PlotsPanel()
     : plots_(new PlotStack(recorder_)),
-      picker_(new QuantityPicker),
-      menu_(new QMenu(this)),
-      add_(makeButton("Add", "Adds and removes plots")),
-      pause_(makeButton("Hold", "Holds the picture still; recording goes on")),
-      follow_(makeButton("Follow", "Goes back to the newest, with scales that fit (also a double click)")),
-      baseline_(makeButton("Baseline",
+      picker_(new QuantityPicker(this)),
+      add_(makeButton("&Add", "Adds and removes plots")),
+      pause_(makeButton("Ho&ld", "Holds the picture still; recording goes on")),
+      follow_(makeButton("F&ollow", "Goes back to the newest, with scales that fit (also a double click)")),
+      baseline_(makeButton("&Baseline",
                            "Counts from now: curves show the change since then, their values before "
                            "and after")),
-      export_(makeButton("Export", "Writes the plots as a picture (.png, .svg) or a table (.csv)")),
+      export_(makeButton("E&xport", "Writes the plots as a picture (.png, .svg) or a table (.csv)")),
       window_(new QComboBox),
       cursor_(new QLabel),
       node_(new NodeBox),
@@ -53,13 +52,8 @@ PlotsPanel::PlotsPanel()
   node_->setNode("sim");
   node_->setToolTip("The simulator that is plotted: the name of its node");
   for (const double seconds : kWindows) window_->addItem(windowText(seconds), seconds);
-  window_->setToolTip("How much simulated time is seen");
+  window_->setToolTip("How much simulated time is seen; all: the whole run");
   for (QToolButton* button : {pause_, follow_, baseline_}) button->setCheckable(true);
-  auto* const content = new QWidgetAction(menu_);
-  content->setDefaultWidget(picker_);
-  menu_->addAction(content);
-  add_->setMenu(menu_);
-  add_->setPopupMode(QToolButton::InstantPopup);
   makeBaselineMenu();
   layOut();
   connectWidgets();
@@ -80,7 +74,7 @@ void PlotsPanel::makeBaselineMenu() {
 
 void PlotsPanel::layOut() {
   auto* const row = new QHBoxLayout;
-  row->setSpacing(4);
+  row->setSpacing(2);
   for (QToolButton* button : {add_, pause_, follow_}) row->addWidget(button);
   row->addWidget(window_);
   row->addWidget(baseline_);
@@ -102,7 +96,7 @@ void PlotsPanel::layOut() {
 }
 
 void PlotsPanel::connectWidgets() {
-  connect(menu_, &QMenu::aboutToShow, this, &PlotsPanel::openPicker);
+  connect(add_, &QToolButton::clicked, this, &PlotsPanel::openPicker);
   connect(picker_, &QuantityPicker::toggled, this, &PlotsPanel::toggle);
   connect(pause_, &QToolButton::toggled, plots_, &PlotStack::hold);
   connect(follow_, &QToolButton::clicked, plots_, &PlotStack::follow);
@@ -122,7 +116,7 @@ void PlotsPanel::connectWidgets() {
   connect(plots_, &PlotStack::cursorMoved, this, &PlotsPanel::showCursor);
   connect(&recorder_, &Recorder::reported, this, &PlotsPanel::tell);
   connect(&recorder_, &Recorder::bodiesChanged, this, [this] {
-    if (menu_->isVisible()) picker_->setBodies(recorder_.bodies());
+    if (picker_->isVisible()) picker_->setBodies(recorder_.bodies());
   });
   connect(&recorder_, &Recorder::heardChanged, this, [this](bool is_heard) {
     tell(is_heard ? QString() : QString("No simulator answers at '%1'.").arg(recorder_.node()));
@@ -180,7 +174,7 @@ void PlotsPanel::follow(const QString& node) {
 
 void PlotsPanel::openPicker() {
   recorder_.listBodies();
-  picker_->open(recorder_.bodies(),
+  picker_->open(add_->mapToGlobal(add_->rect().bottomLeft()), recorder_.bodies(),
                 [this](const Quantity& quantity) { return plots_->find(quantity) != nullptr; });
 }
 

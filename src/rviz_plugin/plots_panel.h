@@ -10,9 +10,7 @@
 
 #include <rviz/panel.h>
 
-#include <QAction>
 #include <QComboBox>
-#include <QMenu>
 #include <QToolButton>
 
 namespace rbs {
@@ -43,7 +41,6 @@ class PlotsPanel : public rviz::Panel {
   Recorder recorder_;
   PlotStack* plots_;
   QuantityPicker* picker_;
-  QMenu* menu_;
   QToolButton *add_, *pause_, *follow_, *baseline_, *export_;
   QComboBox* window_;
   QLabel* cursor_;

@@ -26,8 +26,13 @@ QTreeWidgetItem* addGroup(QTreeWidget* list, const QString& title) {
 
 }  // namespace
 
-QuantityPicker::QuantityPicker()
-    : search_(new QLineEdit), list_(new QTreeWidget), body_(new QComboBox), trouble_(new QLabel) {
+QuantityPicker::QuantityPicker(QWidget* parent)
+    : QFrame(parent, Qt::Popup),
+      search_(new QLineEdit),
+      list_(new QTreeWidget),
+      body_(new QComboBox),
+      trouble_(new QLabel) {
+  setFrameStyle(QFrame::StyledPanel);
   search_->setPlaceholderText("Search");
   search_->setClearButtonEnabled(true);
   list_->setHeaderHidden(true);
@@ -73,7 +78,8 @@ QuantityPicker::QuantityPicker()
   connect(list_, &QTreeWidget::itemClicked, this, &QuantityPicker::choose);
 }
 
-void QuantityPicker::open(const QStringList& bodies, const std::function<bool(const Quantity&)>& is_plotted) {
+void QuantityPicker::open(const QPoint& at, const QStringList& bodies,
+                          const std::function<bool(const Quantity&)>& is_plotted) {
   setBodies(bodies);
   trouble_->hide();
   search_->clear();
@@ -82,6 +88,8 @@ void QuantityPicker::open(const QStringList& bodies, const std::function<bool(co
     if (quantity && !quantity->isOfBody())
       (*it)->setCheckState(0, is_plotted(*quantity) ? Qt::Checked : Qt::Unchecked);
   }
+  move(at);
+  show();
   search_->setFocus();
 }
 

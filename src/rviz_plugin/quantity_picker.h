@@ -5,25 +5,26 @@
 #include "quantities.h"
 
 #include <QComboBox>
+#include <QFrame>
 #include <QLabel>
 #include <QLineEdit>
 #include <QStringList>
 #include <QTreeWidget>
-#include <QWidget>
 
 #include <functional>
 
 namespace rbs {
 
 /// Quantities of the simulation have a check mark while they are plotted. Those of a body are added for the body
-/// that is named below them.
-class QuantityPicker : public QWidget {
+/// that is named below them. A window of its own that a click beside it closes.
+class QuantityPicker : public QFrame {
   Q_OBJECT
  public:
-  QuantityPicker();
+  explicit QuantityPicker(QWidget* parent);
 
-  /// Begins with an empty search, the bodies that there are, and a mark at what `is_plotted`.
-  void open(const QStringList& bodies, const std::function<bool(const Quantity&)>& is_plotted);
+  /// Shows itself at a place of the screen, with an empty search, the bodies that there are, and a mark at what `is_plotted`.
+  void open(const QPoint& at, const QStringList& bodies,
+            const std::function<bool(const Quantity&)>& is_plotted);
   /// The bodies that there are; the name that is typed stays.
   void setBodies(const QStringList& bodies);
 

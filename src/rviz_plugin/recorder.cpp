@@ -111,7 +111,7 @@ void Recorder::receive(const rigid_body_sim::Status& status) {
   setHeard(true);
   step_ = status.step;
   const double stamp = status.header.stamp.toSec();
-  if (stamp < stamp_) pending_.clear(), pending_marks_.clear();  // of a simulator that is no more
+  if (stamp < stamp_) dropAfter(stamp);  // of a simulator that is no more
   stamp_ = stamp;
   const bool has_begun = clock_.learn(stamp, status.time);
   if (has_begun) {
@@ -173,6 +173,13 @@ void Recorder::receiveContacts(const rigid_body_sim::Contacts& contacts) {
     pending_.push_back({contacts.header.stamp.toSec(), wanted.quantity, wanted.body, values});
     if (pending_.size() > kPending) pending_.pop_front();
   }
+}
+
+void Recorder::dropAfter(double stamp) {
+  const auto is_after = [stamp](const auto& one) { return one.stamp > stamp; };
+  pending_.erase(std::remove_if(pending_.begin(), pending_.end(), is_after), pending_.end());
+  pending_marks_.erase(std::remove_if(pending_marks_.begin(), pending_marks_.end(), is_after),
+                       pending_marks_.end());
 }
 
 // Records what has waited and belongs to this run, or to the one that ends. With this run, what has waited in

@@ -84,6 +84,7 @@ class Recorder : public QObject {
   void receiveStates(const rigid_body_sim::BodyStatesConstPtr& states);
   void receiveContacts(const rigid_body_sim::Contacts& contacts);
   void read(const rigid_body_sim::BodyStates& states);
+  void dropAfter(double stamp);
   void flush(bool of_this_run);
   void record(const Quantity& quantity, const std::string& body, double time, const Quantity::Values& values);
   void watch();

@@ -14,7 +14,6 @@
 #include <QEvent>
 #include <QHelpEvent>
 #include <QMouseEvent>
-#include <QStyle>
 #include <QToolTip>
 #include <QWheelEvent>
 
@@ -60,7 +59,7 @@ TimePlot::TimePlot(const Quantity& quantity, const QStringList& bodies)
   plotLayout()->setAlignCanvasToScales(true);
   plotLayout()->setSpacing(2);
   setMinimumSize(120, 6 * fontMetrics().height());
-  setAxisMaxMajor(yLeft, 4);
+  setAxisMaxMajor(yLeft, 5);
   setAxisMaxMinor(yLeft, 0);
   setAxisMaxMinor(xBottom, 0);
   for (const Axis axis : {xBottom, yLeft}) {
@@ -73,7 +72,8 @@ TimePlot::TimePlot(const Quantity& quantity, const QStringList& bodies)
     line->setVisible(false);
     line->attach(this);
   }
-  close_->setIcon(style()->standardIcon(QStyle::SP_TitleBarCloseButton));
+  close_->setText("×");
+  close_->setMaximumSize(fontMetrics().height(), fontMetrics().height());
   close_->setAutoRaise(true);
   close_->setToolTip("Remove this plot");
   connect(close_, &QToolButton::clicked, this, &TimePlot::removed);
@@ -278,7 +278,9 @@ void TimePlot::showHeading(const History& history, const View& view) {
   if (!missing_.isEmpty())
     text += QString(" &nbsp;<i>no body '%1' in this scene</i>").arg(missing_.join("', '").toHtmlEscaped());
   QwtText heading(text, QwtText::RichText);
-  heading.setFont(smallFont(font()));
+  QFont plain = smallFont(font());
+  plain.setBold(false);
+  heading.setFont(plain);
   heading.setColor(palette().color(QPalette::WindowText));
   heading.setRenderFlags(Qt::AlignLeft | Qt::AlignVCenter | Qt::TextWordWrap);
   setTitle(heading);
@@ -379,7 +381,7 @@ void TimePlot::changeEvent(QEvent* event) {
 
 void TimePlot::resizeEvent(QResizeEvent* event) {
   QwtPlot::resizeEvent(event);
-  close_->move(width() - close_->sizeHint().width(), 0);
+  close_->move(width() - close_->width(), 0);
 }
 
 }  // namespace rbs
