@@ -34,8 +34,8 @@ QFont smallFont(const QFont& font) {
   return small;
 }
 
-QString numberText(double value) {
-  return QString::number(value, 'g', 4).replace('-', QChar(0x2212));
+QString numberText(double value, int digits) {
+  return QString::number(value, 'g', digits).replace('-', QChar(0x2212));
 }
 
 }  // namespace rbs

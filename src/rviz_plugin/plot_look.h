@@ -16,7 +16,7 @@ QColor curveColor(std::size_t curve, const QPalette& palette);
 QColor gridColor(const QPalette& palette);
 /// The font of the axes, a little smaller than that of the panel.
 QFont smallFont(const QFont& font);
-/// A number with four digits.
-QString numberText(double value);
+/// A number with so many digits that count.
+QString numberText(double value, int digits);
 
 }  // namespace rbs

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rbs {
 namespace {
@@ -17,6 +18,12 @@ constexpr double kMilli = 1e3;
 template <class Vector>
 Values withSize(const Vector& v) {
   return {v.x, v.y, v.z, std::hypot(v.x, v.y, v.z)};
+}
+
+// Nothing is achieved while paused, which is no fall of the pace: what is not finite is not recorded.
+Values paceOf(const Status& status) {
+  const double achieved = status.paused ? std::numeric_limits<double>::quiet_NaN() : status.achieved_speed;
+  return {status.requested_speed, achieved};
 }
 
 Values residualsOf(const Status& status) {
@@ -107,10 +114,7 @@ std::vector<Quantity> makeQuantities() {
                  return {s.kinetic_energy, s.potential_energy, s.kinetic_energy + s.potential_energy};
                }),
       ofStatus("real-time factor", "", {"requested", "achieved"},
-               "Simulated time over wall time; 0 is requested for as fast as possible",
-               [](const Status& s) -> Values {
-                 return {s.requested_speed, s.achieved_speed};
-               }),
+               "Simulated time over wall time; 0 is requested for as fast as possible", paceOf),
       ofStatus("step time", "ms", {"wall", "CPU"}, "Time that the last step took",
                [](const Status& s) -> Values {
                  return {kMilli * s.step_seconds, kMilli * s.step_cpu_seconds};

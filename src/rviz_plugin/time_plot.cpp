@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rbs {
 namespace {
@@ -27,10 +28,10 @@ constexpr double kLeast = 1e-18;      // what a logarithmic scale draws for less
 constexpr double kFlat = 1e-5;        // of a value: the least that a scale spans about it
 constexpr double kMargin = 0.06;      // of the scale, above and below
 constexpr double kWheel = 1.25;       // zoom of one notch
-constexpr double kShortest = 1e-4;    // s that can be seen
 constexpr int kNear = 4, kDrawn = 5;  // pixels: of a mark, and of a rectangle that is meant
 constexpr double kPale = 0.3;         // opacity of the run before
 constexpr int kMarksSeen = 60;
+constexpr int kDigits = 4, kFewDigits = 2;  // of the values in a heading, few where there are many
 
 void fade(QwtPlotCurve& curve, QColor color) {
   color.setAlphaF(kPale);
@@ -253,11 +254,12 @@ QString TimePlot::markAt(int x) const {
 QString TimePlot::valueText(const History& history, const View& view, const std::string& curve) const {
   const std::optional<double> value = history.present(curve).valueAt(view.cursor.value_or(view.to));
   if (!value) return "–";
-  if (!view.baseline) return numberText(*value);
+  if (!view.baseline) return numberText(*value, isStacked(view) ? kFewDigits : kDigits);
   const double zero = view.baseline->valueOf(history, curve);
   const double change = *value - zero;
   return QString("%1 → %2 (%3%4)")
-      .arg(numberText(zero), numberText(*value), change > 0.0 ? "+" : "", numberText(change));
+      .arg(numberText(zero, kDigits), numberText(*value, kDigits), change > 0.0 ? "+" : "",
+           numberText(change, kDigits));
 }
 
 void TimePlot::showHeading(const History& history, const View& view) {
