@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -28,7 +29,7 @@ PlotStack::PlotStack(Recorder& recorder)
   setFrameStyle(QFrame::NoFrame);
   setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
   drawing_.setSingleShot(true);
-  connect(&drawing_, &QTimer::timeout, this, &PlotStack::draw);
+  connect(&drawing_, &QTimer::timeout, this, [this] { draw(); });
   connect(&recorder_, &Recorder::recorded, this, [this] {
     if (!held_) drawSoon();
   });
@@ -140,18 +141,18 @@ void PlotStack::restart() {
   follow();
 }
 
-TimePlot::View PlotStack::view() {
-  if (is_following_) {
-    const double end = history().end();
-    to_ = std::max(end, window_ > 0.0 ? window_ : kShortest);
-    from_ = window_ > 0.0 ? to_ - window_ : 0.0;
-  }
-  return {from_, to_, cursor_, baseline_ ? &*baseline_ : nullptr};
+void PlotStack::lookAtNewest() {
+  to_ = std::max(history().end(), window_ > 0.0 ? window_ : kShortest);
+  from_ = window_ > 0.0 ? to_ - window_ : 0.0;
 }
 
 // What cannot be seen is not drawn: a hidden dock only records.
 void PlotStack::drawSoon() {
-  if (isVisible() && !drawing_.isActive()) drawing_.start(kDrawPeriod);
+  if (next_ > 0) {
+    is_stale_ = true;
+  } else if (isVisible() && !drawing_.isActive()) {
+    drawing_.start(kDrawPeriod);
+  }
 }
 
 void PlotStack::showEvent(QShowEvent* event) {
@@ -159,16 +160,22 @@ void PlotStack::showEvent(QShowEvent* event) {
   drawSoon();
 }
 
+// One plot at a time, so that many do not hold up the mouse and the view.
 void PlotStack::draw() {
-  const TimePlot::View now = view();
-  for (TimePlot* plot : plots_) {
-    QStringList missing;
-    for (const QString& body : plot->bodies())
-      if (!recorder_.mayHave(body.toStdString())) missing << body;
-    plot->setMissing(missing);
-    plot->show(history(), now);
-  }
+  if (next_ == 0 && is_following_) lookAtNewest();
+  if (next_ < plots_.size()) draw(*plots_[next_++]);
+  if (next_ < plots_.size()) return drawing_.start(0);
+  next_ = 0;
   alignScales();
+  if (std::exchange(is_stale_, false)) drawSoon();
+}
+
+void PlotStack::draw(TimePlot& plot) {
+  QStringList missing;
+  for (const QString& body : plot.bodies())
+    if (!recorder_.mayHave(body.toStdString())) missing << body;
+  plot.setMissing(missing);
+  plot.show(history(), {from_, to_, cursor_, baseline_ ? &*baseline_ : nullptr});
 }
 
 // The canvases stand below each other: the widest numbers at their left, and the half of the last number of the
@@ -185,9 +192,11 @@ void PlotStack::alignScales() {
   for (auto plot = plots_.rbegin(); plot != plots_.rend(); ++plot) {
     (*plot)->axisScaleDraw(QwtPlot::yLeft)->setMinimumExtent(widest);
     const int right = *plot == last ? 0 : last->width() - last->canvas()->geometry().right() - 1;
+    if (widest == widest_ && right == (*plot)->contentsMargins().right()) continue;
     (*plot)->setContentsMargins(0, 0, right, 0);
     (*plot)->updateLayout();
   }
+  widest_ = widest;
 }
 
 }  // namespace rbs

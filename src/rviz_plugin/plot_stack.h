@@ -59,10 +59,11 @@ class PlotStack : public QScrollArea {
 
  private:
   void draw();
+  void draw(TimePlot& plot);
   void drawSoon();
   void choose(double from, double to);
   void alignScales();
-  TimePlot::View view();
+  void lookAtNewest();
   void tellWanted();
 
   Recorder& recorder_;
@@ -75,6 +76,9 @@ class PlotStack : public QScrollArea {
   std::optional<Baseline> baseline_;
   std::unique_ptr<History> held_;  ///< null: not held
   QTimer drawing_;                 ///< so that many changes are drawn once
+  std::size_t next_ = 0;           ///< plot to draw; 0: none of them is drawn yet
+  bool is_stale_ = false;          ///< whether something has changed while they were drawn
+  double widest_ = 0.0;            ///< of the numbers at the left, pixels
 };
 
 }  // namespace rbs
