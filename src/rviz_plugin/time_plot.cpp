@@ -31,6 +31,7 @@ constexpr double kWheel = 1.25;       // zoom of one notch
 constexpr int kNear = 4, kDrawn = 5;  // pixels: of a mark, and of a rectangle that is meant
 constexpr double kPale = 0.3;         // opacity of the run before
 constexpr int kMarksSeen = 60;
+constexpr int kLeastLines = 5;              // of text, as high as a chart is at least
 constexpr int kDigits = 4, kFewDigits = 2;  // of the values in a heading, few where there are many
 
 void fade(QwtPlotCurve& curve, QColor color) {
@@ -59,7 +60,7 @@ TimePlot::TimePlot(const Quantity& quantity, const QStringList& bodies)
   ground->setCursor(Qt::CrossCursor);
   plotLayout()->setAlignCanvasToScales(true);
   plotLayout()->setSpacing(2);
-  setMinimumSize(120, 6 * fontMetrics().height());
+  setMinimumWidth(120);
   setAxisMaxMajor(yLeft, 5);
   setAxisMaxMinor(yLeft, 0);
   setAxisMaxMinor(xBottom, 0);
@@ -286,6 +287,8 @@ void TimePlot::showHeading(const History& history, const View& view) {
   heading.setColor(palette().color(QPalette::WindowText));
   heading.setRenderFlags(Qt::AlignLeft | Qt::AlignVCenter | Qt::TextWordWrap);
   setTitle(heading);
+  const double lines = heading.heightForWidth(std::max(1, canvas()->width()));
+  setMinimumHeight(static_cast<int>(lines) + kLeastLines * fontMetrics().height());
 }
 
 TimePlot::Range TimePlot::rangeOf(Axis axis) const {
