@@ -78,6 +78,7 @@ TimePlot::TimePlot(const Quantity& quantity, const QStringList& bodies)
   close_->setMaximumSize(fontMetrics().height(), fontMetrics().height());
   close_->setAutoRaise(true);
   close_->setToolTip("Remove this plot");
+  close_->hide();
   connect(close_, &QToolButton::clicked, this, &TimePlot::removed);
   makeCurves();
   recolor();

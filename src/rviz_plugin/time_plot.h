@@ -69,6 +69,8 @@ class TimePlot : public QwtPlot {
  protected:
   bool eventFilter(QObject* watched, QEvent* event) override;
   void changeEvent(QEvent* event) override;
+  void enterEvent(QEvent*) override { close_->show(); }
+  void leaveEvent(QEvent*) override { close_->hide(); }
   void resizeEvent(QResizeEvent* event) override;
 
  private:
@@ -109,7 +111,7 @@ class TimePlot : public QwtPlot {
   std::vector<Mark> shown_marks_;
   QwtPlotGrid grid_;
   QwtPlotMarker cursor_, zero_;
-  QToolButton* close_;
+  QToolButton* close_;  ///< seen while the mouse is here
   QRubberBand* rectangle_;
   std::optional<Range> values_;  ///< chosen by the user
   std::optional<Grip> grip_;
