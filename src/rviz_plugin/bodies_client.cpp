@@ -42,6 +42,8 @@ void BodiesClient::follow(const QString& node) {
   selection_.clear();
   try {
     descriptions_topic_ = ros_.subscribe(inNode("body_descriptions"), 1, &BodiesClient::receive, this);
+    // From the start: where another part of RViz listens as well, who comes later gets no state of its own.
+    states_topic_ = ros_.subscribe(inNode("body_states"), 1, &BodiesClient::receiveStates, this);
     selection_topic_ = ros_.subscribe(inNode("selected_bodies"), 1, &BodiesClient::receiveSelection, this);
     select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
   } catch (const ros::InvalidNameException& error) {
@@ -81,13 +83,6 @@ void BodiesClient::matchMotions() {
 
 void BodiesClient::receiveSelection(const rigid_body_sim::BodyNames& selection) {
   selection_ = toQt(selection.names);
-  if (selection_.isEmpty()) {
-    states_topic_.shutdown();
-    states_.reset();
-    motions_.clear();
-  } else if (!states_topic_) {
-    states_topic_ = ros_.subscribe(inNode("body_states"), 1, &BodiesClient::receiveStates, this);
-  }
   Q_EMIT selectionChanged();
 }
 

@@ -26,8 +26,7 @@ struct BodyMotion {
   geometry_msgs::Twist twist;  ///< at the centre of mass, along the axes of the world, m/s and rad/s
 };
 
-/// Lives on the GUI thread, where RViz also handles the messages of subscribers. Listens to the states of the
-/// bodies, which are many, only while some are selected.
+/// Lives on the GUI thread, where RViz also handles the messages of subscribers.
 class BodiesClient : public QObject {
   Q_OBJECT
  public:

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pages of the panel of the simulation, by keys and mouse, beside a running simulator; without a screen.
+#include "effects_view.h"
+#include "pipeline_tree.h"
+#include "scene_bar.h"
+#include "transport_bar.h"
+#include "warnings_view.h"
+#include "wind_view.h"
+
+#include <rigid_body_sim/LoadScene.h>
+#include <ros/package.h>
+#include <ros/ros.h>
+
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QFile>
+#include <QTemporaryDir>
+#include <QTest>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+using namespace rbs;
+
+namespace {
+
+constexpr int kPatience = 30'000;  // ms
+
+class SimulationPanelTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    QObject::connect(&simulator_, &SimulatorClient::statusReceived,
+                     [this](const rigid_body_sim::Status& status) { status_ = status; });
+    QObject::connect(&simulator_, &SimulatorClient::windReceived,
+                     [this](const rigid_body_sim::Wind& wind) { wind_ = wind; });
+    QObject::connect(&simulator_, &SimulatorClient::reported,
+                     [this](const QString& text, bool) { told_ = text; });
+    simulator_.follow("/sim");
+    simulator_.loadScene(scene());
+    ASSERT_TRUE(waitFor([this] { return !status_.scene.empty() && status_.time == 0.0 && !status_.wind; }));
+  }
+
+  static QString scene() {
+    return QString::fromStdString(ros::package::getPath("rigid_body_sim")) + "/test/node/small.yaml";
+  }
+  static bool waitFor(const std::function<bool()>& condition) {
+    QElapsedTimer time;
+    time.start();
+    while (!condition()) {
+      if (time.elapsed() > kPatience) return false;
+      ros::spinOnce();
+      QTest::qWait(5);
+    }
+    return true;
+  }
+  template <class Widget>
+  static Widget& child(QWidget& parent, int k = 0) {
+    return *parent.findChildren<Widget*>().at(k);
+  }
+  static void enter(QDoubleSpinBox& box, const char* text) {
+    box.setFocus();
+    box.selectAll();
+    QTest::keyClicks(&box, text);
+    QTest::keyClick(&box, Qt::Key_Return);
+    box.clearFocus();
+  }
+
+  SimulatorClient simulator_;
+  rigid_body_sim::Status status_;
+  rigid_body_sim::Wind wind_;
+  QString told_;
+};
+
+TEST_F(SimulationPanelTest, SetsTheWindByDirectionSpeedAndGusts) {
+  WindView view(simulator_);
+  view.setVisible(true);
+  QList<QDoubleSpinBox*> boxes = view.findChildren<QDoubleSpinBox*>();  // in the order of the form
+  ASSERT_EQ(boxes.size(), 4);
+  enter(*boxes[1], "8");
+  ASSERT_TRUE(waitFor([this] { return wind_.enabled && wind_.mean.x == 8.0; }));
+  enter(*boxes[0], "90");
+  EXPECT_TRUE(
+      waitFor([this] { return std::abs(wind_.mean.y - 8.0) < 1e-12 && std::abs(wind_.mean.x) < 1e-12; }));
+  enter(*boxes[2], "-2");
+  EXPECT_TRUE(waitFor([this] { return wind_.mean.z == -2.0; }));
+  enter(*boxes[3], "1.5");
+  EXPECT_TRUE(waitFor([this] { return wind_.gust == 1.5; }));
+  child<QDial>(view).setValue(0);  // down: to -y
+  EXPECT_TRUE(waitFor([this] { return std::abs(wind_.mean.y + 8.0) < 1e-9; }));
+  EXPECT_TRUE(waitFor([&] { return boxes[0]->value() == 270.0; }));
+  EXPECT_EQ(wind_.mean.z, -2.0);
+}
+
+TEST_F(SimulationPanelTest, SwitchesEffectsAndTellsWhatThatNeglects) {
+  EffectsView view(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &view, &EffectsView::show);
+  const auto choose = [&](const char* effect, const char* mode) {
+    for (QComboBox* const box : view.findChildren<QComboBox*>()) {
+      if (box->accessibleName() != effect) continue;
+      box->setCurrentText(mode);
+      Q_EMIT box->activated(box->currentIndex());
+    }
+  };
+  const auto why = [&](int row) { return view.topLevelItem(row)->text(3); };
+  choose("gravity", "off");
+  ASSERT_TRUE(waitFor([this] { return status_.forced_off == std::vector<std::string>{"gravity"}; }));
+  EXPECT_TRUE(waitFor([&] { return why(0).contains("without gravity"); })) << why(0).toStdString();
+  choose("rolling", "on");
+  ASSERT_TRUE(waitFor([this] { return status_.forced_on == std::vector<std::string>{"rolling"}; }));
+  choose("gravity", "auto");
+  choose("rolling", "auto");
+  ASSERT_TRUE(waitFor([this] { return status_.forced_off.empty() && status_.forced_on.empty(); }));
+  EXPECT_TRUE(waitFor([&] { return why(0).contains("9.81"); })) << why(0).toStdString();
+}
+
+TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {
+  SceneBar bar(simulator_);
+  const QTemporaryDir folder;
+  const QString file = folder.filePath("kept.yaml");
+  simulator_.saveScene(file);
+  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList{file}; })) << told_.toStdString();
+  EXPECT_TRUE(QFile::exists(file));
+  const QString state = folder.filePath("state.yaml");
+  simulator_.saveState(state);
+  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({state, file}); }));
+  simulator_.loadScene(file);
+  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({file, state}); }));
+  simulator_.loadState(file);  // which holds no state
+  EXPECT_TRUE(waitFor([this] { return told_.contains("load_scene"); })) << told_.toStdString();
+  EXPECT_EQ(bar.recent(), QStringList({file, state}));
+  simulator_.saveScene("/proc/no.yaml");
+  EXPECT_TRUE(waitFor([this] { return told_.contains("/proc: "); })) << told_.toStdString();
+}
+
+TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
+  TransportBar bar(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &TransportBar::show);
+  bar.setVisible(true);
+  auto& slider = child<QSlider>(bar);
+  ASSERT_TRUE(waitFor([&] { return slider.value() == 40; }));  // real time
+  slider.setValue(0);
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 0.01; }));
+  slider.setValue(60);
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 10.0; }));
+  bar.goFaster();
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 20.0; }));
+  bar.goSlower();
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 10.0; }));
+  enter(child<QDoubleSpinBox>(bar), "1");
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 1.0; }));
+  EXPECT_TRUE(waitFor([&] { return slider.value() == 40; }));
+  const std::uint64_t before = status_.steps;
+  bar.step();
+  EXPECT_TRUE(waitFor([&] { return status_.steps == before + 1; }));
+}
+
+TEST(WarningsView, CountsWhatComesAgainAndKeepsABoundedList) {
+  WarningsView view;
+  rigid_body_sim::Status status;
+  view.show(status);
+  EXPECT_EQ(view.count(), 0);
+  const auto& list = *view.findChild<QTreeWidget*>();
+  for (int k = 0; k < 300; ++k) {
+    status.time = k;
+    status.warnings = {"again", "warning " + std::to_string(k)};
+    view.show(status);
+  }
+  EXPECT_EQ(view.count(), 200);
+  EXPECT_EQ(list.topLevelItem(0)->text(2), "warning 299");
+  EXPECT_EQ(list.topLevelItem(1)->text(2), "again");
+  EXPECT_EQ(list.topLevelItem(1)->text(1), "300");
+  view.clear();
+  EXPECT_EQ(view.count(), 0);
+}
+
+TEST(PipelineTree, PutsPartsBelowTheirStage) {
+  PipelineTree tree;
+  std::vector<rigid_body_sim::StageStatus> pipeline(3);
+  pipeline[0].name = "forces.gravity";
+  pipeline[1].name = "islands.advance";
+  pipeline[1].active = true;
+  pipeline[1].seconds = 0.002;
+  pipeline[2].name = "contacts.solve";
+  pipeline[2].part_of = "islands.advance";
+  tree.show(pipeline);
+  ASSERT_EQ(tree.topLevelItemCount(), 2);
+  ASSERT_EQ(tree.topLevelItem(1)->childCount(), 1);
+  EXPECT_EQ(tree.topLevelItem(1)->child(0)->text(0), "contacts.solve");
+  EXPECT_EQ(tree.topLevelItem(1)->text(1), "2.000");
+  EXPECT_EQ(tree.topLevelItem(0)->text(1), "off");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "simulation_panel_test", ros::init_options::NoSigintHandler);
+  QApplication application(argc, argv);
+  const ros::NodeHandle node;
+  return RUN_ALL_TESTS();
+}
