@@ -165,7 +165,12 @@ class Rviz:
     def drag(self, start, end, steps=12):
         """Drags what lies at pixel `start` to `end`, once it can be dragged. Nothing else may move."""
         wait_until(lambda: self._takes_drags(start), 'something to drag at pixel %d, %d' % start)
+        self.sweep(start, end, steps)
+
+    def sweep(self, start, end, steps=12):
+        """Moves the mouse from one pixel to another with its left button down."""
         mouse = self.screen.xdotool
+        mouse('mousemove', *start, 'sleep', 0.2)
         mouse('mousedown', 1, 'sleep', 0.2)
         for step in range(1, steps + 1):
             x, y = (round(a + (b - a) * step / steps) for a, b in zip(start, end))
@@ -187,8 +192,10 @@ class Rviz:
         time.sleep(5.0)  # for a picture of thousands of bodies
         return self.screen.picture(hints) != of_sky
 
-    def click(self, pixel):
-        self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, 'click', 1)
+    def click(self, pixel, held=None):
+        """Clicks with the left button, while the key `held` is down where one is given."""
+        keys = (['keydown', held], ['sleep', 0.1, 'keyup', held]) if held else ([], [])
+        self.screen.xdotool('mousemove', *pixel, 'sleep', 0.2, *keys[0], 'click', 1, *keys[1])
 
     def key(self, name):
         self.focus()

@@ -26,13 +26,14 @@ bool StatePublisher::hasNewcomer() {
 
 void StatePublisher::publish(const Timeline::Moment& moment) {
   const ros::WallTime now = ros::WallTime::now();
+  // Also for those who share a connection with a listener that was there before: roscpp tells of none.
   const bool again = !repeat_period_.isZero() && now - descriptions_sent_ >= repeat_period_ &&
                      descriptions_.getNumSubscribers() > 0;
   if (again || moment.snapshot->bodies != described_) {
     descriptions_sent_ = now;
     publishDescriptions(moment);
   }
-  if (states_.wanted(moment.changed)) publishStates(moment);
+  if (states_.wanted(moment.changed || again)) publishStates(moment);
   contacts_due_ = contacts_due_ || moment.changed;
   if (now - contacts_sent_ < contacts_period_ || !contacts_.wanted(contacts_due_)) return;
   contacts_due_ = false;

@@ -25,13 +25,24 @@ QStringList toQt(const std::vector<std::string>& names) {
 }  // namespace
 
 BodiesClient::BodiesClient() {
-  connect(
-      &worker_, &ServiceWorker::answered, this,
-      [this](const QString&, bool success, const QString& message) { Q_EMIT reported(message, !success); });
+  constexpr int kWatchPeriod = 500;  // ms
+  connect(&watchdog_, &QTimer::timeout, this, &BodiesClient::watch);
+  watchdog_.start(kWatchPeriod);
+}
+
+void BodiesClient::watch() {
+  constexpr double kPatience = 2.0;  // s
+  const QString service = worker_ ? worker_->overdue(kPatience) : QString();
+  if (!service.isEmpty())
+    Q_EMIT reported(QString("%1: no answer for %2 s").arg(service).arg(int(worker_->waited())), true);
 }
 
 void BodiesClient::follow(const QString& node) {
   node_ = node;
+  worker_ = std::make_unique<ServiceWorker>();
+  connect(
+      worker_.get(), &ServiceWorker::answered, this,
+      [this](const QString&, bool success, const QString& message) { Q_EMIT reported(message, !success); });
   states_topic_.shutdown();
   descriptions_topic_.shutdown();
   selection_topic_.shutdown();
@@ -46,7 +57,7 @@ void BodiesClient::follow(const QString& node) {
     states_topic_ = ros_.subscribe(inNode("body_states"), 1, &BodiesClient::receiveStates, this);
     selection_topic_ = ros_.subscribe(inNode("selected_bodies"), 1, &BodiesClient::receiveSelection, this);
     select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
-  } catch (const ros::InvalidNameException& error) {
+  } catch (const ros::Exception& error) {
     Q_EMIT reported(QString::fromStdString(error.what()), true);
   }
   Q_EMIT bodiesChanged();
@@ -58,6 +69,9 @@ std::optional<BodyMotion> BodiesClient::motion(std::size_t index) const {
 }
 
 void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions) {
+  if (descriptions.version == descriptions_.version && descriptions.header.frame_id == frame() &&
+      descriptions.bodies == bodies())
+    return;  // sent again
   descriptions_ = descriptions;
   matchMotions();
   Q_EMIT bodiesChanged();
@@ -96,14 +110,21 @@ void BodiesClient::edit(const std::vector<rigid_body_sim::BodyChange>& changes, 
   using rigid_body_sim::EditBodies;
   EditBodies::Request request;
   request.changes = changes;
-  worker_.call<EditBodies>(
-      inNode("edit_bodies"), request, [answer](const EditBodies::Response&) { answer({}); }, answer);
+  worker_->call<EditBodies>(
+      inNode("edit_bodies"), request,
+      [this, changes, answer](const EditBodies::Response&) {
+        answer({});
+        for (const rigid_body_sim::BodyChange& change : changes)
+          if (!change.new_name.empty())
+            Q_EMIT renamed(QString::fromStdString(change.name), QString::fromStdString(change.new_name));
+      },
+      answer);
 }
 
 void BodiesClient::remove(const QStringList& names) {
   rigid_body_sim::NamedBodies::Request request;
   request.names = toStd(names);
-  worker_.call<rigid_body_sim::NamedBodies>(inNode("delete_bodies"), request);
+  worker_->call<rigid_body_sim::NamedBodies>(inNode("delete_bodies"), request);
 }
 
 void BodiesClient::duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset) {
@@ -112,7 +133,7 @@ void BodiesClient::duplicate(const QStringList& names, unsigned count, const geo
   request.names = toStd(names);
   request.count = count;
   request.offset = offset;
-  worker_.call<DuplicateBodies>(
+  worker_->call<DuplicateBodies>(
       inNode("duplicate_bodies"), request,
       [this](const DuplicateBodies::Response& response) { select(toQt(response.names)); });
 }

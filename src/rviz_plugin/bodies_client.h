@@ -13,8 +13,10 @@
 #include <QObject>
 #include <QString>
 #include <QStringList>
+#include <QTimer>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -58,6 +60,8 @@ class BodiesClient : public QObject {
   void bodiesChanged();
   void motionChanged();
   void selectionChanged();
+  /// An edit of this client has given a body another name.
+  void renamed(const QString& from, const QString& to);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
   void reported(const QString& text, bool is_trouble);
 
@@ -68,7 +72,10 @@ class BodiesClient : public QObject {
   void receiveSelection(const rigid_body_sim::BodyNames& selection);
   std::string inNode(const char* name) const { return node_.toStdString() + "/" + name; }
 
-  ServiceWorker worker_;
+  void watch();
+
+  std::unique_ptr<ServiceWorker> worker_;  ///< made anew for each node: a call that hangs holds up no other
+  QTimer watchdog_;
   ros::NodeHandle ros_;
   ros::Subscriber descriptions_topic_, states_topic_, selection_topic_;
   ros::Publisher select_;

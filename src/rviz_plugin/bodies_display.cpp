@@ -118,6 +118,8 @@ void BodiesDisplay::reset() {
 }
 
 std::string BodiesDisplay::node() const {
+  std::string error;
+  if (!ros::names::validate(topic_->getTopicStd(), error)) return {};
   const std::string topic = update_nh_.resolveName(topic_->getTopicStd());
   return topic.substr(0, topic.rfind('/'));
 }
@@ -132,8 +134,12 @@ ros::Subscriber BodiesDisplay::listen(const std::string& topic) {
   return threaded_nh_.subscribe<Message>(topic, kQueue, receive);
 }
 
+// While the simulator is paused no state comes anew where another part of RViz listens as well: what is known of
+// the same topic stays.
 void BodiesDisplay::subscribe() {
   unsubscribe();
+  if (topic_->getTopicStd() != known_topic_) playback_.clear();
+  known_topic_ = topic_->getTopicStd();
   if (!isEnabled() || !visuals_) return;
   inbox_ = std::make_shared<BodyInbox>();
   try {
@@ -167,7 +173,6 @@ void BodiesDisplay::unsubscribe() {
   selection_topic_.shutdown();
   inbox_.reset();
   followContacts();
-  playback_.clear();
   known_.reset();
   drawn_.reset();
   shown_.clear();
@@ -312,7 +317,7 @@ void collectDisplays(rviz::DisplayGroup& group, std::vector<BodiesDisplay*>& dis
   for (int i = 0; i < group.numDisplays(); ++i) {
     if (rviz::DisplayGroup* const inner = group.getGroupAt(i)) collectDisplays(*inner, displays);
     auto* const display = qobject_cast<BodiesDisplay*>(group.getDisplayAt(i));
-    if (display && display->isEnabled()) displays.push_back(display);
+    if (display) displays.push_back(display);
   }
 }
 

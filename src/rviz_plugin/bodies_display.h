@@ -45,10 +45,11 @@ class BodiesDisplay : public rviz::Display {
   void update(float wall_dt, float ros_dt) override;
   void reset() override;
 
-  /// The enabled ones of a window.
+  /// Those of a window, disabled ones too.
   static std::vector<BodiesDisplay*> allIn(rviz::DisplayContext& context);
 
-  /// The resolved name of the simulator's node, which is the namespace of the topic.
+  /// The resolved name of the simulator's node, which is the namespace of the topic; empty for a topic that ROS
+  /// does not take.
   std::string node() const;
   /// The name of the drawn body whose id has these lower 31 bits; empty for an unknown one.
   std::string nameOf(std::uint64_t low_id) const;
@@ -107,6 +108,7 @@ class BodiesDisplay : public rviz::Display {
   std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
   ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_, selection_topic_;
   BodyPlayback playback_;
+  std::string known_topic_;  ///< of what playback_ knows
   std::set<std::string> hidden_;
   std::shared_ptr<const BodyCatalog> known_;                ///< hidden bodies included
   std::shared_ptr<const BodyCatalog> drawn_;                ///< that the visuals know

@@ -9,7 +9,6 @@
 #include <OgreAxisAlignedBox.h>
 #include <rviz/frame_manager.h>
 #include <rviz/view_manager.h>
-#include <rviz/visualization_manager.h>
 #include <pluginlib/class_list_macros.hpp>
 
 #include <QAction>
@@ -17,7 +16,6 @@
 #include <QHeaderView>
 #include <QInputDialog>
 #include <QLabel>
-#include <QRegularExpression>
 #include <QSplitter>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -53,16 +51,18 @@ BodiesPanel::BodiesPanel()
       answer_(new ElidedText(1)),
       node_(new NodeBox) {
   node_->setNode("sim");
+  // Before the list learns of it: rows that a filter hides stay selected.
+  connect(&filter_, &QAbstractItemModel::rowsAboutToBeRemoved, this, [this] { filters_ = true; });
   layOut();
+  connect(&filter_, &QAbstractItemModel::rowsRemoved, this, [this] { filters_ = false; });
   addActions();
   showGroups(kAllBodies);
 
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
-  connect(&simulator_, &BodiesClient::bodiesChanged, this, [this] {
-    if (!hidden_.isEmpty()) applyHidden();
-  });
+  connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
+  connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRename);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
   connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
     if (index.column() != BodyTable::Name) focus();
@@ -81,7 +81,12 @@ BodiesPanel::BodiesPanel()
   });
 }
 
+BodiesPanel::~BodiesPanel() {
+  hideInView({});
+}
+
 void BodiesPanel::layOut() {
+  count_->setObjectName("count");
   search_->setObjectName("search");
   search_->setPlaceholderText("Search: name, shape, kind");
   search_->setClearButtonEnabled(true);
@@ -150,6 +155,7 @@ QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, v
 }
 
 void BodiesPanel::onInitialize() {
+  manager_ = vis_manager_;
   follow(node_->node());
 }
 
@@ -181,6 +187,10 @@ void BodiesPanel::save(rviz::Config config) const {
 }
 
 void BodiesPanel::follow(const QString& node) {
+  if (node != simulator_.node() && !simulator_.node().isEmpty()) {
+    hideInView({});
+    hidden_.clear();
+  }
   node_->setNode(node);
   showMessage({}, false);
   simulator_.follow(node);
@@ -208,7 +218,7 @@ void BodiesPanel::showSelection() {
 
 // Those that the filter hides stay selected, and what is selected last comes last.
 void BodiesPanel::sendSelection() {
-  if (shows_selection_) return;
+  if (shows_selection_ || filters_) return;
   QSet<QString> listed, chosen;
   for (int row = 0; row < filter_.rowCount(); ++row)
     listed.insert(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
@@ -246,11 +256,19 @@ void BodiesPanel::rename(const QString& name, const QString& new_name) {
   rigid_body_sim::BodyChange change;
   change.name = name.toStdString();
   change.new_name = new_name.toStdString();
-  simulator_.edit({change}, [this, name, new_name](const QString& refusal) {
-    if (!refusal.isEmpty()) return;
-    for (QStringList& names : in_group_)
-      names.replaceInStrings(QRegularExpression("^" + QRegularExpression::escape(name) + "$"), new_name);
-  });
+  simulator_.edit({change}, [](const QString&) {});
+}
+
+// Groups and hidden bodies are kept by their names.
+void BodiesPanel::followRename(const QString& from, const QString& to) {
+  for (QStringList& names : in_group_) {
+    const int place = names.indexOf(from);
+    if (place >= 0) names[place] = to;
+  }
+  if (hidden_.remove(from)) hidden_.insert(to);
+  applyHidden();
+  chooseGroup(groups_->currentIndex());
+  Q_EMIT configChanged();
 }
 
 // The view turns about the middle of the bodies' bounds.
@@ -286,14 +304,24 @@ void BodiesPanel::showAll() {
   Q_EMIT configChanged();
 }
 
-// A display may be added later, so this is done again with every list of bodies.
+// A display may be added later, so this is done again with every list of bodies. What is gone is hidden no more.
 void BodiesPanel::applyHidden() {
-  table_.setHidden(hidden_);
-  if (!vis_manager_) return;
   std::set<std::string> names;
-  for (const QString& name : hidden_) names.insert(name.toStdString());
-  for (BodiesDisplay* const display : BodiesDisplay::allIn(*vis_manager_))
-    if (display->node() == ros::names::resolve(simulator_.node().toStdString())) display->setHidden(names);
+  for (const rigid_body_sim::BodyDescription& body : simulator_.bodies())
+    if (hidden_.contains(QString::fromStdString(body.name))) names.insert(body.name);
+  if (!simulator_.bodies().empty()) {
+    hidden_.clear();
+    for (const std::string& name : names) hidden_.insert(QString::fromStdString(name));
+  }
+  table_.setHidden(hidden_);
+  hideInView(names);
+}
+
+void BodiesPanel::hideInView(const std::set<std::string>& names) {
+  const std::string node = resolvedNode(simulator_.node());
+  if (!manager_ || node.empty()) return;
+  for (BodiesDisplay* const display : BodiesDisplay::allIn(*manager_))
+    if (display->node() == node) display->setHidden(names);
 }
 
 void BodiesPanel::remove() {

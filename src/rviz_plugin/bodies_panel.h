@@ -9,11 +9,15 @@
 #include "node_box.h"
 
 #include <rviz/panel.h>
+#include <rviz/visualization_manager.h>
 
 #include <QComboBox>
 #include <QLineEdit>
 #include <QMap>
+#include <QPointer>
 #include <QTableView>
+
+#include <set>
 
 namespace rbs {
 
@@ -24,6 +28,7 @@ class BodiesPanel : public rviz::Panel {
   Q_OBJECT
  public:
   BodiesPanel();
+  ~BodiesPanel() override;
 
   void onInitialize() override;
   void load(const rviz::Config& config) override;
@@ -38,11 +43,13 @@ class BodiesPanel : public rviz::Panel {
   void sendSelection();
   void showCount();
   void showMessage(const QString& text, bool is_trouble);
+  void followRename(const QString& from, const QString& to);
   void rename(const QString& name, const QString& new_name);
   void focus();
   void hideSelection();
   void showAll();
   void applyHidden();
+  void hideInView(const std::set<std::string>& names);
   void remove();
   void duplicate();
   void groupSelection();
@@ -60,10 +67,12 @@ class BodiesPanel : public rviz::Panel {
   BodyProperties* properties_;
   ElidedText* answer_;
   NodeBox* node_;
-  QList<QAction*> of_selection_;         ///< actions that need one
-  QMap<QString, QStringList> in_group_;  ///< names of bodies, by the name of the group
-  QSet<QString> hidden_;                 ///< names of bodies that the view does not draw
-  bool shows_selection_ = false;         ///< the list is being brought in line with the simulator
+  QList<QAction*> of_selection_;                  ///< actions that need one
+  QMap<QString, QStringList> in_group_;           ///< names of bodies, by the name of the group
+  QSet<QString> hidden_;                          ///< names of bodies that the view does not draw
+  QPointer<rviz::VisualizationManager> manager_;  ///< it may go before the panel
+  bool filters_ = false;                          ///< the filter is taking rows away
+  bool shows_selection_ = false;                  ///< the list is being brought in line with the simulator
 };
 
 }  // namespace rbs

@@ -193,14 +193,21 @@ void BodyProperties::showKindAndColor() {
 
 void BodyProperties::showNumbers(const BodyField& field, Row& row) {
   for (int part = 0; part < field.parts; ++part) {
-    bool some = false;
-    for (const KnownBody& body : bodies_) some = some || field.read(body, part).has_value();
-    row.fields[part]->setEnabled(some);
-    const auto text = [&](const KnownBody& body) {
+    std::optional<double> common;
+    bool differ = false;
+    for (const KnownBody& body : bodies_) {
       const std::optional<double> value = field.read(body, part);
-      return value ? std::optional<QString>(inText(field, *value)) : std::nullopt;
-    };
-    row.fields[part]->show(some ? commonText(bodies_, text) : std::optional<QString>("–"));
+      if (!value || value == common) continue;
+      differ = common && inText(field, *value) != inText(field, *common);
+      if (differ) break;
+      common = value;
+    }
+    row.fields[part]->setEnabled(common.has_value());
+    if (!common) {
+      row.fields[part]->show(QString("–"));
+    } else {
+      row.fields[part]->show(differ ? std::nullopt : std::make_optional(inText(field, *common)));
+    }
   }
 }
 
@@ -252,7 +259,10 @@ void BodyProperties::chooseColor() {
   auto* const dialog = new QColorDialog(QColor::fromRgbF(now.r, now.g, now.b, now.a), this);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setOption(QColorDialog::ShowAlphaChannel);
-  connect(dialog, &QColorDialog::colorSelected, this, [this](const QColor& color) {
+  const QStringList asked_for = simulator_.selection();
+  connect(dialog, &QColorDialog::colorSelected, this, [this, asked_for](const QColor& color) {
+    if (simulator_.selection() != asked_for)
+      return note(kind_row_, "The selection has changed since; no colour was set.");
     if (color.alpha() == 0) return note(kind_row_, "a colour with some opacity");
     ask(
         [&](rigid_body_sim::BodyChange& change, const KnownBody&) {

@@ -5,6 +5,7 @@
 #include <QFont>
 
 #include <algorithm>
+#include <utility>
 
 namespace rbs {
 
@@ -12,17 +13,26 @@ BodyTable::BodyTable(const BodiesClient& client) : client_(client) {
   connect(&client, &BodiesClient::bodiesChanged, this, &BodyTable::update);
 }
 
-// Rows stay where the bodies are the same, so that a property that changes moves no selection.
+// Rows stay where the bodies are the same, so that a property that changes moves no selection, and a name that is
+// being typed elsewhere stays.
 void BodyTable::update() {
-  std::vector<std::uint64_t> ids;
-  for (const rigid_body_sim::BodyDescription& body : client_.bodies()) ids.push_back(body.id);
-  if (ids == ids_) {
-    if (!ids.empty()) Q_EMIT dataChanged(index(0, 0), index(rowCount() - 1, kColumns - 1));
-    return;
+  const std::vector<rigid_body_sim::BodyDescription>& bodies = client_.bodies();
+  const bool same_rows =
+      std::equal(bodies.begin(), bodies.end(), shown_.begin(), shown_.end(),
+                 [](const auto& body, const auto& before) { return body.id == before.id; });
+  if (!same_rows) beginResetModel();
+  std::vector<std::pair<int, int>> changed;  // first and last of rows that lie together
+  for (int row = 0; same_rows && row < static_cast<int>(bodies.size()); ++row) {
+    if (bodies[row] == shown_[row]) continue;
+    if (!changed.empty() && changed.back().second == row - 1) {
+      changed.back().second = row;
+    } else {
+      changed.emplace_back(row, row);
+    }
   }
-  beginResetModel();
-  ids_ = std::move(ids);
-  endResetModel();
+  shown_ = bodies;
+  if (!same_rows) endResetModel();
+  for (const auto& [first, last] : changed) Q_EMIT dataChanged(index(first, 0), index(last, kColumns - 1));
 }
 
 void BodyTable::setHidden(const QSet<QString>& names) {
@@ -32,7 +42,7 @@ void BodyTable::setHidden(const QSet<QString>& names) {
 }
 
 int BodyTable::rowCount(const QModelIndex& parent) const {
-  return parent.isValid() ? 0 : static_cast<int>(ids_.size());
+  return parent.isValid() ? 0 : static_cast<int>(shown_.size());
 }
 
 int BodyTable::columnCount(const QModelIndex& parent) const {

@@ -29,7 +29,7 @@ class BodyTable : public QAbstractTableModel {
   /// Rows of these names are told to be hidden in the view.
   void setHidden(const QSet<QString>& names);
 
-  const rigid_body_sim::BodyDescription& body(int row) const { return client_.bodies()[row]; }
+  const rigid_body_sim::BodyDescription& body(int row) const { return shown_[row]; }
   QString name(int row) const { return QString::fromStdString(body(row).name); }
 
  Q_SIGNALS:
@@ -39,7 +39,7 @@ class BodyTable : public QAbstractTableModel {
   void update();
 
   const BodiesClient& client_;
-  std::vector<std::uint64_t> ids_;  ///< of the rows
+  std::vector<rigid_body_sim::BodyDescription> shown_;  ///< the rows
   QSet<QString> hidden_;
 };
 

@@ -82,7 +82,9 @@ void EffectsView::show(const rigid_body_sim::Status& status) {
       const QSignalBlocker quiet(mode);
       mode->setCurrentText(is_off ? "off" : isIn(status.forced_on, known.effect) ? "on" : "auto");
     }
-    if (!is_off) neglected_.remove(known.effect);
+    if (!is_off && off_.remove(known.effect))
+      neglected_.remove(known.effect);  // the status may be an older one
+    if (is_off) off_.insert(known.effect);
     QString reason = QString::fromStdString(stage->reason);
     if (neglected_.contains(known.effect)) reason = neglected_[known.effect];
     QTreeWidgetItem& row = *rows_[known.effect];

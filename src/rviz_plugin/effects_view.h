@@ -6,6 +6,7 @@
 
 #include <QComboBox>
 #include <QMap>
+#include <QSet>
 #include <QTreeWidget>
 
 namespace rbs {
@@ -18,6 +19,8 @@ class EffectsView : public QTreeWidget {
   explicit EffectsView(SimulatorClient& simulator);
 
   void show(const rigid_body_sim::Status& status);
+  /// For another simulator.
+  void forgetNeglected() { neglected_.clear(); }
 
  private:
   void addRow(const QString& effect);
@@ -26,6 +29,7 @@ class EffectsView : public QTreeWidget {
   SimulatorClient& simulator_;
   QMap<QString, QTreeWidgetItem*> rows_;  ///< by effect
   QMap<QString, QComboBox*> switches_;    ///< by effect
+  QSet<QString> off_;                     ///< effects that the last status told to be forced off
   QMap<QString, QString> neglected_;      ///< modelling error in words, by effect
 };
 

@@ -37,7 +37,7 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   const bool is_free = is_press || (event.type == QEvent::MouseMove && event.buttons_down == Qt::NoButton);
   if (is_free && context_->getFrameCount() > last_selection_frame_count_) aim(event);
 
-  if (is_press && event.left() && event.control() && toggle(event)) return 0;
+  if (is_press && event.left() && event.control()) return toggle(event), 0;
   const int flags = rviz::InteractionTool::processMouseEvent(event);
 
   if (is_press) {
@@ -55,16 +55,21 @@ int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
   return Render;
 }
 
-// The simulator says what is there: the view may show a click target of an interactive marker in its place.
-bool InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
+// Where the view shows something else, such as a click target of an interactive marker, the simulator says which
+// body is there.
+void InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
   QWidget* const window = context_->getWindowManager()->getParentWindow();
+  if (const std::optional<PickedBody> picked = pickBody(*context_, event)) {
+    const rigid_body_sim::BodyDescription* const body = bodiesOf(picked->node)->find(picked->id);
+    if (body) SimulationPanel::toggleSelected(window, picked->node, QString::fromStdString(body->name));
+    return;
+  }
   for (const std::string& node : SimulationPanel::nodes(window)) {
     const auto met = bodyUnder(event, *context_, *bodiesOf(node));
-    if (!met) continue;
-    SimulationPanel::toggleSelected(window, node, QString::fromStdString(met->body.description.name));
-    return true;
+    if (met)
+      return SimulationPanel::toggleSelected(window, node,
+                                             QString::fromStdString(met->body.description.name));
   }
-  return false;
 }
 
 // Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.

@@ -27,8 +27,8 @@ class InteractTool : public rviz::InteractionTool {
   int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
 
  private:
-  /// Adds the body under the mouse to the selection, or takes it away. False where there is none.
-  bool toggle(const rviz::ViewportMouseEvent& event);
+  /// Adds the body under the mouse to the selection, or takes it away.
+  void toggle(const rviz::ViewportMouseEvent& event);
   void aim(const rviz::ViewportMouseEvent& event);
   std::shared_ptr<SimulatorBodies> bodiesOf(const std::string& node);
   void finishMiss(const QPoint& released_at);

@@ -5,10 +5,17 @@
 
 #include <rigid_body_sim/Status.h>
 #include <ros/master.h>
+#include <ros/names.h>
 
 #include <QLineEdit>
 
 namespace rbs {
+
+std::string resolvedNode(const QString& node) {
+  const std::string name = node.toStdString();
+  std::string error;
+  return !name.empty() && ros::names::validate(name, error) ? ros::names::resolve(name) : std::string();
+}
 
 NodeBox::NodeBox() {
   guardFromWheel(*this);

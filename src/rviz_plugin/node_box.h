@@ -4,7 +4,13 @@
 
 #include <QComboBox>
 
+#include <string>
+
 namespace rbs {
+
+/// The full name of a node, relative to the namespace of RViz unless it begins with '/'; empty for what ROS does not
+/// take as a name.
+std::string resolvedNode(const QString& node);
 
 /// Any name can be typed; the list has the simulators that the ROS master knows when it is opened.
 class NodeBox : public QComboBox {

@@ -13,6 +13,7 @@ namespace rbs {
 namespace {
 
 constexpr int kMostRecent = 8;
+const QString kState = "state:";
 
 }  // namespace
 
@@ -36,7 +37,8 @@ SceneBar::SceneBar(SimulatorClient& simulator) : simulator_(simulator), scenes_(
           [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
   connect(&menu_, &QMenu::aboutToShow, this, &SceneBar::fillMenu);
   connect(&simulator_, &SimulatorClient::scenesListed, this, &SceneBar::listScenes);
-  connect(&simulator_, &SimulatorClient::fileUsed, this, &SceneBar::use);
+  connect(&simulator_, &SimulatorClient::sceneFileUsed, this, &SceneBar::useScene);
+  connect(&simulator_, &SimulatorClient::stateFileUsed, this, &SceneBar::useState);
 }
 
 void SceneBar::listScenes(const QStringList& names, const QStringList& properties) {
@@ -51,22 +53,39 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   scenes_->setCurrentIndex(scenes_->findText(scene));
 }
 
-void SceneBar::use(const QString& file) {
+void SceneBar::useScene(const QString& file) {
   file_ = file;
-  if (file.isEmpty()) return;
+  if (!file.isEmpty()) keep(file);
+}
+
+// Save would write a scene over the state.
+void SceneBar::useState(const QString& file) {
+  file_.clear();
+  keep(kState + file);
+}
+
+void SceneBar::keep(const QString& file) {
   recent_.removeAll(file);
   recent_.prepend(file);
   while (recent_.size() > kMostRecent) recent_.removeLast();
   Q_EMIT recentChanged();
 }
 
+void SceneBar::openRecent(const QString& file) {
+  if (file.startsWith(kState)) {
+    simulator_.loadState(file.mid(kState.size()));
+  } else {
+    simulator_.loadScene(file);
+  }
+}
+
 void SceneBar::fillMenu() {
   menu_.clear();
-  menu_.addAction("Open scene…", this, [this] { askFile("Open scene", false, nullptr); });
+  menu_.addAction("Open scene…", this, [this] { askFile("Open scene", false, &SimulatorClient::loadScene); });
   menu_.addAction("Open state…", this, [this] { askFile("Open state", false, &SimulatorClient::loadState); });
   QMenu* const recent = menu_.addMenu("Recent");
   recent->setEnabled(!recent_.isEmpty());
-  for (const QString& file : recent_) recent->addAction(file, this, [this, file] { open(file); });
+  for (const QString& file : recent_) recent->addAction(file, this, [this, file] { openRecent(file); });
   menu_.addAction("Load again with a seed…", this, &SceneBar::askSeed)->setEnabled(!scene_.isEmpty());
   menu_.addSeparator();
   const QString save = file_.isEmpty() ? "Save scene" : "Save scene to " + QFileInfo(file_).fileName();
@@ -78,23 +97,14 @@ void SceneBar::fillMenu() {
 }
 
 void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&)) {
-  auto* const dialog = new QFileDialog(this, title, QFileInfo(recent_.value(0)).path(), "Scenes (*.yaml)");
+  auto* const dialog =
+      new QFileDialog(this, title, QFileInfo(recent_.value(0).remove(kState)).path(), "Scenes (*.yaml)");
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
   dialog->setFileMode(QFileDialog::AnyFile);
   dialog->setDefaultSuffix("yaml");
-  connect(dialog, &QFileDialog::fileSelected, this, [this, act](const QString& file) {
-    if (act) {
-      (simulator_.*act)(file);
-    } else {
-      open(file);
-    }
-  });
+  connect(dialog, &QFileDialog::fileSelected, &simulator_, act);
   dialog->open();
-}
-
-void SceneBar::open(const QString& file) {
-  simulator_.loadScene(file);
 }
 
 void SceneBar::askSeed() {

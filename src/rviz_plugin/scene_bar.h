@@ -20,20 +20,24 @@ class SceneBar : public QWidget {
   explicit SceneBar(SimulatorClient& simulator);
 
   void show(const rigid_body_sim::Status& status);
-  /// Files, the newest first.
+  /// Files of scenes, and of states with "state:" before their path; the newest first.
   const QStringList& recent() const { return recent_; }
   void setRecent(const QStringList& files) { recent_ = files; }
+  /// Save has no file any more.
+  void forgetFile() { file_.clear(); }
 
  Q_SIGNALS:
   void recentChanged();
 
  private:
   void listScenes(const QStringList& names, const QStringList& properties);
-  void use(const QString& file);
+  void useScene(const QString& file);
+  void useState(const QString& file);
+  void keep(const QString& file);
   void fillMenu();
   /// Asks for a file, without holding anything up meanwhile.
   void askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&));
-  void open(const QString& file);
+  void openRecent(const QString& file);
   void askSeed();
 
   SimulatorClient& simulator_;

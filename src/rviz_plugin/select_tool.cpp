@@ -64,7 +64,7 @@ void SelectTool::select(const rviz::ViewportMouseEvent& event) {
   std::map<std::string, QStringList> names;  // by node
   const std::optional<PickedBody> picked = is_click ? pickBody(*context_, event) : std::nullopt;
   for (BodiesDisplay* const display : BodiesDisplay::allIn(*context_)) {
-    if (picked && picked->node != display->node()) continue;
+    if (display->node().empty() || (picked && picked->node != display->node())) continue;
     QStringList& list = names[display->node()];
     if (is_click && !picked) continue;
     if (is_click) {

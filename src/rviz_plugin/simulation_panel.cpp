@@ -162,6 +162,8 @@ void SimulationPanel::save(rviz::Config config) const {
 void SimulationPanel::follow(const QString& node) {
   node_->setNode(node);
   showMessage(QString("No simulator answers at '%1'.").arg(node), true);
+  scenes_->forgetFile();
+  effects_->forgetNeglected();
   simulator_.follow(node);
 }
 
@@ -230,34 +232,27 @@ void SimulationPanel::followSelection(const QStringList& bodies) {
   if (bodies.isEmpty()) return;
   takeKeys();
   for (SimulationPanel* const other : panels()) {
-    const bool is_elsewhere = other->simulator_.node() != simulator_.node();
+    const bool is_elsewhere = resolvedNode(other->simulator_.node()) != resolvedNode(simulator_.node());
     if (is_elsewhere && !other->simulator_.selection().isEmpty()) other->simulator_.select({});
   }
-}
-
-// Empty where it is no name that ROS takes.
-std::string SimulationPanel::nodeOf(const SimulationPanel& panel) {
-  const std::string name = panel.simulator_.node().toStdString();
-  std::string error;
-  return ros::names::validate(name, error) ? ros::names::resolve(name) : std::string();
 }
 
 std::vector<std::string> SimulationPanel::nodes(QWidget* window) {
   std::vector<std::string> names;
   for (const SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
-    if (const std::string name = nodeOf(*panel); !name.empty()) names.push_back(name);
+    if (const std::string name = resolvedNode(panel->simulator_.node()); !name.empty()) names.push_back(name);
   return names;
 }
 
 void SimulationPanel::select(QWidget* window, const std::string& node, const QStringList& bodies,
                              Qt::KeyboardModifiers keys) {
   for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
-    if (nodeOf(*panel) == node) return panel->simulator_.select(bodies, keys);
+    if (resolvedNode(panel->simulator_.node()) == node) return panel->simulator_.select(bodies, keys);
 }
 
 void SimulationPanel::toggleSelected(QWidget* window, const std::string& node, const QString& body) {
   for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
-    if (nodeOf(*panel) == node) return panel->simulator_.toggleSelected(body);
+    if (resolvedNode(panel->simulator_.node()) == node) return panel->simulator_.toggleSelected(body);
 }
 
 void SimulationPanel::deleteSelection(QWidget* window) {

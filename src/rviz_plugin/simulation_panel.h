@@ -55,7 +55,6 @@ class SimulationPanel : public rviz::Panel {
   static void dropSelections(QWidget* window, const QString& why);
 
  private:
-  static std::string nodeOf(const SimulationPanel& panel);
   void layOut();
   void connectWidgets();
   void follow(const QString& node);

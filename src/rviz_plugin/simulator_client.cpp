@@ -28,14 +28,16 @@ constexpr double kPatience = 2.0;  // s without an answer, after which the user 
 }  // namespace
 
 SimulatorClient::SimulatorClient() {
-  connect(&worker_, &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
-  connect(&stepper_, &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
   connect(&watchdog_, &QTimer::timeout, this, &SimulatorClient::watch);
   watchdog_.start(kWatchPeriod);
 }
 
 void SimulatorClient::follow(const QString& node) {
   node_ = node;
+  for (std::unique_ptr<ServiceWorker>* const worker : {&worker_, &stepper_}) {
+    *worker = std::make_unique<ServiceWorker>();
+    connect(worker->get(), &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
+  }
   setHeard(false);
   selection_.clear();
   subscribers_.clear();
@@ -48,7 +50,7 @@ void SimulatorClient::follow(const QString& node) {
         ros_.subscribe(inNode("selected_bodies"), 1, &SimulatorClient::receiveSelection, this),
         ros_.subscribe(inNode("interactive_bodies/answer"), 10, &SimulatorClient::receiveAnswer, this)};
     select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
-  } catch (const ros::InvalidNameException& error) {
+  } catch (const ros::Exception& error) {
     Q_EMIT reported(QString::fromStdString(error.what()), true);
   }
 }
@@ -79,9 +81,10 @@ void SimulatorClient::receiveAnswer(const std_msgs::String& text) {
 // seldom.
 void SimulatorClient::watch() {
   if (is_heard_ && ++quiet_looks_ > kSilence) setHeard(false);
-  const QString service = worker_.overdue(kPatience);
+  if (!worker_) return;
+  const QString service = worker_->overdue(kPatience);
   if (service.isEmpty()) return;
-  Q_EMIT reported(QString("%1: no answer for %2 s").arg(service).arg(int(worker_.waited())), true);
+  Q_EMIT reported(QString("%1: no answer for %2 s").arg(service).arg(int(worker_->waited())), true);
 }
 
 void SimulatorClient::setHeard(bool is_heard) {
@@ -93,7 +96,7 @@ void SimulatorClient::setHeard(bool is_heard) {
 
 void SimulatorClient::listScenes() {
   using rigid_body_sim::ListScenes;
-  worker_.call<ListScenes>(inNode("list_scenes"), {}, [this](const ListScenes::Response& response) {
+  worker_->call<ListScenes>(inNode("list_scenes"), {}, [this](const ListScenes::Response& response) {
     QStringList names, properties;
     for (const std::string& name : response.names) names.append(QString::fromStdString(name));
     for (const std::string& text : response.properties) properties.append(QString::fromStdString(text));
@@ -112,7 +115,7 @@ std::string SimulatorClient::inNode(const char* name) const {
 
 template <class Service>
 void SimulatorClient::call(const char* service, const typename Service::Request& request) {
-  worker_.call<Service>(inNode(service), request);
+  worker_->call<Service>(inNode(service), request);
 }
 
 void SimulatorClient::resume() {
@@ -138,7 +141,7 @@ void SimulatorClient::redo() {
 void SimulatorClient::step(int steps) {
   rigid_body_sim::Step::Request request;
   request.n = steps;
-  stepper_.call<rigid_body_sim::Step>(inNode("step"), request);
+  stepper_->call<rigid_body_sim::Step>(inNode("step"), request);
 }
 
 void SimulatorClient::setSpeed(double factor) {
@@ -151,8 +154,8 @@ void SimulatorClient::loadScene(const QString& name) {
   using rigid_body_sim::LoadScene;
   LoadScene::Request request;
   request.name = name.toStdString();
-  worker_.call<LoadScene>(inNode("load_scene"), request, [this, name](const LoadScene::Response&) {
-    Q_EMIT fileUsed(name.startsWith('/') ? name : QString());
+  worker_->call<LoadScene>(inNode("load_scene"), request, [this, name](const LoadScene::Response&) {
+    Q_EMIT sceneFileUsed(name.startsWith('/') ? name : QString());
   });
 }
 
@@ -164,24 +167,26 @@ void SimulatorClient::loadSceneWithSeed(const QString& name, std::uint64_t seed)
 }
 
 void SimulatorClient::loadState(const QString& file) {
-  callFile("load_state", file);
+  callFile("load_state", file, &SimulatorClient::stateFileUsed);
 }
 
 void SimulatorClient::saveScene(const QString& file) {
-  callFile("save_scene", file);
+  callFile("save_scene", file, &SimulatorClient::sceneFileUsed);
 }
 
 void SimulatorClient::saveState(const QString& file) {
-  callFile("save_state", file);
+  callFile("save_state", file, &SimulatorClient::stateFileUsed);
 }
 
-void SimulatorClient::callFile(const char* service, const QString& file) {
+void SimulatorClient::callFile(const char* service, const QString& file,
+                               void (SimulatorClient::*used)(const QString&)) {
   using rigid_body_sim::File;
   File::Request request;
   request.file = file.toStdString();
   request.overwrite = true;
-  worker_.call<File>(inNode(service), request,
-                     [this, file](const File::Response&) { Q_EMIT fileUsed(file); });
+  worker_->call<File>(inNode(service), request, [this, file, used](const File::Response&) {
+    Q_EMIT(this->*used)(file);
+  });
 }
 
 void SimulatorClient::setWind(const geometry_msgs::Vector3& velocity, double gust) {
@@ -197,11 +202,11 @@ void SimulatorClient::forceEffect(const QString& effect, const QString& mode) {
   (mode == "on"    ? request.force_on
    : mode == "off" ? request.force_off
                    : request.detect) = {effect.toStdString()};
-  worker_.call<SetEffects>(inNode("set_effects"), request,
-                           [this, effect](const SetEffects::Response& response) {
-                             for (const std::string& error : response.neglected)
-                               Q_EMIT effectNeglected(effect, QString::fromStdString(error));
-                           });
+  worker_->call<SetEffects>(inNode("set_effects"), request,
+                            [this, effect](const SetEffects::Response& response) {
+                              for (const std::string& error : response.neglected)
+                                Q_EMIT effectNeglected(effect, QString::fromStdString(error));
+                            });
 }
 
 void SimulatorClient::setFidelity(const QString& preset) {

@@ -18,6 +18,7 @@
 #include <QTimer>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace rbs {
@@ -72,8 +73,10 @@ class SimulatorClient : public QObject {
   void windReceived(const rigid_body_sim::Wind& wind);
   /// What is neglected by forcing an effect off, in words.
   void effectNeglected(const QString& effect, const QString& error);
-  /// The scene is in this file, from which it was loaded or to which it was saved.
-  void fileUsed(const QString& file);
+  /// A scene was loaded from this file or saved to it; empty: it is one of the catalogue.
+  void sceneFileUsed(const QString& file);
+  /// The same of a state.
+  void stateFileUsed(const QString& file);
   void studyReceived(const rigid_body_sim::AccuracyStudy& study);
   void heardChanged(bool is_heard);
   void selectionChanged(const QStringList& bodies);
@@ -94,12 +97,14 @@ class SimulatorClient : public QObject {
   void tellAnswer(const QString& service, bool success, const QString& message);
   template <class Service>
   void call(const char* service, const typename Service::Request& request);
-  void callFile(const char* service, const QString& file);
+  void callFile(const char* service, const QString& file, void (SimulatorClient::*used)(const QString&));
   void callSwitch(const char* service, bool on);
   std::string inNode(const char* name) const;
 
-  ServiceWorker worker_;
-  ServiceWorker stepper_;  ///< its call lasts as long as the steps, and may be ended by another
+  // Made anew for each node: what hangs in a call to the last one must not hold up the next.
+  std::unique_ptr<ServiceWorker> worker_;
+  std::unique_ptr<ServiceWorker>
+      stepper_;  ///< its call lasts as long as the steps, and may be ended by another
   ros::NodeHandle ros_;
   std::vector<ros::Subscriber> subscribers_;
   ros::Publisher select_;

@@ -181,7 +181,7 @@ void TimePlot::drawLines(const History& history, const View& view, Range& seen) 
 
 // Each curve is drawn as the sum of itself and all below it, filled, the highest first.
 void TimePlot::drawStack(const History& history, const View& view, Range& seen) {
-  std::vector<QPointF> sum;
+  QVector<QPointF> sum;
   for (const QPointF& point : pointsOf(history.present(curves_[0].name), view, 0.0, seen))
     sum.push_back({point.x(), 0.0});
   seen.low = 0.0;
@@ -192,7 +192,7 @@ void TimePlot::drawStack(const History& history, const View& view, Range& seen) 
       seen.high = std::max(seen.high, point.y());
     }
     QColor color = curveColor(k, palette());
-    present_[k]->setSamples(QVector<QPointF>(sum.begin(), sum.end()));
+    present_[k]->setSamples(sum);
     present_[k]->setZ(-static_cast<double>(k));
     present_[k]->setPen(color, 1.0);
     present_[k]->setBrush(color);
@@ -362,8 +362,7 @@ bool TimePlot::eventFilter(QObject* watched, QEvent* event) {
     case QEvent::Wheel: {
       const auto* wheel = static_cast<QWheelEvent*>(event);
       const double notches = wheel->angleDelta().y() / double(QWheelEvent::DefaultDeltasPerStep);
-      zoom(wheel->position().toPoint(), std::pow(kWheel, -notches),
-           wheel->modifiers().testFlag(Qt::ControlModifier));
+      zoom(wheel->pos(), std::pow(kWheel, -notches), wheel->modifiers().testFlag(Qt::ControlModifier));
       return true;
     }
     case QEvent::ToolTip: {

@@ -103,6 +103,7 @@ class BodiesPanelTest : public testing::Test {
       if (field->accessibleName() == name) return *field;
     throw std::runtime_error("no field " + name.toStdString());
   }
+  QString count() { return panel_.findChild<QLabel*>("count")->text(); }
   QString note() {
     for (const QLabel* const label : panel_.findChildren<QLabel*>("note"))
       if (label->isVisible()) return label->text();
@@ -185,9 +186,10 @@ TEST_F(BodiesPanelTest, FindsBodiesByEveryWord) {
   select({"floor"});
   search().setText("no such body");
   EXPECT_TRUE(waitFor([&] { return rows().isEmpty(); }));
-  search().clear();
   EXPECT_TRUE(
-      waitFor([&] { return selectedRows() == QStringList{"floor"}; }));  // what was hidden stays selected
+      stays([this] { return count().contains("1 selected"); }));  // what the filter hides stays selected
+  search().clear();
+  EXPECT_TRUE(waitFor([&] { return selectedRows() == QStringList{"floor"}; }));
 }
 
 TEST_F(BodiesPanelTest, ChangesEveryNumberOfABody) {
@@ -350,6 +352,38 @@ TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
   QString node;
   EXPECT_TRUE(layout.mapGetString("Node", &node));
   EXPECT_EQ(node, "/sim");
+}
+
+TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileOthersEdit) {
+  list().setCurrentIndex(list().model()->index(1, 0));
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_F2);
+  auto* const editor = list().viewport()->findChild<QLineEdit*>();
+  ASSERT_TRUE(editor);
+  QTest::keyClicks(editor, "chest");
+  rigid_body_sim::EditBodies::Request request;
+  request.changes.resize(1);
+  request.changes[0].name = "ball";
+  request.changes[0].mass = 3.0;
+  call<rigid_body_sim::EditBodies>("edit_bodies", request);
+  ASSERT_TRUE(waitFor([this] { return list().model()->index(2, BodyTable::Mass).data().toString() == "3"; }));
+  EXPECT_EQ(editor->text(), "chest");
+  QTest::keyClick(editor, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([this] { return rows().contains("chest"); }));
+}
+
+TEST_F(BodiesPanelTest, AGroupFollowsARename) {
+  select({"ball"});
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_G, Qt::ControlModifier);
+  auto* const dialog = panel_.findChild<QInputDialog*>();
+  ASSERT_TRUE(dialog);
+  dialog->setTextValue("round");
+  dialog->accept();
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
+  enter("Name", "globe");
+  EXPECT_TRUE(
+      waitFor([this] { return rows() == QStringList{"globe"} && selectedRows() == QStringList{"globe"}; }));
 }
 
 TEST_F(BodiesPanelTest, TheWheelChangesNothing) {

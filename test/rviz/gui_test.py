@@ -15,7 +15,7 @@ import rosgraph
 import roslib.packages
 import rospy
 import rostest
-from rigid_body_sim.msg import Status
+from rigid_body_sim.msg import BodyNames, Status
 from rigid_body_sim.srv import GetBody, ListBodies, LoadScene
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
@@ -189,6 +189,34 @@ class GuiTest(unittest.TestCase):
             drop()
             self.wait_for_selection('')
         self.assertEqual(tuple(position('middle')), (0.0, 0.0, 0.4))
+
+    def test_bodies_are_selected_by_a_rectangle_and_one_by_one(self):
+        self.addCleanup(self.rviz.key, 'i')
+        selected = Last('/sim/selected_bodies', BodyNames)
+
+        def wait_for(*names):
+            wait_until(lambda: selected() and sorted(selected().names) == sorted(names), '%s are selected' % (names, ))
+
+        left, middle, right = (self.rviz.pixel_of(position(name)) for name in ('left', 'middle', 'right'))
+        self.rviz.key('s')
+        corner = (min(left[0], middle[0]) - 40, min(left[1], middle[1]) - 40)
+        other = (max(left[0], middle[0]) + 40, max(left[1], middle[1]) + 40)
+        self.rviz.sweep(corner, other)
+        wait_for('left', 'middle')
+        self.rviz.click(right)
+        wait_for('right')
+        self.rviz.click(left, 'shift')
+        wait_for('left', 'right')
+        self.rviz.click(right, 'ctrl')
+        wait_for('left')
+        self.rviz.key('i')
+        self.rviz.click(middle, 'ctrl')
+        wait_for('left', 'middle')
+        self.rviz.click(left, 'ctrl')
+        wait_for('middle')
+        self.rviz.key('Delete')
+        wait_until(lambda: 'middle' not in call('list_bodies', ListBodies).names, 'the middle box is deleted')
+        self.assertIn('left', call('list_bodies', ListBodies).names)
 
     def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
         self.addCleanup(call, 'reset', Trigger)

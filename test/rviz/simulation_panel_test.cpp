@@ -124,12 +124,12 @@ TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {
   EXPECT_TRUE(QFile::exists(file));
   const QString state = folder.filePath("state.yaml");
   simulator_.saveState(state);
-  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({state, file}); }));
+  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({"state:" + state, file}); }));
   simulator_.loadScene(file);
-  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({file, state}); }));
+  ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({file, "state:" + state}); }));
   simulator_.loadState(file);  // which holds no state
   EXPECT_TRUE(waitFor([this] { return told_.contains("load_scene"); })) << told_.toStdString();
-  EXPECT_EQ(bar.recent(), QStringList({file, state}));
+  EXPECT_EQ(bar.recent(), QStringList({file, "state:" + state}));
   simulator_.saveScene("/proc/no.yaml");
   EXPECT_TRUE(waitFor([this] { return told_.contains("/proc: "); })) << told_.toStdString();
 }

@@ -148,7 +148,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   if (edit.group) def.group = *edit.group;
   if (edit.mask) def.mask = *edit.mask;
   std::vector<Problem> problems = validate(def, "body");
-  const Index namesake = bodies.indexOf(def.name);
+  const Index namesake = edit.name ? bodies.indexOf(def.name) : i;
   if (def.name.empty()) {
     problems.push_back({"body.name", "''", "a name"});
   } else if (namesake != i && namesake != kNone) {
