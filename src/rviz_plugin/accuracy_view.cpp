@@ -32,6 +32,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
       "with half the step size");
   reference_run_->setToolTip("Draws a reference run that starts from the present state, translucent");
   text_->setWordWrap(true);
+  text_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Maximum);
   text_->hide();
   stale_->setWordWrap(true);
   stale_->hide();
@@ -48,8 +49,9 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
   rows->setSpacing(2);
   rows->addLayout(row);
   rows->addWidget(text_);
-  rows->addWidget(plot_);
+  rows->addWidget(plot_, 1);
   rows->addWidget(stale_);
+  rows->addStretch(0);  // where there is no plot
 
   connect(preset_, qOverload<int>(&QComboBox::activated), this,
           [this](int index) { simulator_.setFidelity(preset_->itemText(index)); });
