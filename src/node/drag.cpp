@@ -103,6 +103,13 @@ void Drag::applyUserForce(World& world) {
   acting_ = true;
 }
 
+std::optional<std::pair<Vec3, Vec3>> Drag::spring(const Snapshot& now) const {
+  const Pull* const grip = std::get_if<Pull>(&grip_);
+  const int i = now.find(body_);
+  if (!grip || !acting_ || i < 0) return std::nullopt;
+  return std::make_pair(pointAt(now.states[i].pose, grip->p_B), pointAt(handle_, grip->p_B));
+}
+
 // A pulled body keeps its orientation R_WB, so its gripped point is at p_W when p_WB = p_W - R_WB p_B.
 void Drag::setPose(World& world, const Pose& pose) const {
   BodyEdit edit;

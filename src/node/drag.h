@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include "rigid_body_sim/world.h"
@@ -56,6 +57,8 @@ class Drag {
   /// Moves the body to where the mouse is. A dynamic body of a running world is moved by a spring (Pull) or a
   /// kinematic target (Carry). Any other body gets the new pose at once. Throws InvalidInput.
   void apply(World& world, const Snapshot& now);
+  /// The spring that pulls the body: its point on the body and its point at the mouse, in W, m. Empty: none does.
+  std::optional<std::pair<Vec3, Vec3>> spring(const Snapshot& now) const;
   /// Releases the body: with its velocity after a Pull, at rest after a Carry. Throws InvalidInput.
   void release(World& world);
 

@@ -6,6 +6,8 @@
 #include "convert.h"
 #include "words.h"
 
+#include <visualization_msgs/Marker.h>
+
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
@@ -70,6 +72,7 @@ InteractiveBodies::InteractiveBodies(Simulator& simulator)
   select_bodies_ = node.subscribe<rigid_body_sim::BodyNames>("select_bodies", kQueue, ask_many);
   mouse_ = node.subscribe<Feedback>("interactive_bodies/mouse", kQueue, hear);
   answers_ = node.advertise<std_msgs::String>("interactive_bodies/answer", kQueue);
+  springs_ = node.advertise<visualization_msgs::Marker>("interactive_bodies/springs", kQueue);
   selection_topic_ = node.advertise<std_msgs::String>("selection", 1, true);
   selection_topic_.publish(std_msgs::String());
   selected_bodies_ = node.advertise<rigid_body_sim::BodyNames>("selected_bodies", 1, true);
@@ -87,6 +90,7 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
   if (news.selection) selectNamed(*news.selection, snapshot);
   applyDrags(snapshot);
   publishSelection(snapshot);
+  publishSprings(snapshot);
   showMarkers(snapshot);
 }
 
@@ -267,6 +271,28 @@ void InteractiveBodies::publishSelection(const Snapshot& snapshot) {
   published_selection_ = selected.names;
   selected_bodies_.publish(selected);
   if (!same_last) selection_topic_.publish(last);
+}
+
+// A line for each, and an end where there are none any more.
+void InteractiveBodies::publishSprings(const Snapshot& snapshot) {
+  visualization_msgs::Marker lines;
+  for (const auto& [client, drag] : drags_) {
+    const auto spring = drag.spring(snapshot);
+    if (!spring) continue;
+    lines.points.push_back(toPoint(spring->first));
+    lines.points.push_back(toPoint(spring->second));
+  }
+  if (lines.points.empty() && !shows_springs_) return;
+  shows_springs_ = !lines.points.empty();
+  constexpr double kWidth = 0.004;  // of the distance of the view
+  lines.header.frame_id = worldFrame();
+  lines.ns = "springs";
+  lines.type = visualization_msgs::Marker::LINE_LIST;
+  lines.action = shows_springs_ ? visualization_msgs::Marker::ADD : visualization_msgs::Marker::DELETE;
+  lines.pose.orientation.w = 1.0;
+  lines.scale.x = kWidth * (snapshot.view.eye - snapshot.view.target).norm();
+  lines.color = toMsg(Color{0.95f, 0.6f, 0.1f, 1.0f});
+  springs_.publish(lines);
 }
 
 void InteractiveBodies::showMarkers(const Snapshot& snapshot) {

@@ -30,7 +30,8 @@ namespace rbs {
 /// Serves ~interactive_bodies. Listens to ~select (the name of a body; "" selects none), to ~select_bodies (the
 /// names of any number) and to ~interactive_bodies/mouse: feedback as from interactive markers, with the names
 /// of bodies. Publishes the names of the selected bodies on ~selected_bodies (latched; in the order in which
-/// they were selected), the last of them on ~selection (latched; "" for none), and the result of a click or a
+/// they were selected), the springs that pull bodies on ~interactive_bodies/springs (a marker), the last selected
+/// body on ~selection (latched; "" for none), and the result of a click or a
 /// drag on ~interactive_bodies/answer. The last selected body has the gizmo.
 ///
 /// ROS delivers feedback while it holds the server's lock. The callback only appends it to the inbox, and
@@ -73,6 +74,7 @@ class InteractiveBodies {
   void showMarkers(const Snapshot& snapshot);
   void showSelection(const Snapshot& snapshot);
   void publishSelection(const Snapshot& snapshot);
+  void publishSprings(const Snapshot& snapshot);
   int bodyOf(const std::string& marker, const Snapshot& snapshot) const;
   BodyId selected() const { return selection_.empty() ? BodyId{} : selection_.back(); }
   bool attempt(const char* what, bool undoable, const std::function<std::string(World&)>& command);
@@ -93,7 +95,8 @@ class InteractiveBodies {
   Clock::time_point shown_;
   std::vector<std::string> published_selection_;
   ros::Subscriber select_, select_bodies_, mouse_;
-  ros::Publisher selection_topic_, selected_bodies_, answers_;
+  ros::Publisher selection_topic_, selected_bodies_, springs_, answers_;
+  bool shows_springs_ = false;
 };
 
 }  // namespace rbs

@@ -17,13 +17,15 @@ constexpr Shortcut kEverywhere[] = {{"Space", "run or pause"},
                                     {"+, -", "double or halve the speed"},
                                     {"1", "wind on or off"},
                                     {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"}};
-constexpr Shortcut kInView[] = {{"Click", "select a body"},
-                                {"Ctrl+click", "add a body to the selection, or take it away"},
-                                {"S, then drag", "the tool Select: the bodies in a rectangle"},
-                                {"Drag", "pull a body"},
-                                {"Right click", "menu of a body"},
-                                {"Delete", "delete the selected bodies"},
-                                {"Escape, click on nothing", "select nothing"}};
+constexpr Shortcut kInView[] = {
+    {"Click", "select a body"},
+    {"Ctrl+click", "add a body to the selection, or take it away"},
+    {"S, then drag", "the tool Select: the bodies in a rectangle"},
+    {"B", "the tool Add body: click adds, drag throws, wheel sizes, right click shapes"},
+    {"Drag", "pull a body"},
+    {"Right click", "menu of a body"},
+    {"Delete", "delete the selected bodies"},
+    {"Escape, click on nothing", "select nothing"}};
 constexpr Shortcut kInList[] = {{"F2", "rename"},
                                 {"Delete", "delete"},
                                 {"Ctrl+D", "duplicate"},

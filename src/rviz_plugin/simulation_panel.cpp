@@ -255,6 +255,11 @@ void SimulationPanel::toggleSelected(QWidget* window, const std::string& node, c
     if (resolvedNode(panel->simulator_.node()) == node) return panel->simulator_.toggleSelected(body);
 }
 
+void SimulationPanel::spawn(QWidget* window, const rigid_body_sim::SpawnBody::Request& body) {
+  for (SimulationPanel* const panel : window->findChildren<SimulationPanel*>())
+    if (panel->hasKeys()) return panel->simulator_.spawn(body);
+}
+
 void SimulationPanel::deleteSelection(QWidget* window) {
   const QList<SimulationPanel*> panels = window->findChildren<SimulationPanel*>();
   const auto it = std::find_if(panels.begin(), panels.end(), [](const SimulationPanel* panel) {

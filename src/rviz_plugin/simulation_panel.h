@@ -49,6 +49,8 @@ class SimulationPanel : public rviz::Panel {
                      Qt::KeyboardModifiers keys);
   /// Adds a body of a simulator to the selection, or takes it away.
   static void toggleSelected(QWidget* window, const std::string& node, const QString& body);
+  /// Adds a body to the simulator of the panel that has the keys.
+  static void spawn(QWidget* window, const rigid_body_sim::SpawnBody::Request& body);
   /// Deletes the bodies that are selected by one of the panels of a window; says so where there are none.
   static void deleteSelection(QWidget* window);
   /// Selects nothing any more in any of the panels of a window, and says why.

@@ -269,6 +269,10 @@ void SimulatorClient::deleteSelection() {
   call<rigid_body_sim::NamedBodies>("delete_bodies", request);
 }
 
+void SimulatorClient::spawn(const rigid_body_sim::SpawnBody::Request& body) {
+  call<rigid_body_sim::SpawnBody>("spawn_body", body);
+}
+
 void SimulatorClient::callSwitch(const char* service, bool on) {
   std_srvs::SetBool::Request request;
   request.data = on;

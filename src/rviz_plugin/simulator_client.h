@@ -7,6 +7,7 @@
 #include <rigid_body_sim/AccuracyStudy.h>
 #include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/SettingCost.h>
+#include <rigid_body_sim/SpawnBody.h>
 #include <rigid_body_sim/Status.h>
 #include <rigid_body_sim/Wind.h>
 #include <ros/ros.h>
@@ -66,6 +67,7 @@ class SimulatorClient : public QObject {
   /// Adds a body to the selection, or takes it away.
   void toggleSelected(const QString& body);
   void deleteSelection();
+  void spawn(const rigid_body_sim::SpawnBody::Request& body);
   const QStringList& selection() const { return selection_; }  ///< names of the selected bodies
 
  Q_SIGNALS:

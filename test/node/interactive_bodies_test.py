@@ -14,7 +14,7 @@ from rigid_body_sim.srv import EditBodies, GetBody, ListBodies, LoadScene, Named
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
-from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate
+from visualization_msgs.msg import Marker, InteractiveMarkerInit, InteractiveMarkerUpdate
 
 GIZMO = "selection.gizmo"
 FACES = ["selection." + face for face in ("+x", "-x", "+y", "-y", "+z", "-z")]
@@ -360,6 +360,20 @@ class InteractiveBodiesTest(unittest.TestCase):
         call("delete_body", NamedBody, name="crate")
         selection.wait_for("")
 
+    def test_a_pulled_body_has_a_visible_spring(self):
+        springs = []
+        subscriber = rospy.Subscriber("/sim/interactive_bodies/springs", Marker, springs.append)
+        self.addCleanup(subscriber.unregister)
+        call("resume", Trigger)
+        self.client.press("crate", hit=[0, 0, 5.5])
+        self.client.move("crate", pose_at(0, 2, 5))
+        wait(lambda: springs and springs[-1].action == Marker.ADD, "the spring is shown")
+        end = springs[-1].points[1]
+        self.assertLess(distance([end.x, end.y, end.z], [0, 2, 5.5]), 1e-9)
+        self.client.release("crate", pose_at(0, 2, 5))
+        wait(lambda: springs[-1].action == Marker.DELETE, "the spring is gone")
+        call("pause", Trigger)
+
     def test_many_bodies_are_selected_and_the_last_one_has_the_gizmo(self):
         last, selected = Selection(), SelectedBodies()
         publisher = rospy.Publisher("/sim/select_bodies", BodyNames, queue_size=1, latch=True)
@@ -418,6 +432,8 @@ class InteractiveBodiesTest(unittest.TestCase):
         call("load_scene", LoadScene, name=SMALL)
         self.wait_for_small()
         self.assertNotIn("floor", self.client.markers)
+        call("clear", Trigger)  # the next test has bodies of the same names elsewhere
+        self.client.wait_without("crate", "ball")
 
     def test_the_next_scene_has_nothing_selected(self):
         call("load_scene", LoadScene, name=SMALL)

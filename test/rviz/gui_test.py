@@ -218,6 +218,29 @@ class GuiTest(unittest.TestCase):
         wait_until(lambda: 'middle' not in call('list_bodies', ListBodies).names, 'the middle box is deleted')
         self.assertIn('left', call('list_bodies', ListBodies).names)
 
+    def test_bodies_are_added_and_thrown_by_the_mouse(self):
+        self.addCleanup(self.rviz.key, 'i')
+        before = set(call('list_bodies', ListBodies).names)
+
+        def added():
+            return sorted(set(call('list_bodies', ListBodies).names) - before)
+
+        spot = self.rviz.pixel_of((1.5, -1.5, 0.0))
+        self.rviz.key('b')
+        self.screen.xdotool('mousemove', spot[0] - 9, spot[1], 'sleep', 0.3)
+        self.rviz.click(spot)
+        wait_until(lambda: len(added()) == 1, 'a body is added')
+        x, y, z = position(added()[0])
+        self.assertLess(math.hypot(x - 1.5, y + 1.5), 0.1)
+        self.assertAlmostEqual(z, 0.505 * 0.5, delta=0.02)
+        self.rviz.sweep(self.rviz.pixel_of((1.5, 1.5, 0.0)), self.rviz.pixel_of((1.5, 1.5, 1.0)))
+        wait_until(lambda: len(added()) == 2, 'a body is thrown')
+        thrown = call('get_body', GetBody, added()[1]).body.twist.linear
+        self.assertGreater(thrown.z, 1.0)
+        call('undo', Trigger)
+        call('undo', Trigger)
+        self.assertEqual(added(), [])
+
     def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
         self.addCleanup(call, 'reset', Trigger)
         self.rviz.click(self.rviz.pixel_of(position('left')))
