@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_plot.h"
 
+#include "plot_look.h"
+
 #include <qwt_picker_machine.h>
 #include <qwt_plot_grid.h>
 #include <qwt_plot_picker.h>
@@ -68,7 +70,9 @@ class Hover : public QwtPlotPicker {
   }
   QwtText trackerText(const QPoint& pixels) const override {
     QwtText text = small(plot_.nameAt(pixels));
-    if (!text.isEmpty()) text.setBackgroundBrush(QColor(255, 255, 225));
+    if (text.isEmpty()) return text;
+    text.setBackgroundBrush(plot_.palette().brush(QPalette::ToolTipBase));
+    text.setColor(plot_.palette().color(QPalette::ToolTipText));
     return text;
   }
 
@@ -84,12 +88,13 @@ AccuracyPlot::AccuracyPlot() {
   setAxisMaxMajor(yLeft, 5);
   setAxisTitle(xBottom, small("CPU ms per step"));
   setAxisTitle(yLeft, small("error, m/s"));
-  setCanvasBackground(Qt::white);
-  setFixedHeight(200);
+  constexpr int kLeastHeight = 200;
+  setCanvasBackground(palette().base());
+  setMinimumHeight(kLeastHeight);
   auto* grid = new QwtPlotGrid;
-  grid->setPen(QColor(225, 225, 225));
+  grid->setPen(gridColor(palette()));
   grid->attach(this);
-  front_.setPen(QColor(0, 0, 0, 40), 4.0);
+  front_.setPen(gridColor(palette()), 4.0);
   front_.setItemAttribute(QwtPlotItem::Legend, false);
   front_.attach(this);
   for (std::size_t k = 0; k < kPresets; ++k) {

@@ -168,10 +168,10 @@ void BodiesPanel::load(const rviz::Config& config) {
       in_group_[it.currentKey()].append(names.listChildAt(i).getValue().toString());
   }
   showGroups(kAllBodies);
-  const rviz::Config hidden = config.mapGetChild("Hidden");
-  for (int i = 0; i < hidden.listLength(); ++i) hidden_.insert(hidden.listChildAt(i).getValue().toString());
   QString node;
   if (config.mapGetString("Node", &node)) follow(node);
+  const rviz::Config hidden = config.mapGetChild("Hidden");
+  for (int i = 0; i < hidden.listLength(); ++i) hidden_.insert(hidden.listChildAt(i).getValue().toString());
 }
 
 void BodiesPanel::save(rviz::Config config) const {
