@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -62,25 +63,39 @@ Ogre::ColourValue colorOf(const BodyDescription& body) {
   return Ogre::ColourValue(body.color.r, body.color.g, body.color.b, body.color.a);
 }
 
-// The mesh of a hull, and its extents, which need not lie evenly about the centre of mass.
-void readHull(const BodyDescription& description, CatalogBody& body) {
+// The extents of a hull need not lie evenly about the centre of mass.
+DrawnHull makeDrawnHull(const BodyDescription& description) {
   std::vector<Vec3> points;
-  for (const auto& p : description.vertices) {
-    if (!areCoordinates(p)) refuse("a vertex of body ", quoted(description.name), " is not finite");
-    points.emplace_back(p.x, p.y, p.z);
-  }
+  for (const auto& p : description.vertices) points.emplace_back(p.x, p.y, p.z);
   try {
     const PlacedHull made = makeHull(points, "vertices");
-    body.hull = std::make_shared<BodyMesh>(polyhedronMesh(*made.hull.polyhedron));
     const Vec3 middle = 0.5 * (made.hull.polyhedron->bounds.lo + made.hull.polyhedron->bounds.hi);
-    body.middle = {static_cast<float>(middle.x()), static_cast<float>(middle.y()),
-                   static_cast<float>(middle.z())};
+    return {std::make_shared<BodyMesh>(polyhedronMesh(*made.hull.polyhedron)),
+            {static_cast<float>(middle.x()), static_cast<float>(middle.y()), static_cast<float>(middle.z())}};
   } catch (const std::exception& error) {
     refuse("body ", quoted(description.name), " is no hull: ", error.what());
   }
 }
 
-CatalogBody readBody(const BodyDescription& description) {
+/// The hulls of the last message, and those of this one so far.
+struct HullShelf {
+  const DrawnHulls& before;
+  DrawnHulls now;
+
+  const DrawnHull& find(const BodyDescription& description) {
+    std::vector<double> key;
+    for (const auto& p : description.vertices) {
+      if (!areCoordinates(p)) refuse("a vertex of body ", quoted(description.name), " is not finite");
+      key.insert(key.end(), {p.x, p.y, p.z});
+    }
+    const auto it = now.find(key);
+    if (it != now.end()) return it->second;
+    const auto known = before.find(key);
+    return now.emplace(key, known != before.end() ? known->second : makeDrawnHull(description)).first->second;
+  }
+};
+
+CatalogBody readBody(const BodyDescription& description, HullShelf& hulls) {
   CatalogBody body;
   body.id = description.id;
   body.name = description.name;
@@ -90,7 +105,11 @@ CatalogBody readBody(const BodyDescription& description) {
            "; allowed are box, sphere, plane, capsule, cylinder, cone and hull");
   body.shape = shape->second;
   if (body.shape != BodyShape::Plane) body.half_size = halfSizeOf(description);
-  if (body.shape == BodyShape::Hull) readHull(description, body);
+  if (body.shape == BodyShape::Hull) {
+    const DrawnHull& hull = hulls.find(description);
+    body.hull = hull.mesh;
+    body.middle = hull.middle;
+  }
   if (body.shape == BodyShape::Cone) body.middle.z = 0.5f * body.half_size.z;
   body.color = colorOf(description);
   body.is_dynamic = description.kind == "dynamic";
@@ -116,15 +135,18 @@ BodyPlace readPlace(const geometry_msgs::Pose& pose, const geometry_msgs::Twist&
 
 }  // namespace
 
-std::shared_ptr<const BodyCatalog> readDescriptions(const rigid_body_sim::BodyDescriptions& message) {
+std::shared_ptr<const BodyCatalog> readDescriptions(const rigid_body_sim::BodyDescriptions& message,
+                                                    DrawnHulls& hulls) {
+  HullShelf shelf{hulls, {}};
   auto catalog = std::make_shared<BodyCatalog>();
   catalog->version = message.version;
   catalog->frame = message.header.frame_id;
   catalog->bodies.reserve(message.bodies.size());
   for (const BodyDescription& description : message.bodies) {
     catalog->by_name[description.name] = catalog->bodies.size();
-    catalog->bodies.push_back(readBody(description));
+    catalog->bodies.push_back(readBody(description, shelf));
   }
+  hulls = std::move(shelf.now);
   return catalog;
 }
 

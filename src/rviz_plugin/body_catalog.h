@@ -11,6 +11,7 @@
 #include <rigid_body_sim/BodyStates.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -67,8 +68,17 @@ struct BodyFrame {
   std::vector<BodyPlace> places;
 };
 
-/// Throws BadMessage.
-std::shared_ptr<const BodyCatalog> readDescriptions(const rigid_body_sim::BodyDescriptions& message);
+/// What is drawn of a hull.
+struct DrawnHull {
+  std::shared_ptr<const BodyMesh> mesh;
+  Ogre::Vector3 middle;  ///< of its extents, m
+};
+/// By the coordinates of the vertices: equal hulls share a mesh, and are drawn by one call.
+using DrawnHulls = std::map<std::vector<double>, DrawnHull>;
+
+/// `hulls` are those of the last message, and are those of this one afterwards. Throws BadMessage.
+std::shared_ptr<const BodyCatalog> readDescriptions(const rigid_body_sim::BodyDescriptions& message,
+                                                    DrawnHulls& hulls);
 /// Throws BadMessage.
 std::shared_ptr<const BodyFrame> readStates(const rigid_body_sim::BodyStates& message, double arrival);
 

@@ -18,7 +18,7 @@ void BodyInbox::receive(const rigid_body_sim::BodyDescriptionsConstPtr& message)
   std::shared_ptr<const BodyCatalog> catalog = last_ && repeats(*last_, *message) ? last_catalog_ : nullptr;
   std::string complaint;
   try {
-    if (!catalog) catalog = readDescriptions(*message);
+    if (!catalog) catalog = readDescriptions(*message, hulls_);
   } catch (const BadMessage& error) {
     complaint = std::string("Descriptions: ") + error.what() + ".";
   }

@@ -40,6 +40,7 @@ class BodyInbox {
   Content content_;
   rigid_body_sim::BodyDescriptionsConstPtr last_;  ///< that could be read
   std::shared_ptr<const BodyCatalog> last_catalog_;
+  DrawnHulls hulls_;  ///< of that catalog
 };
 
 }  // namespace rbs

@@ -31,6 +31,11 @@ rigid_body_sim::BodyDescriptions descriptions(std::uint64_t version, std::size_t
   return message;
 }
 
+std::shared_ptr<const BodyCatalog> read(const rigid_body_sim::BodyDescriptions& message) {
+  DrawnHulls hulls;
+  return readDescriptions(message, hulls);
+}
+
 rigid_body_sim::BodyStates states(std::uint64_t version, double stamp, const std::vector<double>& xs,
                                   double speed = 0.0) {
   rigid_body_sim::BodyStates message;
@@ -52,7 +57,7 @@ rigid_body_sim::BodyStates states(std::uint64_t version, double stamp, const std
 /// One body at x(t) = t, seen ten times a second.
 BodyPlayback steadyMotion() {
   BodyPlayback playback;
-  playback.add(readDescriptions(descriptions(1, 1)));
+  playback.add(read(descriptions(1, 1)));
   for (int k = 0; k <= 10; ++k)
     playback.add(readStates(states(1, 1.0 + 0.1 * k, {1.0 + 0.1 * k}, 1.0), 100.0 + 0.1 * k));
   return playback;
@@ -97,7 +102,7 @@ TEST(BodyPlayback, WaitsForTheDescriptionsOfAState) {
   EXPECT_TRUE(playback.waits());
   EXPECT_EQ(playback.awaitedVersion(), 2u);
   EXPECT_EQ(playback.at(102.0).size(), 1u);
-  playback.add(readDescriptions(descriptions(2, 2)));
+  playback.add(read(descriptions(2, 2)));
   EXPECT_FALSE(playback.waits());
   EXPECT_EQ(playback.at(102.0).size(), 2u);
   EXPECT_EQ(playback.catalog()->version, 2u);
@@ -105,7 +110,7 @@ TEST(BodyPlayback, WaitsForTheDescriptionsOfAState) {
 
 TEST(BodyPlayback, KeepsWhatIsShownUntilAStateGoesWithNewDescriptions) {
   BodyPlayback playback = steadyMotion();
-  playback.add(readDescriptions(descriptions(2, 2)));
+  playback.add(read(descriptions(2, 2)));
   EXPECT_EQ(playback.catalog()->version, 1u);
   EXPECT_EQ(playback.at(102.0).size(), 1u);
   playback.add(readStates(states(2, 2.1, {3.0, 4.0}), 101.1));
@@ -117,7 +122,7 @@ TEST(BodyPlayback, DoesNotMixOneVersionOfTwoSimulators) {
   BodyPlayback playback = steadyMotion();
   playback.add(readStates(states(1, 1.0, {3.0, 4.0}), 101.1));
   EXPECT_TRUE(playback.waits());
-  playback.add(readDescriptions(descriptions(1, 2)));
+  playback.add(read(descriptions(1, 2)));
   EXPECT_EQ(playback.at(102.0).size(), 2u);
 }
 
@@ -151,7 +156,7 @@ TEST(ReadDescriptions, RefusesWhatCannotBeDrawnAndNamesTheBody) {
     auto message = descriptions(1, 1);
     change(message.bodies[0]);
     try {
-      readDescriptions(message);
+      read(message);
     } catch (const BadMessage& error) {
       return std::string(error.what());
     }
@@ -168,7 +173,7 @@ TEST(ReadDescriptions, RefusesWhatCannotBeDrawnAndNamesTheBody) {
 TEST(IslandsOf, AreConnectedOnlyByDynamicBodies) {
   auto message = descriptions(1, 5);
   message.bodies[2].kind = "static";
-  const auto catalog = readDescriptions(message);
+  const auto catalog = read(message);
   const auto islands = islandsOf(*catalog, {{0, 1}, {1, 2}, {2, 3}, {3, 4}});
   EXPECT_EQ(islands, (std::vector<std::size_t>{0, 0, 2, 3, 3}));
 }
@@ -197,6 +202,27 @@ TEST(BodyMesh, OfACapsuleHasAWall) {
   BodyMesh mesh = capsuleMesh(24);
   for (BodyMesh::Vertex& vertex : mesh.vertices) vertex.position.z += vertex.end;
   EXPECT_NEAR(volumeOf(mesh), 4.0 / 3.0 * M_PI + 2.0 * M_PI, 0.1);
+}
+
+TEST(BodyCatalog, EqualHullsShareAMeshThatLasts) {
+  rigid_body_sim::BodyDescriptions message = descriptions(1, 3);
+  for (auto& body : message.bodies) {
+    body.shape = "hull";
+    body.vertices.resize(4);
+    body.vertices[1].x = body.vertices[2].y = body.vertices[3].z = 1.0;
+  }
+  message.bodies[2].vertices[3].z = 2.0;
+  DrawnHulls hulls;
+  const auto first = readDescriptions(message, hulls);
+  EXPECT_EQ(first->bodies[0].hull, first->bodies[1].hull);
+  EXPECT_NE(first->bodies[0].hull, first->bodies[2].hull);
+  EXPECT_EQ(hulls.size(), 2u);
+  message.bodies.pop_back();
+  const auto second = readDescriptions(message, hulls);
+  EXPECT_EQ(second->bodies[0].hull, first->bodies[0].hull);
+  EXPECT_EQ(hulls.size(), 1u);
+  message.bodies[1].vertices[3].z = kNan;
+  EXPECT_THROW(readDescriptions(message, hulls), BadMessage);
 }
 
 }  // namespace
