@@ -22,6 +22,19 @@
 
 namespace rbs {
 
+namespace {
+
+// A page that asks for no height: two panels fit above each other.
+QScrollArea* scrolled(QWidget* page) {
+  auto* const area = new QScrollArea;
+  area->setWidget(page);
+  area->setWidgetResizable(true);
+  area->setFrameShape(QFrame::NoFrame);
+  return area;
+}
+
+}  // namespace
+
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),
       transport_(new TransportBar(simulator_)),
@@ -54,15 +67,11 @@ SimulationPanel::~SimulationPanel() {
 }
 
 void SimulationPanel::layOut() {
-  auto* const accuracy = new QScrollArea;
-  accuracy->setWidget(accuracy_);
-  accuracy->setWidgetResizable(true);
-  accuracy->setFrameShape(QFrame::NoFrame);
   pages_->setDocumentMode(true);
   pages_->addTab(pipeline_, "Step");
-  pages_->addTab(accuracy, "Accuracy");
+  pages_->addTab(scrolled(accuracy_), "Accuracy");
   pages_->addTab(effects_, "Effects");
-  pages_->addTab(air_, "Wind");
+  pages_->addTab(scrolled(air_), "Wind");
   pages_->addTab(warnings_, "Warnings");
 
   auto* choices = new QHBoxLayout;
