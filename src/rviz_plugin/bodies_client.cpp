@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bodies_client.h"
 
+#include "body_names.h"
+
 #include <rigid_body_sim/DuplicateBodies.h>
 #include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/NamedBodies.h>
@@ -8,22 +10,6 @@
 #include <cmath>
 
 namespace rbs {
-namespace {
-
-std::vector<std::string> toStd(const QStringList& names) {
-  std::vector<std::string> list;
-  for (const QString& name : names) list.push_back(name.toStdString());
-  return list;
-}
-
-QStringList toQt(const std::vector<std::string>& names) {
-  QStringList list;
-  for (const std::string& name : names) list.append(QString::fromStdString(name));
-  return list;
-}
-
-}  // namespace
-
 BodiesClient::BodiesClient() {
   constexpr int kWatchPeriod = 500;  // ms
   connect(&watchdog_, &QTimer::timeout, this, &BodiesClient::watch);

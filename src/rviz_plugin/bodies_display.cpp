@@ -68,7 +68,7 @@ void BodiesDisplay::addOptions() {
   force_scale_ =
       new rviz::FloatProperty("Scale", 0.0f,
                               "Length of an arrow, m per N. 0: the largest force is drawn as long as a "
-                              "body is wide; the status tells the scale.",
+                              "body is wide; the status has the scale.",
                               forces_);
   force_scale_->setMin(0.0f);
   cones_ = option("Friction Cones", false, "What the force at each contact point cannot leave.",
@@ -118,10 +118,12 @@ void BodiesDisplay::reset() {
 }
 
 std::string BodiesDisplay::node() const {
-  std::string error;
-  if (!ros::names::validate(topic_->getTopicStd(), error)) return {};
-  const std::string topic = update_nh_.resolveName(topic_->getTopicStd());
-  return topic.substr(0, topic.rfind('/'));
+  try {
+    const std::string topic = update_nh_.resolveName(topic_->getTopicStd());
+    return topic.substr(0, topic.rfind('/'));
+  } catch (const ros::InvalidNameException&) {
+    return {};
+  }
 }
 
 template <class Message>
@@ -198,7 +200,7 @@ void BodiesDisplay::update(float, float) {
   places_.clear();
   if (!all.empty())
     for (const std::size_t k : shown_) places_.push_back(all[k]);
-  if (!told_.isValid() || told_.elapsed() >= 1000) showCounts();
+  if (!reported_.isValid() || reported_.elapsed() >= 1000) showCounts();
   if (!drawn_ || !place()) return;
   draw();
 }
@@ -270,8 +272,8 @@ void BodiesDisplay::readContacts() {
 }
 
 void BodiesDisplay::showCounts() {
-  const double seconds = told_.isValid() ? 1e-3 * static_cast<double>(told_.restart()) : 0.0;
-  if (!told_.isValid()) told_.start();
+  const double seconds = reported_.isValid() ? 1e-3 * static_cast<double>(reported_.restart()) : 0.0;
+  if (!reported_.isValid()) reported_.start();
   const std::size_t news = states_count_ - states_shown_;
   states_shown_ = states_count_;
   if (states_count_ + descriptions_count_ > 0)

@@ -117,11 +117,11 @@ class BodiesDisplay : public rviz::Display {
   rigid_body_sim::ContactsConstPtr contacts_message_;       ///< the newest; null: none
   std::vector<DrawnContact> contacts_;                      ///< of that message
   std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< the bodies of those
-  double step_ = 0.0;                                       ///< length of a step, s; 0: not told
+  double step_ = 0.0;                                       ///< length of a step, s; 0: not known
   std::unique_ptr<Visuals> visuals_;
   std::size_t descriptions_count_ = 0, states_count_ = 0;  ///< messages since the subscription
-  std::size_t states_shown_ = 0;                           ///< states_count_ when it was last told
-  QElapsedTimer told_;                                     ///< since the status told the counts
+  std::size_t states_shown_ = 0;                           ///< states_count_ when it was last reported
+  QElapsedTimer reported_;                                 ///< since the status reported the counts
 };
 
 }  // namespace rbs

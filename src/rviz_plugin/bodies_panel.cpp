@@ -2,6 +2,7 @@
 #include "bodies_panel.h"
 
 #include "bodies_display.h"
+#include "body_names.h"
 #include "colors.h"
 #include "duplicate_dialog.h"
 #include "wheel_guard.h"
@@ -30,12 +31,6 @@ const QString kAllBodies = "All bodies";
 
 QString bodyCount(int n) {
   return n == 1 ? QString("1 body") : QString("%1 bodies").arg(n);
-}
-
-QSet<QString> toSet(const QStringList& names) {
-  QSet<QString> set;
-  for (const QString& name : names) set.insert(name);
-  return set;
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ class BodyInbox {
     std::vector<std::shared_ptr<const BodyCatalog>> catalogs;
     std::vector<std::shared_ptr<const BodyFrame>> frames;
     rigid_body_sim::ContactsConstPtr contacts;  ///< the newest; null: none
-    double step = 0.0;                          ///< length of a step, s; 0: not told
+    double step = 0.0;                          ///< length of a step, s; 0: not known
     std::vector<std::string> complaints;        ///< why a message was not taken, with its topic
     std::size_t descriptions = 0, states = 0;   ///< messages, whether taken or not
   };

@@ -2,6 +2,7 @@
 #include "body_mouse.h"
 
 #include "../node/menu_titles.h"
+#include "mouse_ray.h"
 
 #include <OgreCamera.h>
 #include <OgreRay.h>
@@ -17,12 +18,6 @@
 
 namespace rbs {
 namespace {
-
-Ogre::Ray rayOf(const rviz::ViewportMouseEvent& event) {
-  const float width = event.viewport->getActualWidth() - 1, height = event.viewport->getActualHeight() - 1;
-  return event.viewport->getCamera()->getCameraToViewportRay((event.x + 0.5f) / width,
-                                                             (event.y + 0.5f) / height);
-}
 
 geometry_msgs::Point pointMsg(const Ogre::Vector3& p) {
   geometry_msgs::Point point;
@@ -80,7 +75,7 @@ std::optional<SimulatorBodies::Met> bodyUnder(const rviz::ViewportMouseEvent& ev
   Ogre::Quaternion q_FW;
   if (!context.getFrameManager()->getTransform(simulator.frame(), ros::Time(), p_FW, q_FW))
     return std::nullopt;
-  const Ogre::Ray ray = rayOf(event);
+  const Ogre::Ray ray = mouseRay(event);
   const Ogre::Vector3 direction = q_FW.Inverse() * ray.getDirection();
   geometry_msgs::Vector3 direction_W;
   direction_W.x = direction.x, direction_W.y = direction.y, direction_W.z = direction.z;
@@ -105,7 +100,7 @@ void BodyMouse::press(rviz::ViewportMouseEvent& event) {
   const Ogre::Plane plane(event.viewport->getCamera()->getRealDirection(), hit);
   // Where the ray meets the plane, and not the hit, which the depth buffer has rounded: a mouse that does not
   // move then moves the body by nothing.
-  const Ogre::Ray ray = rayOf(event);
+  const Ogre::Ray ray = mouseRay(event);
   const auto [meets, distance] = ray.intersects(plane);
   drag_ = Drag{plane, meets ? ray.getPoint(distance) : hit, Ogre::Vector3::ZERO};
   send(Feedback::MOUSE_DOWN, hit);
@@ -114,7 +109,7 @@ void BodyMouse::press(rviz::ViewportMouseEvent& event) {
 
 // A point behind the eye is under no pixel.
 void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
-  const Ogre::Ray ray = rayOf(event);
+  const Ogre::Ray ray = mouseRay(event);
   const auto [meets, distance] = ray.intersects(drag_->plane);
   if (!meets) return;
   drag_->moved_by = ray.getPoint(distance) - drag_->grip;

@@ -26,7 +26,7 @@ class BodyTable : public QAbstractTableModel {
   /// A new name of a body, which is asked for and not yet set.
   bool setData(const QModelIndex& index, const QVariant& value, int role) override;
 
-  /// Rows of these names are told to be hidden in the view.
+  /// Shows the rows of these names as hidden in the view.
   void setHidden(const QSet<QString>& names);
 
   const rigid_body_sim::BodyDescription& body(int row) const { return shown_[row]; }

@@ -29,7 +29,7 @@ class EffectsView : public QTreeWidget {
   SimulatorClient& simulator_;
   QMap<QString, QTreeWidgetItem*> rows_;  ///< by effect
   QMap<QString, QComboBox*> switches_;    ///< by effect
-  QSet<QString> off_;                     ///< effects that the last status told to be forced off
+  QSet<QString> off_;                     ///< effects that are forced off in the last status
   QMap<QString, QString> neglected_;      ///< modelling error in words, by effect
 };
 

@@ -51,7 +51,7 @@ void Recorder::follow(const QString& node) {
     status_ = ros_.subscribe(inNode("status"), kStatusQueue, &Recorder::receive, this);
     events_ = ros_.subscribe(inNode("events"), kEventQueue, &Recorder::receiveEvent, this);
     is_followed_ = true;
-  } catch (const ros::InvalidNameException& error) {
+  } catch (const ros::Exception& error) {
     Q_EMIT reported(QString::fromStdString(error.what()));
   }
   subscribe();
@@ -85,7 +85,9 @@ void Recorder::want(std::vector<Wanted> wanted) {
   const bool is_new = std::any_of(wanted.begin(), wanted.end(),
                                   [this](const Wanted& now) { return !contains(wanted_, now); });
   wanted_ = std::move(wanted);
-  if (is_new) states_.shutdown(), contacts_.shutdown();  // who comes anew is told at once, also while paused
+  // A new subscriber gets the last states at once, also while the simulator is paused, unless another part of RViz
+  // has subscribed to them as well.
+  if (is_new) states_.shutdown(), contacts_.shutdown();
   subscribe();
 }
 

@@ -28,7 +28,7 @@ namespace rbs {
 /// The name of a curve in a history. `body`: empty for a quantity of the simulation.
 std::string curveName(const Quantity& quantity, std::size_t curve, const std::string& body);
 
-/// Quantities of the simulation are always recorded. Bodies are, with the topics that tell of them, while they
+/// Quantities of the simulation are always recorded. Bodies are, with the topics that have them, while they
 /// are asked for. The simulator may start, die and come back at any time. Lives on the GUI thread, where RViz
 /// also handles the messages of subscribers.
 class Recorder : public QObject {
@@ -44,7 +44,7 @@ class Recorder : public QObject {
   Recorder();
 
   /// Follows the node of this name, relative to the namespace of RViz unless it begins with '/'; forgets what
-  /// was recorded. A name that ROS does not take is told by reported(), and nothing is followed then.
+  /// was recorded. For a name that ROS does not take there is an error by reported(), and nothing is followed.
   void follow(const QString& node);
   const QString& node() const { return node_; }
   /// Records these quantities of bodies and no others.
@@ -65,7 +65,7 @@ class Recorder : public QObject {
   void reported(const QString& text);
 
  private:
-  /// What has come with a stamp before the status that tells its time.
+  /// What has come with a stamp before the status that has its time.
   struct Pending {
     double stamp;
     const Quantity* quantity;

@@ -2,6 +2,7 @@
 #include "select_tool.h"
 
 #include "bodies_display.h"
+#include "body_names.h"
 #include "picked_body.h"
 #include "simulation_panel.h"
 
@@ -71,8 +72,7 @@ void SelectTool::select(const rviz::ViewportMouseEvent& event) {
       list.append(QString::fromStdString(display->nameOf(picked->id)));
       continue;
     }
-    for (const std::string& name : display->namesIn(pixels, *event.viewport))
-      list.append(QString::fromStdString(name));
+    list = toQt(display->namesIn(pixels, *event.viewport));
   }
   QWidget* const window = context_->getWindowManager()->getParentWindow();
   for (const auto& [node, list] : names) SimulationPanel::select(window, node, list, event.modifiers);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "simulator_client.h"
 
+#include "body_names.h"
+
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
 #include <rigid_body_sim/LoadScene.h>
@@ -15,8 +17,6 @@
 #include <rigid_body_sim/TuneFidelity.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
-
-#include <QSet>
 
 namespace rbs {
 namespace {
@@ -68,8 +68,7 @@ void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
 }
 
 void SimulatorClient::receiveSelection(const rigid_body_sim::BodyNames& bodies) {
-  selection_.clear();
-  for (const std::string& name : bodies.names) selection_.append(QString::fromStdString(name));
+  selection_ = toQt(bodies.names);
   Q_EMIT selectionChanged(selection_);
 }
 
@@ -242,14 +241,13 @@ void SimulatorClient::enableWind(bool on) {
 
 void SimulatorClient::select(const QStringList& bodies) {
   rigid_body_sim::BodyNames message;
-  for (const QString& name : bodies) message.names.push_back(name.toStdString());
+  message.names = toStd(bodies);
   select_.publish(message);
 }
 
 void SimulatorClient::select(const QStringList& bodies, Qt::KeyboardModifiers keys) {
   if (!(keys & (Qt::ShiftModifier | Qt::ControlModifier))) return select(bodies);
-  QSet<QString> named;
-  for (const QString& name : bodies) named.insert(name);
+  const QSet<QString> named = toSet(bodies);
   QStringList all;
   for (const QString& name : selection_)
     if (!named.contains(name)) all.append(name);
@@ -265,7 +263,7 @@ void SimulatorClient::toggleSelected(const QString& body) {
 
 void SimulatorClient::deleteSelection() {
   rigid_body_sim::NamedBodies::Request request;
-  for (const QString& name : selection_) request.names.push_back(name.toStdString());
+  request.names = toStd(selection_);
   call<rigid_body_sim::NamedBodies>("delete_bodies", request);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spawn_tool.h"
 
+#include "mouse_ray.h"
 #include "simulation_panel.h"
 
 #include <OgreCamera.h>
@@ -36,12 +37,6 @@ constexpr GhostShape kShapes[] = {{"box", rviz::Shape::Cube},
                                   {"sphere", rviz::Shape::Sphere},
                                   {"cylinder", rviz::Shape::Cylinder},
                                   {"cone", rviz::Shape::Cone}};
-
-Ogre::Ray rayOf(const rviz::ViewportMouseEvent& event) {
-  const float width = event.viewport->getActualWidth(), height = event.viewport->getActualHeight();
-  return event.viewport->getCamera()->getCameraToViewportRay((event.x + 0.5f) / width,
-                                                             (event.y + 0.5f) / height);
-}
 
 std::optional<Ogre::Vector3> meet(const Ogre::Ray& ray, const Ogre::Plane& plane) {
   const auto [meets, distance] = ray.intersects(plane);
@@ -121,7 +116,7 @@ std::optional<Ogre::Vector3> SpawnTool::surfaceUnder(const rviz::ViewportMouseEv
   if (ghost_) ghost_->getRootNode()->setVisible(true);
   const bool is_finite = std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
   if (is_hit && is_finite) return point;
-  return meet(rayOf(event), Ogre::Plane(Ogre::Vector3::UNIT_Z, 0.0f));
+  return meet(mouseRay(event), Ogre::Plane(Ogre::Vector3::UNIT_Z, 0.0f));
 }
 
 void SpawnTool::place(const rviz::ViewportMouseEvent& event) {
@@ -134,7 +129,7 @@ void SpawnTool::place(const rviz::ViewportMouseEvent& event) {
 // In the plane of the view, through the ghost.
 void SpawnTool::aim(const rviz::ViewportMouseEvent& event) {
   const Ogre::Plane plane(event.viewport->getCamera()->getRealDirection(), *position_);
-  const std::optional<Ogre::Vector3> end = meet(rayOf(event), plane);
+  const std::optional<Ogre::Vector3> end = meet(mouseRay(event), plane);
   if (!end) return;
   const Ogre::Vector3 drag = *end - *position_;
   const bool is_click = drag.length() < 0.1f * extents().z;

@@ -32,7 +32,7 @@ class TimePlot : public QwtPlot {
   /// What of the history is seen.
   struct View {
     double from = 0.0, to = 1.0;   ///< s
-    std::optional<double> cursor;  ///< the time whose values are told, s; none: the newest in view
+    std::optional<double> cursor;  ///< the time whose values are shown, s; none: the newest in view
     Baseline* baseline = nullptr;  ///< null: values as they are
   };
   /// A curve: its name in the history, and what the heading calls it.
@@ -47,7 +47,7 @@ class TimePlot : public QwtPlot {
   const Quantity& quantity() const { return quantity_; }
   const QStringList& bodies() const { return bodies_; }
   void setBodies(const QStringList& bodies);
-  /// The names of bodies that are not there, told in the heading.
+  /// The names of bodies that are not there; the heading shows them.
   void setMissing(const QStringList& bodies) { missing_ = bodies; }
   const std::vector<Curve>& curves() const { return curves_; }
   /// Draws. The scale of the values fits what is in view, unless the user has zoomed in.

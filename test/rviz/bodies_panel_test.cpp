@@ -145,6 +145,23 @@ class BodiesPanelTest : public testing::Test {
     QTest::keyClicks(&line, text);
     QTest::keyClick(&line, Qt::Key_Return);
   }
+  void makeGroup(const QString& name) {
+    list().setFocus();
+    QTest::keyClick(&list(), Qt::Key_G, Qt::ControlModifier);
+    auto* const dialog = panel_.findChild<QInputDialog*>();
+    ASSERT_TRUE(dialog);
+    dialog->setTextValue(name);
+    dialog->accept();
+  }
+  /// Types a new name into a row of the list; returns the editor, null where none has opened.
+  QLineEdit* typeName(int row, const QString& name) {
+    list().setFocus();
+    list().setCurrentIndex(list().model()->index(row, 0));
+    QTest::keyClick(&list(), Qt::Key_F2);
+    auto* const editor = list().viewport()->findChild<QLineEdit*>();
+    if (editor) QTest::keyClicks(editor, name);
+    return editor;
+  }
   bool shows(const QString& name, const QString& text) {
     return waitFor([&] { return field(name).text() == text; });
   }
@@ -325,23 +342,15 @@ TEST_F(BodiesPanelTest, DeletesDuplicatesAndRenamesByKeys) {
   list().setFocus();
   QTest::keyClick(&list(), Qt::Key_Delete);
   EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball"}); }));
-  list().setCurrentIndex(list().model()->index(1, 0));
-  QTest::keyClick(&list(), Qt::Key_F2);
-  auto* const editor = list().viewport()->findChild<QLineEdit*>();
+  QLineEdit* const editor = typeName(1, "chest");
   ASSERT_TRUE(editor);
-  QTest::keyClicks(editor, "chest");
   QTest::keyClick(editor, Qt::Key_Return);
   EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "chest", "ball"}); }));
 }
 
 TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
   select({"ball"});
-  list().setFocus();
-  QTest::keyClick(&list(), Qt::Key_G, Qt::ControlModifier);
-  auto* const dialog = panel_.findChild<QInputDialog*>();
-  ASSERT_TRUE(dialog);
-  dialog->setTextValue("round");
-  dialog->accept();
+  makeGroup("round");
   EXPECT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
   rviz::Config layout;
   panel_.save(layout);
@@ -355,12 +364,8 @@ TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
 }
 
 TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileOthersEdit) {
-  list().setCurrentIndex(list().model()->index(1, 0));
-  list().setFocus();
-  QTest::keyClick(&list(), Qt::Key_F2);
-  auto* const editor = list().viewport()->findChild<QLineEdit*>();
+  QLineEdit* const editor = typeName(1, "chest");
   ASSERT_TRUE(editor);
-  QTest::keyClicks(editor, "chest");
   rigid_body_sim::EditBodies::Request request;
   request.changes.resize(1);
   request.changes[0].name = "ball";
@@ -374,12 +379,7 @@ TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileOthersEdit) {
 
 TEST_F(BodiesPanelTest, AGroupFollowsARename) {
   select({"ball"});
-  list().setFocus();
-  QTest::keyClick(&list(), Qt::Key_G, Qt::ControlModifier);
-  auto* const dialog = panel_.findChild<QInputDialog*>();
-  ASSERT_TRUE(dialog);
-  dialog->setTextValue("round");
-  dialog->accept();
+  makeGroup("round");
   EXPECT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
   enter("Name", "globe");
   EXPECT_TRUE(

@@ -188,9 +188,14 @@ class BodiesTest(unittest.TestCase):
             self.wait_for_hues(rviz, [(there, 1)], 'the new ball is where it says')
 
     def test_a_topic_that_ros_does_not_take_is_no_crash(self):
-        with self.open(Topic='/no topic/../%') as rviz:
-            rviz.wait_for_rest()
-            self.assertIsNone(rviz.process.poll())
+        for topic in ('/no topic/../%', '~body_states'):
+            with self.open(Topic=topic) as rviz:
+                rviz.wait_for_rest()
+                rviz.key('s')  # the tool Select asks every display for its node
+                scene = rviz.scene
+                rviz.sweep((scene.x + 100, scene.y + 100), (scene.x + 200, scene.y + 200))
+                rviz.wait_for_rest()
+                self.assertIsNone(rviz.process.poll(), topic)
 
     def test_a_click_takes_the_right_one_of_1000_bodies(self):
         places = [(x - 0.5 * (COLUMNS - 1), y - 0.5 * (ROWS - 1), 0.5 * SIZE) for x in range(COLUMNS) for y in range(ROWS)]
