@@ -15,8 +15,9 @@ import rosgraph
 import roslib.packages
 import rospy
 import rostest
+from geometry_msgs.msg import Point, Quaternion, Vector3
 from rigid_body_sim.msg import BodyNames, Status
-from rigid_body_sim.srv import GetBody, ListBodies, LoadScene
+from rigid_body_sim.srv import ClosestPoints, GetBody, ListBodies, LoadScene, SpawnBody, SpawnBodyRequest
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
@@ -90,10 +91,12 @@ class Last:
 
 
 def prepare(layout):
-    """Looks at the boxes, with the page of the panel open that measures accuracy."""
+    """Looks at the boxes, with the page of the panel open that measures accuracy; adds dodecahedra as meshes."""
     rviz_driver.look_from(layout, VIEW)
     panel = next(panel for panel in layout['Panels'] if panel['Class'] == 'rigid_body_sim/SimulationPanel')
     panel['Page'] = 1
+    tool = next(tool for tool in layout['Visualization Manager']['Tools'] if tool['Class'] == 'rigid_body_sim/Spawn')
+    tool['Mesh'] = 'package://rigid_body_sim/scenes/meshes/dodecahedron.obj'
 
 
 class GuiTest(unittest.TestCase):
@@ -240,6 +243,32 @@ class GuiTest(unittest.TestCase):
         call('undo', Trigger)
         call('undo', Trigger)
         self.assertEqual(added(), [])
+
+    def test_a_body_of_any_shape_is_added_so_that_it_touches_the_slope_under_the_mouse(self):
+        self.addCleanup(call, 'reset', Trigger)
+        self.addCleanup(self.rviz.key, 'i')
+        tilt = math.radians(30.0)
+        ramp = SpawnBodyRequest(name='ramp', is_static=True, size=Vector3(2.0, 2.0, 0.2))
+        ramp.pose.position = Point(1.5, -1.5, 1.0)
+        ramp.pose.orientation = Quaternion(0.0, math.sin(0.5 * tilt), 0.0, math.cos(0.5 * tilt))
+        call('spawn_body', SpawnBody, ramp)
+        self.rviz.wait_for_rest()
+        spot = self.rviz.pixel_of((1.5, -1.5, 1.0 + 0.1 / math.cos(tilt)))
+        self.rviz.key('b')
+        for row, shape in enumerate(['box', 'sphere', 'capsule', 'cylinder', 'cone', 'hull']):
+            self.screen.xdotool('mousemove', spot[0] - 9, spot[1], 'sleep', 0.3, 'click', 3, 'sleep', 0.3)
+            self.screen.xdotool(*['key', 'Down'] * (row + 1), 'key', 'Return', 'sleep', 0.3)
+            self.screen.xdotool('mousemove', spot[0] - 9, spot[1] - 9, 'sleep', 0.3)
+            before = set(call('list_bodies', ListBodies).names)
+            self.rviz.click(spot)
+            added = wait_until(lambda seen=before: set(call('list_bodies', ListBodies).names) - seen, 'a ' + shape).pop()
+            body = call('get_body', GetBody, added).body.description
+            self.assertEqual(body.shape, shape)
+            self.assertAlmostEqual(max(body.size.x, body.size.y, body.size.z), 0.5, delta=0.01)
+            distance = call('closest_points', ClosestPoints, added, 'ramp').distance
+            self.assertGreater(distance, 0.0, shape)
+            self.assertLess(distance, 0.03, shape)
+            call('undo', Trigger)
 
     def test_delete_deletes_what_is_selected_but_no_body_from_a_text_field(self):
         self.addCleanup(call, 'reset', Trigger)
