@@ -81,6 +81,22 @@ class ClientTest(unittest.TestCase):
         self.done('delete', 'top')
         self.assertNotIn('top', self.done('list'))
 
+    def test_many_bodies_are_duplicated_and_deleted_as_one_edit_and_one_is_renamed(self):
+        self.done('rename', 'crate', 'box')
+        self.assertEqual(self.done('list').split(), ['floor', 'box', 'ball'])
+        self.assertEqual(rbs('rename', 'box', 'ball').returncode, 1)
+        copies = self.done('duplicate', 'box', 'ball', '--count', 2, '--offset', 0, 2, 0).split()
+        self.assertEqual(len(copies), 4)
+        place = body(copies[1]).pose.position.y - body('box').pose.position.y
+        self.assertAlmostEqual(place, 4.0)
+        self.done('delete', *copies)
+        self.assertEqual(self.done('list').split(), ['floor', 'box', 'ball'])
+        self.done('undo')
+        self.assertEqual(len(self.done('list').split()), 7)
+        self.assertEqual(rbs('delete', 'box', 'nobody').returncode, 1)
+        self.assertEqual(rbs('delete').returncode, 2)
+        self.assertIn('box', self.done('list'))
+
     def test_effects_are_forced_and_detected_again(self):
         self.assertIn('forced off: friction', self.done('effects', '--off', 'friction'))
         self.assertIn('contacts.friction', self.done('status'))
