@@ -44,11 +44,12 @@ class Simulator {
  public:
   /// How the simulator begins.
   struct Options {
-    bool paused = false;  ///< whether it begins paused
-    double speed = 1.0;   ///< requested real-time factor, 0 to 1e6; 0 is as fast as possible
+    bool paused = false;   ///< whether it begins paused
+    double speed = 1.0;    ///< requested real-time factor, 0 to 1e6; 0 is as fast as possible
+    unsigned threads = 1;  ///< that a step may use, see World::setThreads()
   };
 
-  /// Starts the thread. Throws InvalidInput for a faulty scene or speed.
+  /// Starts the thread. Throws InvalidInput for a faulty scene, speed or number of threads.
   Simulator(SceneDef scene, const Options& options);
   /// Runs the commands that are still posted, ends a step request with "shutdown", and joins the thread. No
   /// other thread may call a function of it any more.

@@ -220,6 +220,12 @@ class World {
   /// and pipeline(). A sleeping body costs its bounds in the broad phase.
   const StepReport& step();
 
+  /// Sets how many threads a step may use, 1 to 256; it is 1 at first, and in a copy. What a step does is the same
+  /// for every number, bit for bit. The threads sleep between steps. No edit. Throws InvalidInput for another
+  /// number.
+  void setThreads(unsigned threads);
+  unsigned threads() const;  ///< the last value given to setThreads()
+
   // --- reading
 
   double time() const;          ///< physics time since the scene began, s

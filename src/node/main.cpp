@@ -16,10 +16,12 @@
 #include <ros/package.h>
 #include <ros/ros.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <limits>
 #include <optional>
+#include <thread>
 #include <vector>
 
 namespace {
@@ -53,6 +55,11 @@ struct Options {
 };
 
 /// Throws InvalidInput for parameters that are not allowed.
+// One core is left to RViz. More than four threads have little to share.
+unsigned usualThreads() {
+  return std::clamp(std::thread::hardware_concurrency(), 2u, 5u) - 1u;
+}
+
 Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   Options options;
   rbs::Session::Options& session = options.session;
@@ -71,6 +78,9 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   constexpr double kFastest = 1e6;
   session.run.speed = parameters.number("speed", session.run.speed, 0.0, kFastest,
                                         "requested real-time factor; 0 is as fast as possible");
+  const int threads = parameters.integer("threads", 0, 0, 256,
+                                         "threads that a step may use; 0: all cores but one, at most 4");
+  session.run.threads = threads > 0 ? static_cast<unsigned>(threads) : usualThreads();
   options.publishers.clock =
       parameters.flag("publish_clock", true, "publish /clock; otherwise messages are stamped with wall time");
   session.wall_stamps = !options.publishers.clock;

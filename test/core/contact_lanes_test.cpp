@@ -128,13 +128,17 @@ INSTANTIATE_TEST_SUITE_P(Friction, ContactLanesOf, testing::Values(0.0, 0.5));
 TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     Heap heap(seed, GetParam()), same(seed, GetParam());
-    SolverContacts contacts(heap.context(), heap.batch()), one_by_one(same.context(), same.batch());
+    SolverContacts::Stores stores, other_stores;
+    SolverContacts contacts(heap.context(), heap.batch(), stores),
+        one_by_one(same.context(), same.batch(), other_stores);
     contacts.find(0.0, kStep, kSubStep);
     one_by_one.find(0.0, kStep, kSubStep);
     std::size_t points = 0, slides = 0;
     for (const SolverBlock& block : contacts.blocks) points += static_cast<std::size_t>(block.size);
     ASSERT_GT(points, 200u);
-    ContactLanes lanes(contacts);
+    ContactLanes::Stores lane_stores;
+    Workers workers;
+    ContactLanes lanes(contacts, lane_stores, workers);
     lanes.take();
     for (const bool soft : {true, false, true, false}) {
       lanes.solve(soft ? ContactLanes::Pass::Soft : ContactLanes::Pass::Relax, kSoft, kSubStep);

@@ -57,6 +57,7 @@ class ParametersTest(unittest.TestCase):
                  ('speed', 'fast', 'a number from 0'), ('speed', '-1', 'a number from 0'), ('speed', '1e+07', '1e+06'),
                  ('paused', 'maybe', 'true or false'), ('paused', '1', 'true or false'),
                  ('publish_clock', 'no', 'true or false'), ('status_line', '0', 'true or false'),
+                 ('threads', '-1', 'a whole number from 0 to 256'), ('threads', '10000', 'a whole number from 0 to 256'),
                  ('fidelity', 'best', 'preview, interactive, accurate or reference'), ('fidelity', '3', 'preview'),
                  ('tf', 'some', 'all or none'), ('tf', 'true', 'all or none'), ('tf_prefix', '7', 'a text'),
                  ('scenes', '5', 'a text'), ('scene', '3', 'a text')]

@@ -16,6 +16,8 @@ namespace {
 constexpr int kDiagonal = 3;
 // A sweep with fewer tests a body than this is not worth improving.
 constexpr std::uint64_t kFewTests = 16;
+// Bodies of which a thread takes the bounds, or the tests, at a time.
+constexpr std::size_t kBodiesOfAPart = 256;
 
 // How many pairs of intervals overlap along an axis, which is what a sweep tests: all pairs but those where
 // one ends before the other begins.
@@ -78,20 +80,31 @@ void addPair(Index a, Index b, Pairs& found) {
 }
 
 // The bounds stand in the order of the sweep, so that it runs through memory from front to back.
-std::uint64_t sweepAlong(const Context& context, int axis, Pairs& found) {
+std::uint64_t sweepAlong(Context& context, int axis, Pairs& found) {
   const Bodies& bodies = context.scene.bodies;
   const std::vector<Index>& order = context.scene.sweep.order;
   std::vector<Bounds> sorted;
   sorted.reserve(order.size());
   for (const Index i : order) sorted.push_back(context.step.bounds[i]);
+  struct Part {
+    Pairs found;
+    std::uint64_t tests = 0;
+  };
+  std::vector<Part> parts(Workers::parts(sorted.size(), kBodiesOfAPart));
+  context.step.workers->share(sorted.size(), kBodiesOfAPart, [&](auto part, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Bounds a = sorted[k];
+      std::size_t m = k + 1;
+      for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
+        if (a.overlaps(sorted[m]) && mayCollide(bodies.traits[order[k]], bodies.traits[order[m]]))
+          addPair(order[k], order[m], parts[part].found);
+      parts[part].tests += m - k - 1;
+    }
+  });
   std::uint64_t tests = 0;
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const Bounds a = sorted[k];
-    std::size_t m = k + 1;
-    for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
-      if (a.overlaps(sorted[m]) && mayCollide(bodies.traits[order[k]], bodies.traits[order[m]]))
-        addPair(order[k], order[m], found);
-    tests += m - k - 1;
+  for (const Part& part : parts) {
+    found.insert(found.end(), part.found.begin(), part.found.end());
+    tests += part.tests;
   }
   return tests;
 }
@@ -132,7 +145,12 @@ void run(Context& context) {
   StepStore& step = context.step;
   const std::vector<Index>& collidable = scene.lists.collidable;
 
-  for (const Index i : collidable) step.bounds[i] = sweptBounds(scene.bodies, step.load[i], i, step.h());
+  step.workers->share(collidable.size(), kBodiesOfAPart, [&](auto, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Index i = collidable[k];
+      step.bounds[i] = sweptBounds(scene.bodies, step.load[i], i, step.h());
+    }
+  });
   Sweep& sweep = scene.sweep;
   if (sweep.fresh) chooseAxis(sweep, step.bounds);
   sortByLowerEnd(sweep, step.bounds);

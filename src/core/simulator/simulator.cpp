@@ -44,6 +44,7 @@ struct StepRequest {
 struct Simulator::Impl {
   // Used by the thread alone.
   World world;
+  const unsigned threads;  // of the world; a world of the history has one
   Governor governor;
   std::uint64_t edits_before = 0, versions_before = 0;  // of earlier worlds, so that the sums only grow
   double elapsed_before = 0.0, began_at = 0.0;  // of earlier worlds; time at which this world began, s
@@ -70,7 +71,10 @@ struct Simulator::Impl {
   std::thread thread;
 
   Impl(SceneDef scene, const Options& options)
-      : world(scene), origin(std::make_shared<Origin>(Origin{std::move(scene), std::nullopt})) {
+      : world(scene),
+        threads(options.threads),
+        origin(std::make_shared<Origin>(Origin{std::move(scene), std::nullopt})) {
+    world.setThreads(threads);
     pace.paused = options.paused;
     pace.requested_speed = options.speed;
     restartClock();
@@ -124,6 +128,7 @@ struct Simulator::Impl {
 
   // A world of the history, or the present one for it.
   EditHistory::Entry present(std::string what) {
+    world.setThreads(1);
     return {std::move(what), std::move(world), std::atomic_load(&origin), revision};
   }
 
@@ -133,7 +138,7 @@ struct Simulator::Impl {
     try {
       what = edit(world);
     } catch (...) {
-      if (world.edits() != edits) world = std::move(before);
+      if (world.edits() != edits) world = std::move(before), world.setThreads(threads);
       throw;
     }
     if (world.edits() == edits) return;
@@ -176,6 +181,7 @@ struct Simulator::Impl {
   void setWorld(World fresh) {
     began_at = fresh.time();
     world = std::move(fresh);
+    world.setThreads(threads);
     governor = Governor();
     governor.setEstimating(estimating);
     restartClock();

@@ -11,11 +11,19 @@ namespace rbs {
 
 using namespace lanes;
 
+namespace {
+
+constexpr std::size_t kBundlesOfAPart = 64;  // that a thread takes at a time
+
+}  // namespace
+
 // Orders the pairs by level, within a level by friction and number of points, and cuts levels into bundles.
 void ContactLanes::schedule() {
   constexpr int kSizes = 8;  // pairs with more points than that stand with those that have as many
   const std::vector<SolverBlock>& blocks = contacts_.blocks;
-  std::vector<Index> level_of_body(contacts_.bodies.size(), 0), key(blocks.size(), kNone);
+  auto& [places, bundles, normal, friction, level_of_body, key, first, ordered] = stores_;
+  level_of_body.assign(contacts_.bodies.size(), 0);
+  key.assign(blocks.size(), kNone);
   Index levels = 0;
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const SolverBlock& block = blocks[k];
@@ -27,7 +35,7 @@ void ContactLanes::schedule() {
     key[k] = (2 * level + (block.rough ? 0 : 1)) * kSizes +
              static_cast<Index>(kSizes - std::min(block.size, kSizes));
   }
-  std::vector<Index> first(2 * kSizes * levels + 1, 0), ordered;
+  first.assign(2 * kSizes * levels + 1, 0);
   for (const Index one : key)
     if (one != kNone) ++first[one + 1];
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
@@ -35,16 +43,20 @@ void ContactLanes::schedule() {
   for (std::size_t k = 0; k < blocks.size(); ++k)
     if (key[k] != kNone) ordered[first[key[k]]++] = static_cast<Index>(k);
 
-  bundles_.clear();
-  normal_.clear();
-  friction_.clear();
-  places_.assign(blocks.size(), {});
+  bundles.clear();
+  normal.clear();
+  friction.clear();
+  places.assign(blocks.size(), {});
   for (std::size_t k = 0; k < ordered.size();) {
     const Index group = key[ordered[k]] / kSizes;
-    const std::size_t bundle = bundles_.size();
+    const std::size_t bundle = bundles.size();
     for (int lane = 0; lane < kLanes && k < ordered.size() && key[ordered[k]] / kSizes == group; ++lane, ++k)
       append(bundle, ordered[k]);
   }
+}
+
+void ContactLanes::forBundles(const std::function<void(std::size_t, std::size_t)>& body) {
+  workers_.share(bundles_.size(), kBundlesOfAPart, [&](auto, auto begin, auto end) { body(begin, end); });
 }
 
 // Puts a block into the last bundle, or opens it.
@@ -84,7 +96,9 @@ bool ContactLanes::accepts(const Bundle& bundle, const SolverBlock& block) const
 
 void ContactLanes::take() {
   schedule();
-  for (std::size_t b = 0; b < bundles_.size(); ++b) takeBundle(b);
+  forBundles([this](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) takeBundle(b);
+  });
 }
 
 void ContactLanes::takeBundle(std::size_t bundle) {
@@ -239,7 +253,9 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bo
 }
 
 void ContactLanes::giveBack() {
-  for (std::size_t k = 0; k < places_.size(); ++k) giveBackBlock(static_cast<Index>(k));
+  workers_.share(places_.size(), kLanes * kBundlesOfAPart, [this](auto, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) giveBackBlock(static_cast<Index>(k));
+  });
 }
 
 void ContactLanes::giveBackBlock(Index which) {

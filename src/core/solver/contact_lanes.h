@@ -13,6 +13,7 @@
 #include "solver/solver_contacts.h"
 
 #include <array>
+#include <functional>
 #include <vector>
 
 namespace rbs {
@@ -23,40 +24,6 @@ struct Softness {
 };
 
 class ContactLanes {
- public:
-  explicit ContactLanes(SolverContacts& contacts) : contacts_(contacts) {
-    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned}) zero->setZero();
-    nobody_.inv_inertia_W.setZero();
-  }
-  ContactLanes(const ContactLanes&) = delete;
-  ContactLanes& operator=(const ContactLanes&) = delete;
-
-  /// Takes over the points of the contacts, when they have been found.
-  void take();
-  /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
-  /// of them than its lane has room for goes behind all others.
-  void refresh(double now, double left);
-  /// Gives the points their impulses, their gaps and what resists there.
-  void giveBack();
-
-  /// Gives the bodies the impulses of the last sub-step again.
-  void warmStart();
-  /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
-  /// then.
-  enum class Pass {
-    Soft,   ///< contacts are soft and close their gaps
-    Relax,  ///< points that push are to be at rest
-  };
-  void solve(Pass pass, const Softness& soft, double h);
-  /// Adds the impulses of this sub-step to the sums.
-  void addUp();
-  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned.
-  ///
-  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
-  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
-  void follow();
-
- private:
   /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others.
   struct Turning {
     Lanes lever[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
@@ -95,6 +62,56 @@ class ContactLanes {
     int lane = 0;
   };
 
+ public:
+  /// Their memory, which the next solve takes over.
+  struct Stores {
+    std::vector<Place> places;
+    std::vector<Bundle> bundles;
+    std::vector<NormalRow> normal;
+    std::vector<FrictionRow> friction;
+    std::vector<Index> level_of_body, key, first, ordered;  // while they are scheduled
+  };
+
+  ContactLanes(SolverContacts& contacts, Stores& stores, Workers& workers)
+      : contacts_(contacts),
+        workers_(workers),
+        stores_(stores),
+        places_(stores.places),
+        bundles_(stores.bundles),
+        normal_(stores.normal),
+        friction_(stores.friction) {
+    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned}) zero->setZero();
+    nobody_.inv_inertia_W.setZero();
+  }
+  ContactLanes(const ContactLanes&) = delete;
+  ContactLanes& operator=(const ContactLanes&) = delete;
+
+  /// Takes over the points of the contacts, when they have been found.
+  void take();
+  /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
+  /// of them than its lane has room for goes behind all others.
+  void refresh(double now, double left);
+  /// Gives the points their impulses, their gaps and what resists there.
+  void giveBack();
+
+  /// Gives the bodies the impulses of the last sub-step again.
+  void warmStart();
+  /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
+  /// then.
+  enum class Pass {
+    Soft,   ///< contacts are soft and close their gaps
+    Relax,  ///< points that push are to be at rest
+  };
+  void solve(Pass pass, const Softness& soft, double h);
+  /// Adds the impulses of this sub-step to the sums.
+  void addUp();
+  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned.
+  ///
+  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
+  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  void follow();
+
+ private:
   void schedule();
   void append(std::size_t bundle, Index block);
   bool accepts(const Bundle& bundle, const SolverBlock& block) const;
@@ -104,15 +121,20 @@ class ContactLanes {
   void findRows(const Bundle& bundle, const std::array<bool, kLanes>& found);
   void findTurns(const Bundle& bundle);
   void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
+  /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
+  void forBundles(const std::function<void(std::size_t begin, std::size_t end)>& body);
   template <Pass kPass, bool kRough>
   void solveBundles(const Softness& soft, double h);
+  void follow(std::size_t begin, std::size_t end);
 
   SolverContacts& contacts_;
-  SolverBody nobody_{};        // in empty lanes
-  std::vector<Place> places_;  // by block
-  std::vector<Bundle> bundles_;
-  std::vector<NormalRow> normal_;
-  std::vector<FrictionRow> friction_;
+  Workers& workers_;
+  Stores& stores_;
+  SolverBody nobody_{};         // in empty lanes
+  std::vector<Place>& places_;  // by block
+  std::vector<Bundle>& bundles_;
+  std::vector<NormalRow>& normal_;
+  std::vector<FrictionRow>& friction_;
 };
 
 }  // namespace rbs

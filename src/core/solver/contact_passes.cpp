@@ -150,8 +150,14 @@ RBS_WIDE void ContactLanes::addUp() {
   for (FrictionRow& row : friction_) row.sum1 += row.impulse1, row.sum2 += row.impulse2;
 }
 
-RBS_WIDE void ContactLanes::follow() {
-  for (const Bundle& bundle : bundles_) {
+void ContactLanes::follow() {
+  forBundles([this](std::size_t begin, std::size_t end) { follow(begin, end); });
+  for (SolverBody& body : contacts_.bodies) body.turned_axes = false;
+}
+
+RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const Bundle& bundle = bundles_[b];
     const auto turned = [](const SolverBody* body) { return body->turned_axes; };
     if (std::any_of(bundle.i.begin(), bundle.i.end(), turned) ||
         std::any_of(bundle.j.begin(), bundle.j.end(), turned))
@@ -185,7 +191,6 @@ RBS_WIDE void ContactLanes::follow() {
       row.open = row.gap + shift + by_j - by_i;
     }
   }
-  for (SolverBody& body : contacts_.bodies) body.turned_axes = false;
 }
 
 }  // namespace rbs

@@ -57,6 +57,12 @@ inline constexpr double kSteadyTurn = 1e-6;
 /// Most sub-steps of a step.
 inline constexpr double kMostSubSteps = 256.0;
 
+/// The memory of the soft step, kept from solve to solve.
+struct Stores {
+  SolverContacts::Stores contacts;
+  ContactLanes::Stores lanes;
+};
+
 /// The softness of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
 Softness softness(double h, double h_full);
 
@@ -72,8 +78,8 @@ class SoftStep : public InnerRows {
   SoftStep(Context& context, const IslandBatch& batch, double t0, double t1)
       : context_(context),
         batch_(batch),
-        contacts_(context, batch),
-        lanes_(contacts_),
+        contacts_(context, batch, context.step.soft_stores->contacts),
+        lanes_(contacts_, context.step.soft_stores->lanes, *context.step.workers),
         t0_(t0),
         dt_(t1 - t0) {
     const double wanted = subStep(context, batch.edges), shortest = context.step.h() / kMostSubSteps;

@@ -3,6 +3,7 @@
 
 #include "base/algebra.h"
 #include "base/tolerances.h"
+#include "solver/island_energy.h"
 #include "solver/residuals.h"
 
 #include <algorithm>
@@ -16,6 +17,9 @@ namespace {
 
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kDriftLimit = 0.05;
+
+// Blocks that a thread takes at a time.
+constexpr std::size_t kBlocksOfAPart = 128;
 
 double leastSeparation(const Manifold& manifold) {
   double least = std::numeric_limits<double>::infinity();
@@ -33,8 +37,21 @@ void keepWithin(double margin, Manifold& manifold) {
 
 }  // namespace
 
-SolverContacts::SolverContacts(Context& context, const IslandBatch& batch)
-    : context_(context), batch_(batch), slots_(context.step.slot) {
+SolverContacts::SolverContacts(Context& context, const IslandBatch& batch, Stores& stores)
+    : bodies(stores.bodies),
+      blocks(stores.blocks),
+      points(stores.points),
+      context_(context),
+      batch_(batch),
+      slots_(context.step.slot),
+      opened_(stores.opened),
+      points_of_parts_(stores.points_of_parts),
+      drifted_(stores.drifted),
+      has_drifted_(stores.has_drifted) {
+  bodies.clear();
+  blocks.clear();
+  points.clear();
+  opened_.clear();
   bodies.reserve(batch.bodies.size() + 8);
   for (const Index i : batch.bodies) slotOf(i);
 }
@@ -79,21 +96,41 @@ void SolverContacts::find(double now, double left, double h) {
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
   blocks.reserve(batch_.edges.size());
-  points.reserve(4 * batch_.edges.size());
   for (const Edge& edge : batch_.edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context_.scene.contacts.active[edge.of];
     if (!contact.state.isSolved()) continue;
-    SolverBlock block;
+    SolverBlock& block = blocks.emplace_back();
     block.i = slotOf(contact.i);
     block.j = slotOf(contact.j);
-    block.pair = pairConstants(context_, contact.i, contact.j);
-    block.rough = block.pair.mu > 0.0 || friction_forced;
     block.contact = edge.of;
-    findPoints(block, now, left, contact.loadedNormal(block.pair.bears));
-    for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, points[p]);
-    blocks.push_back(block);
   }
+  Workers& workers = *context_.step.workers;
+  const bool alone = workers.count() == 1;
+  const std::size_t parts = Workers::parts(blocks.size(), kBlocksOfAPart);
+  if (!alone && points_of_parts_.size() < parts) points_of_parts_.resize(parts);
+  workers.share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
+    std::vector<SolverPoint>& to = alone ? points : points_of_parts_[part];
+    if (!alone) to.clear();
+    for (std::size_t k = begin; k < end; ++k) {
+      SolverBlock& block = blocks[k];
+      const Contact& contact = context_.scene.contacts.active[block.contact];
+      block.pair = pairConstants(context_, contact.i, contact.j);
+      block.rough = block.pair.mu > 0.0 || friction_forced;
+      findPoints(block, now, left, contact.loadedNormal(block.pair.bears), to);
+      for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, to[p]);
+    }
+  });
+  if (alone) return;
+  std::vector<std::size_t> first(parts + 1, 0);
+  for (std::size_t part = 0; part < parts; ++part)
+    first[part + 1] = first[part] + points_of_parts_[part].size();
+  points.resize(first.back());
+  workers.share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) blocks[k].first += static_cast<int>(first[part]);
+    std::copy(points_of_parts_[part].begin(), points_of_parts_[part].end(),
+              points.begin() + static_cast<std::ptrdiff_t>(first[part]));
+  });
 }
 
 // The normal of a block whose points push; zero otherwise.
@@ -105,7 +142,8 @@ Vec3 SolverContacts::loadedNormal(const SolverBlock& block) const {
 
 // Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
 // moved that far. Points that no sub-step can close are good until the pair has come half as near.
-void SolverContacts::findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W) {
+void SolverContacts::findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W,
+                                std::vector<SolverPoint>& to) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
@@ -129,13 +167,13 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.drift_limit = manifold.size > 0 ? std::max(kDriftLimit * length, far) : margin;
   block.moved_i = i.moved, block.turned_i = i.turned;
   block.moved_j = j.moved, block.turned_j = j.turned;
-  block.first = static_cast<int>(points.size());
+  block.first = static_cast<int>(to.size());
   block.size = manifold.size;
-  points.resize(points.size() + block.size);
+  to.resize(to.size() + block.size);
   for (int k = 0; k < block.size; ++k)
-    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, points[block.first + k]);
+    preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, to[block.first + k]);
   const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
-  if (carries(i) || carries(j)) followArc(block, left);
+  if (carries(i) || carries(j)) followArc(block, left, to);
 }
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
@@ -152,7 +190,7 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
 // the contact will be half-way to where points are found anew: along the chord of the arc, and not along the
 // tangent at its start, which leads outwards by (w t)²/2 of the radius. The contact moves with the other
 // body, or with the centre of one that is round.
-void SolverContacts::followArc(const SolverBlock& block, double left) {
+void SolverContacts::followArc(const SolverBlock& block, double left, std::vector<SolverPoint>& of) const {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const double rate = (j.v - i.v).norm() + block.reach_i * i.w.norm() + block.reach_j * j.w.norm();
   const double lasts = std::min(left, h_ * (std::floor(block.drift_limit / (rate * h_)) + 1.0));
@@ -160,7 +198,7 @@ void SolverContacts::followArc(const SolverBlock& block, double left) {
     return s.round ? s.v : Vec3(s.v + s.w.cross(r));
   };
   for (int k = block.first; k < block.first + block.size; ++k) {
-    SolverPoint& point = points[k];
+    SolverPoint& point = of[k];
     if (i.inv_mass == 0.0)
       point.r_i += 0.5 * lasts * (contactVelocity(j, point.r_j) - i.v);
     else
@@ -211,17 +249,21 @@ bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.drift_limit;
 }
 
-std::vector<Index> SolverContacts::drifted() const {
-  std::vector<Index> found;
+const std::vector<Index>& SolverContacts::drifted() {
+  drifted_.clear();
+  has_drifted_.resize(blocks.size());
+  context_.step.workers->share(blocks.size(), 8 * kBlocksOfAPart, [&](auto, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) has_drifted_[k] = hasDrifted(blocks[k]);
+  });
   for (std::size_t k = 0; k < blocks.size(); ++k)
-    if (hasDrifted(blocks[k])) found.push_back(static_cast<Index>(k));
-  return found;
+    if (has_drifted_[k]) drifted_.push_back(static_cast<Index>(k));
+  return drifted_;
 }
 
 void SolverContacts::refresh(Index which, double now, double left) {
   SolverBlock& block = blocks[which];
   const SolverBlock old = block;
-  findPoints(block, now, left, loadedNormal(old));
+  findPoints(block, now, left, loadedNormal(old), points);
   for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
   for (int k = old.first; k < old.first + old.size; ++k) {
     const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };
@@ -242,16 +284,30 @@ void SolverContacts::store(double h, double h_full) {
   for (const Edge& edge : batch_.edges)
     if (edge.kind == ConstraintKind::Contact) active[edge.of].beginSolve();
   for (const auto& [k, point] : opened_) active[k].addEarlier(point);
-  for (const SolverBlock& block : blocks) {
-    Contact& contact = active[block.contact];
-    contact.exact = false;
-    for (int k = block.first; k < block.first + block.size; ++k) {
-      const SolverPoint& point = points[k];
-      SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
-      solved.normal = (point.l_n + rest * point.guess_n) / (h + rest);
-      solved.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
+  // Of the blocks of a part: what the islands that they are of must know, in the order of the blocks.
+  using Residuals = std::vector<std::pair<Island*, IslandResiduals>>;
+  std::vector<Residuals> parts(Workers::parts(blocks.size(), kBlocksOfAPart));
+  context_.step.workers->share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      storeBlock(blocks[k], h, rest);
+      Island* const island = &context_.step.islands[islandOf(context_, *this, blocks[k])];
+      if (parts[part].empty() || parts[part].back().first != island)
+        parts[part].emplace_back(island, IslandResiduals());
+      residuals::add(parts[part].back().second, residualsOf(blocks[k]));
     }
-    addResiduals(block);
+  });
+  for (const Residuals& part : parts)
+    for (const auto& [island, solved] : part) residuals::add(island->residuals, solved);
+}
+
+void SolverContacts::storeBlock(const SolverBlock& block, double h, double rest) const {
+  Contact& contact = context_.scene.contacts.active[block.contact];
+  contact.exact = false;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    const SolverPoint& point = points[k];
+    SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
+    solved.normal = (point.l_n + rest * point.guess_n) / (h + rest);
+    solved.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
   }
 }
 
@@ -270,8 +326,7 @@ SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPo
 
 // How far the points of a block are from the law of contact after the last sub-step. At the exact settings the
 // soft step stands in for solves that do not converge.
-void SolverContacts::addResiduals(const SolverBlock& block) const {
-  const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+IslandResiduals SolverContacts::residualsOf(const SolverBlock& block) const {
   const double gravity = context_.scene.gravity_W.norm();
   const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
   IslandResiduals solved;
@@ -294,8 +349,7 @@ void SolverContacts::addResiduals(const SolverBlock& block) const {
     solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
     solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
   }
-  const Index dynamic = context_.step.island[i.body] == kNone ? j.body : i.body;
-  residuals::add(context_.step.islands[context_.step.island[dynamic]].residuals, solved);
+  return solved;
 }
 
 }  // namespace rbs

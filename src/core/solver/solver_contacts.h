@@ -60,13 +60,24 @@ struct SolverBlock {
 
 class SolverContacts {
  public:
-  SolverContacts(Context& context, const IslandBatch& batch);
+  /// Their memory, which the next solve takes over.
+  struct Stores {
+    std::vector<SolverBody> bodies;
+    std::vector<SolverBlock> blocks;
+    std::vector<SolverPoint> points;
+    PointsOfContacts opened;
+    std::vector<Index> drifted;
+    std::vector<char> has_drifted;
+    std::vector<std::vector<SolverPoint>> points_of_parts;  // as threads find them
+  };
+
+  SolverContacts(Context& context, const IslandBatch& batch, Stores& stores);
 
   /// Finds the points of all contacts at time `now`, with `left` s to go, and the impulses that the forces of
   /// the last step make of a sub-step of length h.
   void find(double now, double left, double h);
   /// The blocks that have drifted from where their points were found.
-  std::vector<Index> drifted() const;
+  const std::vector<Index>& drifted();
   /// Finds the points of a block anew.
   void refresh(Index block, double now, double left);
   /// Velocity of j against i at a point, m/s.
@@ -84,31 +95,36 @@ class SolverContacts {
   /// `h_full` that of one that nothing cuts short.
   void store(double h, double h_full);
 
-  std::vector<SolverBody> bodies;
-  std::vector<SolverBlock> blocks;
-  std::vector<SolverPoint> points;  ///< also some that no block has any more
+  std::vector<SolverBody>& bodies;
+  std::vector<SolverBlock>& blocks;
+  std::vector<SolverPoint>& points;  ///< also some that no block has any more
 
  private:
   SolverBody makeBody(Index i) const;
   Index slotOf(Index i);
   double approachIn(const SolverBlock& block, double left) const;
-  void findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W);
+  void findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W,
+                  std::vector<SolverPoint>& to) const;
   Vec3 loadedNormal(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
-  void followArc(const SolverBlock& block, double left);
+  void followArc(const SolverBlock& block, double left, std::vector<SolverPoint>& of) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasDrifted(const SolverBlock& block) const;
   static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
   SolvedPoint solvedPoint(const SolverBlock& block, const SolverPoint& point) const;
-  void addResiduals(const SolverBlock& block) const;
+  void storeBlock(const SolverBlock& block, double h, double rest) const;
+  IslandResiduals residualsOf(const SolverBlock& block) const;
 
   Context& context_;
   const IslandBatch& batch_;
-  double h_ = 0.0;           ///< of a sub-step, s
-  Slots slots_;              ///< in `bodies`
-  PointsOfContacts opened_;  ///< points that are gone, with what they have given
+  double h_ = 0.0;            ///< of a sub-step, s
+  Slots slots_;               ///< in `bodies`
+  PointsOfContacts& opened_;  ///< points that are gone, with what they have given
+  std::vector<std::vector<SolverPoint>>& points_of_parts_;
+  std::vector<Index>& drifted_;     ///< as last found
+  std::vector<char>& has_drifted_;  ///< by block
 };
 
 }  // namespace rbs

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "base/solve_budget.h"
+#include "base/workers.h"
 #include "rigid_body_sim/snapshot.h"
 #include "rigid_body_sim/world.h"
 #include "state/bodies.h"
@@ -17,6 +18,7 @@
 
 #include <array>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -150,6 +152,30 @@ class Slots {
   std::vector<Index> filled_;
 };
 
+/// What is kept from step to step, and not copied with them: a copy has its own, made when it is needed first.
+template <class T>
+class Kept {
+ public:
+  Kept() = default;
+  Kept(const Kept&) {}
+  Kept& operator=(const Kept&) {
+    memory_.reset();
+    return *this;
+  }
+  T& operator*() {
+    if (!memory_) memory_ = std::make_shared<T>();
+    return *memory_;
+  }
+  T* operator->() { return &**this; }
+
+ private:
+  std::shared_ptr<T> memory_;  ///< not shared; T need not be known where this is a member
+};
+
+namespace soft_step {
+struct Stores;
+}
+
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
   SolverSettings solver;               ///< resolved from the scene's Setting
@@ -175,6 +201,8 @@ struct StepStore {
   std::vector<Twist> twist_before;  ///< by body, at t0
   /// What the exact solves of all islands may still cost, beyond what each island has for itself.
   SolveBudget solve_budget{kCommonWork};
+  Kept<soft_step::Stores> soft_stores;
+  Kept<Workers> workers;  ///< share the loops of the stages; those of a copy are one thread
   StepReport report;
 
   /// Empties the store for a step from t0 to t1. What is kept by body has room for the bodies of the scene,

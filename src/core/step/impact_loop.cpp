@@ -4,6 +4,7 @@
 #include "broadphase/bounds.h"
 #include "broadphase/neighbourhood.h"
 #include "broadphase/sweep_and_prune.h"
+#include "solver/contact_preparation.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
 #include "step/islands.h"
@@ -97,12 +98,27 @@ class ImpactLoop {
     return cut_budget_[a];
   }
 
+  // Whether soft contacts stop a pair as well as an impact does: it does not rebound, and no sub-step takes one
+  // far into the other. A point that is open asks that it does not close faster than it can.
+  bool isStoppedByContacts(const PendingImpact& impact) const {
+    constexpr double kMostTravel = 0.25;  // in a sub-step, of the smaller length
+    if (step_.solver.exact || context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
+    const Bodies& bodies = context_.scene.bodies;
+    const auto speedOf = [&](Index i) {
+      const double turn = bodies.twist[i].w_WB.norm();
+      return bodies.twist[i].v_WB.norm() + (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
+    };
+    const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / step_.solver.sub_steps;
+    return travel <= kMostTravel * smallerLength(bodies, impact.i, impact.j);
+  }
+
   // Brings both islands to the impact if the budget allows it.
   bool bringBoth(const PendingImpact& impact) {
     constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
+    if (cost > 0 && isStoppedByContacts(impact)) return false;
     std::uint64_t& budget = cutBudgetOf(impact);
     if (cost > budget) return false;
     budget -= cost;

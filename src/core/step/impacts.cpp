@@ -189,6 +189,25 @@ bool isFree(const Context& context, Index i) {
   return !step.solver.exact && turn * traits.bounding_radius <= kWide * traits.length;
 }
 
+namespace {
+
+// What comes of one contact. It changes nothing but that.
+void predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts) {
+  const StepStore& step = context.step;
+  const auto [i, j] = std::pair(contact.i, contact.j);
+  if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return;
+  if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
+  const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
+  if (prediction.impact) {
+    impacts.push_back(*prediction.impact);
+    contact.state.awaitImpact();
+  } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
+    contact.state.separate();
+  }
+}
+
+}  // namespace
+
 void find(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
@@ -202,18 +221,13 @@ void find(Context& context) {
   }
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
   // number.
-  for (Contact& contact : contacts) {
-    const auto [i, j] = std::pair(contact.i, contact.j);
-    if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) continue;
-    if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) continue;
-    const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
-    if (prediction.impact) {
-      step.impacts.push_back(*prediction.impact);
-      contact.state.awaitImpact();
-    } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
-      contact.state.separate();
-    }
-  }
+  constexpr std::size_t kPairsOfAPart = 128;
+  std::vector<std::vector<PendingImpact>> parts(Workers::parts(contacts.size(), kPairsOfAPart));
+  step.workers->share(contacts.size(), kPairsOfAPart, [&](auto part, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) predictOf(context, contacts[k], parts[part]);
+  });
+  for (const std::vector<PendingImpact>& part : parts)
+    step.impacts.insert(step.impacts.end(), part.begin(), part.end());
 }
 
 Outcome resolve(Context& context, Contact& contact, double time) {

@@ -116,7 +116,9 @@ void World::clear() {
   scene.grabs.clear();
   scene.holds.clear();
   scene.contacts = {};
+  const unsigned threads = this->threads();
   impl_->step = {};
+  setThreads(threads);
   impl_->edited(true);
 }
 
@@ -265,6 +267,15 @@ void World::setEffects(const EffectOverrides& effects) {
 }
 
 // --- time
+
+void World::setThreads(unsigned threads) {
+  if (threads < 1 || threads > 256) throw InvalidInput({{"threads", std::to_string(threads), "1 to 256"}});
+  impl_->step.workers->setCount(threads);
+}
+
+unsigned World::threads() const {
+  return impl_->step.workers->count();
+}
 
 void World::Impl::advance(double to) {
   Context context{scene, step, analysis};

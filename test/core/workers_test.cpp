@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Threads that share loops: every part is done once, trouble comes out, and a world does the same for any number
+// of them.
+#include "base/workers.h"
+
+#include "make_scene.h"
+#include "rigid_body_sim/scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace rbs::test {
+namespace {
+
+TEST(Workers, DoEachElementOnce) {
+  for (const unsigned threads : {1u, 2u, 5u}) {
+    Workers workers;
+    workers.setCount(threads);
+    for (int loop = 0; loop < 2000; ++loop) {
+      const std::size_t n = static_cast<std::size_t>(loop) % 97,
+                        length = 1 + static_cast<std::size_t>(loop) % 7;
+      std::vector<int> done(n, 0);
+      workers.share(n, length, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        EXPECT_EQ(begin, part * length);
+        for (std::size_t k = begin; k < end; ++k) ++done[k];
+      });
+      ASSERT_EQ(done, std::vector<int>(n, 1)) << threads << " threads, loop " << loop;
+    }
+  }
+}
+
+TEST(Workers, ThrowWhatTheFirstPartThrows) {
+  Workers workers;
+  workers.setCount(3);
+  for (int loop = 0; loop < 200; ++loop) {
+    std::string what;
+    try {
+      workers.share(64, 1, [](std::size_t part, std::size_t, std::size_t) {
+        if (part % 10 == 7) throw std::runtime_error(std::to_string(part));
+      });
+    } catch (const std::runtime_error& error) {
+      what = error.what();
+    }
+    ASSERT_EQ(what, "7");
+  }
+  std::atomic<int> done{0};
+  workers.share(64, 1, [&](std::size_t, std::size_t, std::size_t) { ++done; });
+  EXPECT_EQ(done, 64);
+}
+
+TEST(Workers, MayBeOtherInNumberBetweenLoops) {
+  Workers workers;
+  for (const unsigned threads : {2u, 0u, 4u, 1u, 3u}) {
+    workers.setCount(threads);
+    EXPECT_EQ(workers.count(), std::max(threads, 1u));
+    std::atomic<int> done{0};
+    workers.share(100, 3, [&](std::size_t, std::size_t begin, std::size_t end) {
+      done += static_cast<int>(end - begin);
+    });
+    EXPECT_EQ(done, 100);
+  }
+}
+
+class ThreadsOf : public testing::TestWithParam<std::tuple<const char*, Fidelity>> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, ThreadsOf,
+                         testing::Combine(testing::Values("mixed_rain", "sphere_rain", "pyramid"),
+                                          testing::Values(Fidelity::Preview, Fidelity::Interactive)));
+
+// Hundreds of bodies, so that there is something to share.
+TEST_P(ThreadsOf, DoNotChangeAWorld) {
+  const auto [name, fidelity] = GetParam();
+  SceneDef scene = readScene(findScene(RBS_SCENES, name)).scene;
+  scene.fidelity = fidelity;
+  World one(scene), many(scene);
+  many.setThreads(3);
+  for (int k = 0; k < 60; ++k) {
+    one.step(), many.step();
+    ASSERT_EQ(one.stateHash(), many.stateHash()) << "after step " << k + 1;
+    ASSERT_EQ(one.snapshot().report.overlap_tests, many.snapshot().report.overlap_tests);
+  }
+}
+
+TEST(Threads, AreAsManyAsAWorldIsTold) {
+  World world(onFloor(1.0 / 60.0, 0.5));
+  EXPECT_EQ(world.threads(), 1u);
+  world.setThreads(2);
+  EXPECT_EQ(World(world).threads(), 1u);
+  world.clear();
+  EXPECT_EQ(world.threads(), 2u);
+  for (const unsigned bad : {0u, 257u, ~0u}) EXPECT_THROW(world.setThreads(bad), InvalidInput);
+  EXPECT_EQ(world.threads(), 2u);
+}
+
+}  // namespace
+}  // namespace rbs::test
