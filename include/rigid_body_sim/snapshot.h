@@ -35,6 +35,13 @@ struct BodyState {
   BodyId id;    ///< handle of the body
   Pose pose;    ///< pose of B in W
   Twist twist;  ///< velocity at the centre of mass, in W; zero for a body that sleeps
+  /// What took it through the last step, or through the last division of that. "": nothing yet, or the body is
+  /// not moved by forces; "ballistic": gravity alone; "flight": it touched nothing; "asleep"; else
+  /// IslandResiduals::method of its island.
+  const char* method = "";
+  /// Its island in that step, by the oldest body in it. A sleeping body has that with which it fell asleep.
+  /// Not valid where `method` is "" or "ballistic".
+  BodyId island;
 };
 
 /// One contact point: two bodies a and b touch or nearly touch there.

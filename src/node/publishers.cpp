@@ -17,7 +17,7 @@ constexpr double kLinePeriod = 1.0;
 
 }  // namespace
 
-Publishers::Publishers(Simulator& simulator, Timeline& timeline, const ReferenceRun& reference_run,
+Publishers::Publishers(Simulator& simulator, Timeline& timeline, ReferenceRun& reference_run,
                        const Options& options)
     : simulator_(simulator),
       timeline_(timeline),
@@ -25,6 +25,7 @@ Publishers::Publishers(Simulator& simulator, Timeline& timeline, const Reference
       node_("~"),
       tf_(node_, options.tf, options.tf_prefix),
       states_(node_, options.contacts_rate, options.repeat_period),
+      details_(node_, reference_run),
       events_(node_),
       status_(node_, simulator, reference_run),
       markers_(node_, "visualization_marker_array", "bodies", options.tf, options.tf_prefix,
@@ -56,6 +57,7 @@ void Publishers::sendMotion() {
   moment_ = timeline_.advance(simulator_, newcomer);
   tf_.publish(moment_);
   states_.publish(moment_);
+  details_.publish(moment_);
   events_.publish(moment_);
   if (!options_.clock) return;
   rosgraph_msgs::Clock now;

@@ -4,6 +4,7 @@
 // slow step delays no clock and no transform.
 #pragma once
 
+#include "detail_publisher.h"
 #include "event_publisher.h"
 #include "interactive_bodies.h"
 #include "markers.h"
@@ -32,8 +33,7 @@ class Publishers {
     double repeat_period = 5.0;   ///< period after which descriptions and markers are sent again, s; 0: never
   };
 
-  Publishers(Simulator& simulator, Timeline& timeline, const ReferenceRun& reference_run,
-             const Options& options);
+  Publishers(Simulator& simulator, Timeline& timeline, ReferenceRun& reference_run, const Options& options);
 
  private:
   void every(double seconds, void (Publishers::*send)(), ros::CallbackQueue& queue);
@@ -52,6 +52,7 @@ class Publishers {
   ros::Publisher clock_;
   TfPublisher tf_;
   StatePublisher states_;
+  DetailPublisher details_;
   EventPublisher events_;
   StatusPublisher status_;
   MarkerPublisher markers_;

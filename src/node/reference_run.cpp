@@ -57,6 +57,7 @@ void ReferenceRun::show(bool on) {
     std::lock_guard<std::mutex> lock_run(run_->mutex);
     run_->shown = false;
   }
+  comparison_.clear();
   hide();
   std::shared_ptr<Run> run;
   if (on) {
@@ -71,6 +72,10 @@ std::optional<double> ReferenceRun::lag(double now) const {
   const std::shared_ptr<Run> run = std::atomic_load(&run_);
   if (!run || !run->shown) return std::nullopt;
   return std::max(0.0, now - run->time);
+}
+
+void ReferenceRun::compareWith(const Snapshot& live) {
+  if (lag(live.time)) comparison_.addLive(live);
 }
 
 void ReferenceRun::follow(Run& run) {
@@ -108,6 +113,7 @@ void ReferenceRun::keepUp(Run& run) {
         world->setFidelity(referenceSettings());
         run.time = world->time();
       }
+      if (comparison_.wants(world->steps(), edits)) comparison_.compare(world->snapshot(), edits);
       const auto now = std::chrono::steady_clock::now();
       if (now - published >= kPeriod) publish(world->snapshot()), published = now;
       behind = world->time() < live->time - 0.5 * live->step;

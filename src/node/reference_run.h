@@ -4,6 +4,7 @@
 #pragma once
 
 #include "markers.h"
+#include "run_comparison.h"
 
 #include "rigid_body_sim/simulator.h"
 
@@ -27,6 +28,10 @@ class ReferenceRun {
   void show(bool on);
   /// Physics time by which the run is behind `now`, s, >= 0; empty where it is not shown.
   std::optional<double> lag(double now) const;
+  /// Hands the live bodies to the comparison with the run, where it is shown.
+  void compareWith(const Snapshot& live);
+  /// What that has come to; null: nothing yet, or the run is not shown.
+  std::shared_ptr<const RunComparison::Distances> distances() const { return comparison_.newest(); }
 
  private:
   struct Run;
@@ -39,7 +44,8 @@ class ReferenceRun {
   Simulator& simulator_;
   MarkerPublisher markers_;
   std::shared_ptr<const std::vector<BodyDescription>> described_,
-      drawn_;                 ///< descriptions as simulated, and as drawn
+      drawn_;  ///< descriptions as simulated, and as drawn
+  RunComparison comparison_;
   std::mutex mutex_;          ///< one caller at a time shows or hides
   std::shared_ptr<Run> run_;  ///< the present run, by atomic_load and atomic_store; null: none
 };

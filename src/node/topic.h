@@ -24,8 +24,11 @@ class Topic {
   /// Whether somebody has subscribed since the last call.
   bool hasNewcomer() { return newcomer_->exchange(false); }
 
+  /// Whether somebody listens.
+  bool isHeard() const { return publisher_.getNumSubscribers() > 0; }
+
   /// Whether to send now: somebody listens, and there is something new for him.
-  bool wanted(bool changed) { return hasNewcomer() || (changed && publisher_.getNumSubscribers() > 0); }
+  bool wanted(bool changed) { return hasNewcomer() || (changed && isHeard()); }
 
   template <class Message>
   void send(const Message& message) {

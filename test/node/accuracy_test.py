@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What accuracy costs: measured beside the running simulation, estimated live, applied, sought, and shown."""
 import json
+import math
 import os
 import signal
 import subprocess
@@ -12,7 +13,7 @@ import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
-from rigid_body_sim.msg import AccuracyStudy
+from rigid_body_sim.msg import AccuracyStudy, BodyDetails
 from visualization_msgs.msg import Marker, MarkerArray
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
@@ -204,6 +205,49 @@ class AccuracyTest(unittest.TestCase):
         self.ghost.clear()
         call('show_ghost', data=False)
         wait(lambda: any(m.action == Marker.DELETE for a in self.ghost.all() for m in a.markers), 'the ghost is gone')
+
+    def test_the_details_tell_how_far_each_body_is_from_the_ghost(self):
+        call('set_fidelity', fidelity='preview')
+        details = Listener('/sim/body_details', BodyDetails)
+        self.addCleanup(details.subscriber.unregister)
+        first = wait(details.all, 'the details come')[0]
+        self.assertEqual((list(first.reference_distances), first.reference_age), ([], 0.0))
+        call('show_ghost', data=True)
+        self.addCleanup(call, 'show_ghost', data=False)
+        start = body('crate').pose.position.x
+        wait(lambda: details.all()[-1].reference_distances, 'the runs are compared')
+        call('step', n=30)
+        crate = body('crate')
+        now = crate.pose.position
+        exact = start - 5 * 0.5 + 0.5 * 0.6 * 9.81 * 0.25  # x = v t + mu g t^2 / 2
+        error = math.dist((now.x, now.y, now.z), (exact, 0.0, 0.25))
+        self.assertGreater(error, 1e-3)
+
+        def distance(message):
+            return dict(zip(message.ids, message.reference_distances)).get(crate.description.id, -1.0)
+
+        wait(lambda: abs(distance(details.all()[-1]) - error) < 2e-4, 'the distance is that from the closed form')
+        last = details.all()[-1]
+        self.assertEqual(last.reference_age, 0.0)
+        self.assertEqual(len(last.reference_distances), len(last.ids))
+        self.assertEqual(min(last.reference_distances), 0.0)  # the floor
+        call('move_body', name='crate', pose=at(0, 3, 0.25))
+        wait(lambda: distance(details.all()[-1]) == 0.0, 'an edit begins anew')
+        call('show_ghost', data=False)
+        call('step', n=1)
+        wait(lambda: not details.all()[-1].reference_distances, 'there is no reference run any more')
+
+    def test_the_distances_come_also_where_the_ghost_is_behind(self):
+        details = Listener('/sim/body_details', BodyDetails)
+        self.addCleanup(details.subscriber.unregister)
+        call('load_scene', name='kapla')
+        call('show_ghost', data=True)
+        self.addCleanup(call, 'show_ghost', data=False)
+        wait(lambda: details.all() and details.all()[-1].reference_distances, 'the runs are compared')
+        call('step', n=60)
+        late = wait(lambda: [d for d in details.all() if d.reference_age > 0.0], 'it is late, but compared')
+        self.assertTrue(all(d.reference_distances for d in late))
+        call('load_scene', name=SMALL)
 
     def test_the_status_tells_how_far_the_ghost_is_behind(self):
         self.assertEqual(len(self.status.fresh().ghost_lag), 0)

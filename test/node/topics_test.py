@@ -11,7 +11,7 @@ import rostest
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, TwistStamped, Vector3, WrenchStamped
-from rigid_body_sim.msg import BodyDescriptions, BodyStates, Contacts, Event, Status, Wind
+from rigid_body_sim.msg import BodyDescriptions, BodyDetails, BodyStates, Contacts, Event, Status, Wind
 from rosgraph_msgs.msg import Clock
 from rigid_body_sim.srv import LoadScene, Step
 from tf2_msgs.msg import TFMessage
@@ -140,6 +140,25 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(len(under), 4)
         weight = body('crate').description.mass * 9.81 / 60.0
         self.assertAlmostEqual(sum(c.normal_impulse for c in under), weight, delta=1e-6 * weight)
+
+    def test_details_name_the_method_and_the_island_of_each_body(self):
+        details = self.listen('/sim/body_details', BodyDetails)
+        first = wait(details.all, 'a newcomer hears the details, also while paused')[0]
+        self.assertEqual(set(first.methods), {BodyDetails.NONE})
+        call('spawn_body', name='top', size=Vector3(0.3, 0.3, 0.3), pose=at(0, 0, 0.65))
+        call('spawn_body', name='high', shape='sphere', size=Vector3(0.3, 0.3, 0.3), pose=at(9, 0, 90))
+        ids = {name: body(name).description.id for name in ('floor', 'crate', 'ball', 'top', 'high')}
+        call('step', n=2)
+        last = wait(lambda: [d for d in details.all() if len(d.ids) == 5 and BodyDetails.FLIGHT in d.methods], 'a step')[-1]
+        method, island = dict(zip(last.ids, last.methods)), dict(zip(last.ids, last.islands))
+        self.assertEqual((method[ids['floor']], island[ids['floor']]), (BodyDetails.NONE, 0))
+        self.assertEqual(method[ids['high']], BodyDetails.FLIGHT)
+        self.assertIn(method[ids['crate']], (BodyDetails.SOFT_STEP, BodyDetails.WARM_START, BodyDetails.GAUSS_SEIDEL,
+                                             BodyDetails.NEWTON))
+        self.assertEqual(island[ids['top']], ids['crate'])
+        self.assertEqual(island[ids['crate']], ids['crate'])
+        self.assertEqual(island[ids['ball']], ids['ball'])
+        self.assertEqual(len(last.reference_distances), 0)
 
     def test_contacts_are_as_rare_as_they_are_asked_to_be_and_the_last_ones_always_come(self):
         every, rare = self.listen('/sim/contacts', Contacts), self.listen('/sim_rare/contacts', Contacts)

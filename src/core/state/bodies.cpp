@@ -43,12 +43,14 @@ void Bodies::append(BodyId new_id, const BodyDef& def) {
   inertia.emplace_back();
   name.push_back(def.name);
   color.push_back(def.color.value_or(defaultColor(new_id, def.kind)));
+  advance.emplace_back();
   refresh(size() - 1);
 }
 
 void Bodies::erase(Index i) {
   const auto drop = [i](auto& column) { column.erase(column.begin() + i); };
   drop(id), drop(pose), drop(since), drop(twist), drop(inertia), drop(traits), drop(name), drop(color);
+  drop(advance);
 }
 
 void Bodies::refresh(Index i) {

@@ -38,6 +38,12 @@ struct Traits : ShapeTraits {
   double dragCoefficient() const;
 };
 
+/// How the last step took a body; see BodyState.
+struct Advance {
+  const char* method = "";
+  BodyId island;
+};
+
 struct Bodies {
   std::vector<BodyId> id;
   std::vector<Pose> pose;     ///< q_WB of a body that is `lazy_orientation`: its orientation at `since`
@@ -47,6 +53,7 @@ struct Bodies {
   std::vector<Traits> traits;
   std::vector<std::string> name;
   std::vector<Color> color;
+  std::vector<Advance> advance;  ///< of a ballistic body: what was before it became one
 
   Index size() const { return static_cast<Index>(id.size()); }
   Index indexOf(BodyId body) const;              ///< kNone when it is not here

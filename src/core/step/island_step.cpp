@@ -119,6 +119,7 @@ void advanceToEnd(Context& context) {
 }
 
 void reportIslands(Context& context) {
+  Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
   StepReport& report = step.report;
   for (const Island& island : step.islands) {
@@ -129,6 +130,9 @@ void reportIslands(Context& context) {
     report.deferred_impacts += island.deferred_impacts;
     append(report.warnings, island.warnings);
     if (step.solver.exact && island.cut_short && !island.residuals.converged) reportCutShort(context, island);
+    const BodyId oldest = bodies.id[*std::min_element(island.bodies.begin(), island.bodies.end())];
+    const char* const method = *island.residuals.method != 0 ? island.residuals.method : "flight";
+    for (const Index i : island.bodies) bodies.advance[i] = {method, oldest};
   }
 }
 

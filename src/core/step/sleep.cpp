@@ -80,6 +80,7 @@ void putToSleep(SceneStore& scene, const std::vector<Index>& bodies) {
     scene.bodies.traits[i].asleep = true;
     scene.bodies.twist[i] = {};
     scene.bodies.refresh(i);
+    scene.bodies.advance[i] = {"asleep", scene.bodies.id[oldest]};
     scene.rest[i].group = oldest;
   }
 }

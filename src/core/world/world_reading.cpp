@@ -119,11 +119,28 @@ std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   return points;
 }
 
+// The states of all bodies, and what took each through the last step.
+std::vector<BodyState> statesOf(const SceneStore& scene) {
+  const Bodies& bodies = scene.bodies;
+  std::vector<BodyState> states;
+  states.reserve(bodies.size());
+  for (Index i = 0; i < bodies.size(); ++i) {
+    BodyState& state = states.emplace_back();
+    state.id = bodies.id[i];
+    state.pose = bodies.poseNow(i, scene.time);
+    state.twist = bodies.twist[i];
+    if (!bodies.traits[i].movable()) continue;
+    state.method = bodies.advance[i].method;
+    state.island = bodies.advance[i].island;
+  }
+  for (const Index i : scene.lists.ballistic) states[i].method = "ballistic", states[i].island = {};
+  return states;
+}
+
 }  // namespace
 
 Snapshot World::snapshot() const {
   const Impl& w = *impl_;
-  const Bodies& bodies = w.scene.bodies;
   Snapshot s;
   s.scene = w.scene.settings.name;
   s.time = w.scene.time;
@@ -132,9 +149,7 @@ Snapshot World::snapshot() const {
   s.edits = w.edits;
   s.description_version = w.description_version;
   s.bodies = this->bodies();
-  s.states.reserve(bodies.size());
-  for (Index i = 0; i < bodies.size(); ++i)
-    s.states.push_back({bodies.id[i], bodies.poseNow(i, w.scene.time), bodies.twist[i]});
+  s.states = statesOf(w.scene);
   s.contacts = contactPoints(w.scene);
   s.pipeline = pipeline();
   s.report = w.step.report;
