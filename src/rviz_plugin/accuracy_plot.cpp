@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "accuracy_plot.h"
 
+#include "length_text.h"
 #include "plot_look.h"
 
 #include <qwt_picker_machine.h>
@@ -52,13 +53,6 @@ QwtText small(const QString& text) {
 
 QwtSymbol* symbol(QwtSymbol::Style style, const QColor& colour, int size) {
   return new QwtSymbol(style, colour, QPen(Qt::NoPen), QSize(size, size));
-}
-
-QString lengthText(double metres) {
-  if (metres >= 1.0) return QString("%1 m").arg(metres, 0, 'g', 3);
-  if (metres >= 1e-3) return QString("%1 mm").arg(1e3 * metres, 0, 'g', 3);
-  if (metres >= 1e-6) return QString("%1 um").arg(1e6 * metres, 0, 'g', 3);
-  return QString("%1 nm").arg(1e9 * metres, 0, 'g', 3);
 }
 
 /// Names the setting under the mouse.
@@ -171,7 +165,8 @@ QString AccuracyPlot::nameAt(const QPoint& pixels) const {
   return QString("%1: %2 ms, %3%4/s%5")
       .arg(QString::fromStdString(cost->name))
       .arg(cost->step_ms, 0, 'g', 3)
-      .arg(cost->at_most ? "at most " : "", lengthText(cost->error), stale_ ? "" : "; click to take it");
+      .arg(cost->at_most ? "at most " : "", QString::fromStdString(lengthText(cost->error)),
+           stale_ ? "" : "; click to take it");
 }
 
 void AccuracyPlot::choose(const QPointF& where) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bodies_display.h"
 
+#include "legend_row.h"
+
 #include <OgreCamera.h>
 #include <OgreSceneNode.h>
 #include <OgreViewport.h>
@@ -10,6 +12,7 @@
 #include <rviz/frame_manager.h>
 #include <rviz/properties/status_property.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <pluginlib/class_list_macros.hpp>
@@ -40,9 +43,16 @@ void BodiesDisplay::addOptions() {
   color_by_->addOption("Island", static_cast<int>(ColorBy::Island));
   color_by_->addOption("Awake", static_cast<int>(ColorBy::Awake));
   color_by_->addOption("Speed", static_cast<int>(ColorBy::Speed));
+  color_by_->addOption("Solver", static_cast<int>(ColorBy::Solver));
+  color_by_->addOption("Error", static_cast<int>(ColorBy::Error));
   fastest_ = new rviz::FloatProperty("Fastest", 5.0f, "Speed at the bright end of the colours, m/s.",
                                      color_by_, SLOT(explainColors()), this);
   fastest_->setMin(1e-3f);
+  largest_error_ = new rviz::FloatProperty("Largest Error", 0.0f,
+                                           "Error at the bright end of the colours, m; the dark end is a "
+                                           "thousandth of it. 0: the power of ten above the largest one.",
+                                           color_by_, SLOT(explainColors()), this);
+  largest_error_->setMin(0.0f);
   const auto option = [this](const QString& name, bool on, const QString& what, const char* slot = nullptr) {
     return new rviz::BoolProperty(name, on, what, this, slot);
   };
@@ -59,12 +69,12 @@ void BodiesDisplay::addOptions() {
   bounds_ = option("Bounding Boxes", false,
                    "The bounds of each body that is not static, along the axes of the world.");
   points_ =
-      option("Contact Points", false, "A dot at each contact point of ~contacts.", SLOT(followContacts()));
+      option("Contact Points", false, "A dot at each contact point of ~contacts.", SLOT(followOptions()));
   forces_ =
       option("Contact Forces", false,
              "The mean forces over the last step on the body that was created later: the normal force in "
              "blue, friction in orange.",
-             SLOT(followContacts()));
+             SLOT(followOptions()));
   force_scale_ =
       new rviz::FloatProperty("Scale", 0.0f,
                               "Length of an arrow, m per N. 0: the largest force is drawn as long as a "
@@ -72,17 +82,61 @@ void BodiesDisplay::addOptions() {
                               forces_);
   force_scale_->setMin(0.0f);
   cones_ = option("Friction Cones", false, "What the force at each contact point cannot leave.",
-                  SLOT(followContacts()));
+                  SLOT(followOptions()));
   explainColors();
 }
 
+Coloring BodiesDisplay::coloring() const {
+  Coloring coloring;
+  coloring.by = static_cast<ColorBy>(color_by_->getOptionInt());
+  coloring.fastest = fastest_->getFloat();
+  if (error_range_ > 0.0f) coloring.largest = error_range_;
+  if (largest_error_->getFloat() > 0.0f) coloring.largest = largest_error_->getFloat();
+  return coloring;
+}
+
 void BodiesDisplay::explainColors() {
-  color_by_->setDescription(QString::fromStdString(
-      "What the colours stand for. Now: " + legendOf(colorBy(), fastest_->getFloat()) + "."));
-  fastest_->setHidden(colorBy() != ColorBy::Speed);
+  const Coloring colors = coloring();
+  color_by_->setDescription(
+      QString::fromStdString("What the colours stand for. Now: " + sentenceOf(colors) + "."));
+  fastest_->setHidden(colors.by != ColorBy::Speed);
+  largest_error_->setHidden(colors.by != ColorBy::Error);
+  showLegend();
   if (!isEnabled() || !visuals_) return;
-  setStatusStd(StatusProperty::Ok, "Colors", legendOf(colorBy(), fastest_->getFloat()));
-  followContacts();
+  followOptions();
+  showColors();
+}
+
+void BodiesDisplay::showLegend() {
+  for (rviz::Property* const row : legend_) delete row;
+  legend_.clear();
+  const Coloring colors = coloring();
+  for (const LegendEntry& entry : legendOf(colors)) legend_.push_back(new LegendRow(entry, color_by_));
+  if (colors.by != legend_of_ && !legend_.empty()) color_by_->expand();
+  legend_of_ = colors.by;
+}
+
+// What the colours say, or why they say nothing.
+void BodiesDisplay::showColors() {
+  const Coloring colors = coloring();
+  const auto has_distance = [](const BodyDetail& detail) { return detail.distance.has_value(); };
+  if (colors.needsDetails() && !details_message_) {
+    setStatus(StatusProperty::Warn, "Colors",
+              QString("No message of %1/body_details yet").arg(node().c_str()));
+  } else if (colors.by == ColorBy::Error && !details_message_->reference_distances.empty() &&
+             details_message_->reference_age > 0.0) {
+    setStatus(StatusProperty::Ok, "Colors",
+              QString("%1; %2 s ago, since the reference run is behind")
+                  .arg(sentenceOf(colors).c_str())
+                  .arg(details_message_->reference_age, 0, 'f', 2));
+  } else if (colors.by == ColorBy::Error && std::none_of(details_.begin(), details_.end(), has_distance)) {
+    setStatus(
+        StatusProperty::Warn, "Colors",
+        "No reference run to compare with: switch it on in the panel Simulation (Accuracy, Reference), or "
+        "call show_ghost");
+  } else {
+    setStatusStd(StatusProperty::Ok, "Colors", sentenceOf(colors));
+  }
 }
 
 BodiesDisplay::~BodiesDisplay() {
@@ -158,14 +212,18 @@ void BodiesDisplay::subscribe() {
 }
 
 // What only an option needs is only listened to for that option.
-void BodiesDisplay::followContacts() {
-  const bool needs_contacts = inbox_ && (shownContacts().any() || colorBy() == ColorBy::Island);
+void BodiesDisplay::followOptions() {
+  const bool needs_contacts = inbox_ && shownContacts().any();
+  const bool needs_details = inbox_ && coloring().needsDetails();
   const bool needs_step = inbox_ && shownContacts().forces;
-  if (!needs_contacts)
-    contacts_topic_.shutdown(), contacts_message_.reset(), contacts_.clear(), links_.clear();
+  if (!needs_contacts) contacts_topic_.shutdown(), contacts_message_.reset(), contacts_.clear();
+  if (!needs_details)
+    details_topic_.shutdown(), details_message_.reset(), details_.clear(), error_range_ = 0.0f;
   if (!needs_step) status_topic_.shutdown(), step_ = 0.0, deleteStatus("Forces");
   if (needs_contacts && !contacts_topic_)
     contacts_topic_ = listen<rigid_body_sim::Contacts>(node() + "/contacts");
+  if (needs_details && !details_topic_)
+    details_topic_ = listen<rigid_body_sim::BodyDetails>(node() + "/body_details");
   if (needs_step && !status_topic_) status_topic_ = listen<rigid_body_sim::Status>(node() + "/status");
 }
 
@@ -174,7 +232,7 @@ void BodiesDisplay::unsubscribe() {
   descriptions_.shutdown();
   selection_topic_.shutdown();
   inbox_.reset();
-  followContacts();
+  followOptions();
   known_.reset();
   drawn_.reset();
   shown_.clear();
@@ -196,6 +254,7 @@ void BodiesDisplay::update(float, float) {
     visuals_->bodies.setCatalog(drawn_, node());
     visuals_->trails.clear();
     readContacts();
+    readDetails();
   }
   places_.clear();
   if (!all.empty())
@@ -216,8 +275,7 @@ void BodiesDisplay::Visuals::clear() {
 
 void BodiesDisplay::draw() {
   const Eye eye = eyeOf(*context_, *scene_node_);
-  const std::vector<Ogre::ColourValue> colors =
-      colorsOf(*drawn_, places_, colorBy(), links_, fastest_->getFloat());
+  const std::vector<Ogre::ColourValue> colors = colorsOf(*drawn_, places_, details_, coloring());
   visuals_->bodies.draw(places_, colors, eye);
   const GuidesVisual::Shown guides = shownGuides();
   shadows_->getBool() ? visuals_->shadows.draw(*drawn_, places_, eye) : visuals_->shadows.clear();
@@ -254,21 +312,41 @@ void BodiesDisplay::takeIn(BodyInbox::Content content) {
   descriptions_count_ += content.descriptions;
   states_count_ += content.states;
   if (std::isfinite(content.step) && content.step > 0.0) step_ = content.step;
-  if (!content.contacts || !contacts_topic_) return;
-  contacts_message_ = content.contacts;
-  readContacts();
+  if (content.contacts && contacts_topic_) {
+    contacts_message_ = content.contacts;
+    readContacts();
+  }
+  if (content.details && details_topic_) {
+    details_message_ = content.details;
+    readDetails();
+  }
+}
+
+void BodiesDisplay::readDetails() {
+  details_.clear();
+  if (!details_message_ || !drawn_) return;
+  try {
+    details_ = rbs::readDetails(*details_message_, *drawn_);
+  } catch (const BadMessage& error) {
+    setStatus(StatusProperty::Error, "Last refused message", QString("Details: %1.").arg(error.what()));
+  }
+  const float range = errorRange(details_, error_range_);
+  if (range != error_range_ && coloring().by == ColorBy::Error) {
+    error_range_ = range;
+    explainColors();
+  } else {
+    showColors();
+  }
 }
 
 void BodiesDisplay::readContacts() {
   contacts_.clear();
-  links_.clear();
   if (!contacts_message_ || !drawn_) return;
   try {
     contacts_ = rbs::readContacts(*contacts_message_, *drawn_);
   } catch (const BadMessage& error) {
     setStatus(StatusProperty::Error, "Last refused message", QString("Contacts: %1.").arg(error.what()));
   }
-  for (const DrawnContact& contact : contacts_) links_.emplace_back(contact.a, contact.b);
 }
 
 void BodiesDisplay::showCounts() {

@@ -66,7 +66,7 @@ class BodiesDisplay : public rviz::Display {
 
  private Q_SLOTS:
   void subscribe();
-  void followContacts();
+  void followOptions();
   void explainColors();
 
  private:
@@ -90,13 +90,16 @@ class BodiesDisplay : public rviz::Display {
   void unsubscribe();
   void takeIn(BodyInbox::Content content);
   void readContacts();
+  void readDetails();
   void receiveSelection(const rigid_body_sim::BodyNames& selection);
   void leaveOutHidden();
   void showCounts();
   bool place();
   void draw();
   void drawContacts(const Eye& eye);
-  ColorBy colorBy() const { return static_cast<ColorBy>(color_by_->getOptionInt()); }
+  void showLegend();
+  void showColors();
+  Coloring coloring() const;
   GuidesVisual::Shown shownGuides() const;
   ContactsVisual::Shown shownContacts() const;
 
@@ -104,20 +107,24 @@ class BodiesDisplay : public rviz::Display {
   rviz::BoolProperty *interpolates_, *shadows_, *trails_, *names_, *axes_, *centres_, *bounds_, *points_,
       *forces_, *cones_;
   rviz::EnumProperty* color_by_;
-  rviz::FloatProperty *fastest_, *trail_seconds_, *force_scale_;
+  rviz::FloatProperty *fastest_, *largest_error_, *trail_seconds_, *force_scale_;
+  std::vector<rviz::Property*> legend_;  ///< lines below color_by_, which owns them
+  ColorBy legend_of_ = ColorBy::Material;
   std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
-  ros::Subscriber descriptions_, states_, contacts_topic_, status_topic_, selection_topic_;
+  ros::Subscriber descriptions_, states_, contacts_topic_, details_topic_, status_topic_, selection_topic_;
   BodyPlayback playback_;
   std::string known_topic_;  ///< of what playback_ knows
   std::set<std::string> hidden_;
-  std::shared_ptr<const BodyCatalog> known_;                ///< hidden bodies included
-  std::shared_ptr<const BodyCatalog> drawn_;                ///< that the visuals know
-  std::vector<std::size_t> shown_;                          ///< place in known_ of each body of drawn_
-  std::vector<BodyPlace> places_;                           ///< of drawn_
-  rigid_body_sim::ContactsConstPtr contacts_message_;       ///< the newest; null: none
-  std::vector<DrawnContact> contacts_;                      ///< of that message
-  std::vector<std::pair<std::size_t, std::size_t>> links_;  ///< the bodies of those
-  double step_ = 0.0;                                       ///< length of a step, s; 0: not known
+  std::shared_ptr<const BodyCatalog> known_;             ///< hidden bodies included
+  std::shared_ptr<const BodyCatalog> drawn_;             ///< that the visuals know
+  std::vector<std::size_t> shown_;                       ///< place in known_ of each body of drawn_
+  std::vector<BodyPlace> places_;                        ///< of drawn_
+  rigid_body_sim::ContactsConstPtr contacts_message_;    ///< the newest; null: none
+  std::vector<DrawnContact> contacts_;                   ///< of that message
+  rigid_body_sim::BodyDetailsConstPtr details_message_;  ///< the newest; null: none
+  std::vector<BodyDetail> details_;                      ///< of that message, by body of drawn_
+  float error_range_ = 0.0f;                             ///< of those details, m; 0: none yet
+  double step_ = 0.0;                                    ///< length of a step, s; 0: not known
   std::unique_ptr<Visuals> visuals_;
   std::size_t descriptions_count_ = 0, states_count_ = 0;  ///< messages since the subscription
   std::size_t states_shown_ = 0;                           ///< states_count_ when it was last reported

@@ -52,6 +52,11 @@ void BodyInbox::receive(const rigid_body_sim::ContactsConstPtr& message) {
   content_.contacts = message;
 }
 
+void BodyInbox::receive(const rigid_body_sim::BodyDetailsConstPtr& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  content_.details = message;
+}
+
 void BodyInbox::receive(const rigid_body_sim::StatusConstPtr& message) {
   std::lock_guard<std::mutex> lock(mutex_);
   content_.step = message->step;

@@ -4,6 +4,7 @@
 
 #include "body_catalog.h"
 
+#include <rigid_body_sim/BodyDetails.h>
 #include <rigid_body_sim/Contacts.h>
 #include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
@@ -22,16 +23,18 @@ class BodyInbox {
   struct Content {
     std::vector<std::shared_ptr<const BodyCatalog>> catalogs;
     std::vector<std::shared_ptr<const BodyFrame>> frames;
-    rigid_body_sim::ContactsConstPtr contacts;  ///< the newest; null: none
-    double step = 0.0;                          ///< length of a step, s; 0: not known
-    std::vector<std::string> complaints;        ///< why a message was not taken, with its topic
-    std::size_t descriptions = 0, states = 0;   ///< messages, whether taken or not
+    rigid_body_sim::ContactsConstPtr contacts;    ///< the newest; null: none
+    rigid_body_sim::BodyDetailsConstPtr details;  ///< the newest; null: none
+    double step = 0.0;                            ///< length of a step, s; 0: not known
+    std::vector<std::string> complaints;          ///< why a message was not taken, with its topic
+    std::size_t descriptions = 0, states = 0;     ///< messages, whether taken or not
   };
 
   /// Descriptions that repeat the last ones give the same catalog.
   void receive(const rigid_body_sim::BodyDescriptionsConstPtr& message);
   void receive(const rigid_body_sim::BodyStatesConstPtr& message);
   void receive(const rigid_body_sim::ContactsConstPtr& message);
+  void receive(const rigid_body_sim::BodyDetailsConstPtr& message);
   void receive(const rigid_body_sim::StatusConstPtr& message);
   Content take();
 

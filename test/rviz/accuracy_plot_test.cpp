@@ -67,7 +67,7 @@ TEST(AccuracyPlot, NamesThePointUnderTheMouse) {
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(0.1, 0.01)),
             "interactive, 2 divisions: 0.1 ms, 10 mm/s; click to take it");
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(1.0, 1e-6)),
-            "reference: 1 ms, at most 1 um/s; click to take it");
+            "reference: 1 ms, at most 1 µm/s; click to take it");
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(1.0, 0.1)), "");
 }
 

@@ -2,11 +2,14 @@
 // The parts of the Bodies display that need no RViz: reading messages, playback, colours, meshes.
 #include "body_catalog.h"
 #include "body_colors.h"
+#include "body_details.h"
 #include "body_mesh.h"
 #include "body_playback.h"
+#include "length_text.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -170,12 +173,123 @@ TEST(ReadDescriptions, RefusesWhatCannotBeDrawnAndNamesTheBody) {
   EXPECT_PRED1(names, complaintOf([](auto& body) { body.color.g = std::nanf(""); }));
 }
 
-TEST(IslandsOf, AreConnectedOnlyByDynamicBodies) {
-  auto message = descriptions(1, 5);
-  message.bodies[2].kind = "static";
-  const auto catalog = read(message);
-  const auto islands = islandsOf(*catalog, {{0, 1}, {1, 2}, {2, 3}, {3, 4}});
-  EXPECT_EQ(islands, (std::vector<std::size_t>{0, 0, 2, 3, 3}));
+using rigid_body_sim::BodyDetails;
+
+BodyDetails details(const std::vector<std::uint64_t>& ids) {
+  BodyDetails message;
+  message.ids = ids;
+  message.methods.assign(ids.size(), BodyDetails::SOFT_STEP);
+  message.islands.assign(ids.size(), 1);
+  return message;
+}
+
+TEST(ReadDetails, FindsEachBodyByItsId) {
+  const auto catalog = read(descriptions(1, 3));
+  BodyDetails message = details({3, 7, 1});
+  message.methods[0] = BodyDetails::FLIGHT;
+  message.islands[0] = 3;
+  message.reference_distances = {0.25, 9.0, 0.0};
+  const auto read = readDetails(message, *catalog);
+  ASSERT_EQ(read.size(), 3u);
+  EXPECT_EQ(read[2].method, BodyDetails::FLIGHT);
+  EXPECT_EQ(read[2].island, 3u);
+  EXPECT_EQ(read[2].distance, 0.25f);
+  EXPECT_EQ(read[0].distance, 0.0f);
+  EXPECT_EQ(read[1].method, BodyDetails::NONE) << "the message does not know it";
+  EXPECT_FALSE(read[1].distance);
+}
+
+TEST(ReadDetails, RefusesWhatMakesNoSense) {
+  const auto catalog = read(descriptions(1, 2));
+  const auto refuses = [&](auto change) {
+    BodyDetails message = details({1, 2});
+    change(message);
+    EXPECT_THROW(readDetails(message, *catalog), BadMessage);
+  };
+  refuses([](BodyDetails& message) { message.methods.pop_back(); });
+  refuses([](BodyDetails& message) { message.islands.pop_back(); });
+  refuses([](BodyDetails& message) { message.methods[1] = 200; });
+  refuses([](BodyDetails& message) { message.reference_distances = {0.0}; });
+  refuses([](BodyDetails& message) { message.reference_distances = {0.0, kNan}; });
+  refuses([](BodyDetails& message) { message.reference_distances = {0.0, -1.0}; });
+}
+
+/// The colours of bodies with these details; the last body is static.
+std::vector<Ogre::ColourValue> coloursOf(const std::vector<BodyDetail>& details, const Coloring& coloring) {
+  auto message = descriptions(1, details.size());
+  message.bodies.back().kind = "static";
+  return colorsOf(*read(message), std::vector<BodyPlace>(details.size()), details, coloring);
+}
+
+TEST(Colors, OfIslandsAreSharedWithinThemAlone) {
+  const auto colors = coloursOf({{BodyDetails::SOFT_STEP, 1, {}},
+                                 {BodyDetails::SOFT_STEP, 1, {}},
+                                 {BodyDetails::NEWTON, 3, {}},
+                                 {BodyDetails::FLIGHT, 4, {}},
+                                 {BodyDetails::BALLISTIC, 0, {}},
+                                 {BodyDetails::NONE, 0, {}}},
+                                {ColorBy::Island});
+  EXPECT_EQ(colors[0], colors[1]);
+  EXPECT_NE(colors[0], colors[2]);
+  EXPECT_EQ(colors[3], colors[4]) << "both touch nothing";
+  EXPECT_NE(colors[3], colors[5]);
+}
+
+// One for each method, and all of them in the legend.
+TEST(Colors, OfMethodsAreAllDifferent) {
+  std::vector<BodyDetail> details;
+  for (std::uint8_t method = BodyDetails::NONE; method <= BodyDetails::ADMM; ++method)
+    details.push_back({method, 1, {}});
+  details.push_back({BodyDetails::NEWTON, 0, {}});  // the static one
+  const auto colors = coloursOf(details, {ColorBy::Solver});
+  const auto legend = legendOf({ColorBy::Solver});
+  for (std::size_t k = 0; k + 1 < colors.size(); ++k) {
+    for (std::size_t j = 0; j < k; ++j) EXPECT_NE(colors[k], colors[j]) << k << " and " << j;
+    EXPECT_EQ(std::count_if(legend.begin(), legend.end(),
+                            [&](const LegendEntry& entry) { return entry.colors.front() == colors[k]; }),
+              1);
+  }
+  EXPECT_EQ(colors.back(), colors.front()) << "the static body";
+}
+
+TEST(Colors, OfErrorsGoByDecades) {
+  Coloring coloring{ColorBy::Error};
+  coloring.largest = 1e-2f;
+  const auto colors = coloursOf({{BodyDetails::NEWTON, 1, 0.0f},
+                                 {BodyDetails::NEWTON, 1, 1e-5f},
+                                 {BodyDetails::NEWTON, 1, 1e-2f / std::pow(10.0f, 1.5f)},
+                                 {BodyDetails::NEWTON, 1, 1e-2f},
+                                 {BodyDetails::NEWTON, 1, 1e9f},
+                                 {BodyDetails::NEWTON, 1, {}},
+                                 {BodyDetails::NONE, 0, 0.0f}},
+                                coloring);
+  EXPECT_EQ(colors[0], scaleColor(0.0f));
+  EXPECT_EQ(colors[1], scaleColor(0.0f));
+  for (int part = 0; part < 3; ++part) EXPECT_NEAR(colors[2][part], scaleColor(0.5f)[part], 1e-4f);
+  EXPECT_EQ(colors[3], scaleColor(1.0f));
+  EXPECT_EQ(colors[4], scaleColor(1.0f));
+  EXPECT_EQ(colors[5], colors[6]) << "not compared is grey, as what does not move";
+}
+
+TEST(ErrorRange, IsAPowerOfTenThatStaysWhileItFits) {
+  const auto rangeOf = [](float error, float last) { return errorRange({{0, 0, error}}, last); };
+  EXPECT_NEAR(rangeOf(0.02f, 0.0f), 0.1f, 1e-6f);
+  EXPECT_NEAR(rangeOf(0.1f, 0.0f), 0.1f, 1e-6f);
+  EXPECT_NEAR(rangeOf(0.002f, 0.1f), 0.1f, 1e-6f) << "it stays";
+  EXPECT_NEAR(rangeOf(0.0005f, 0.1f), 0.001f, 1e-8f) << "it was far too wide";
+  EXPECT_NEAR(rangeOf(0.2f, 0.1f), 1.0f, 1e-5f);
+  EXPECT_NEAR(rangeOf(0.0f, 0.0f), 1e-6f, 1e-10f);
+  EXPECT_NEAR(errorRange({}, 0.0f), 1e-6f, 1e-10f);
+}
+
+TEST(LengthText, HasTheUnitThatSuits) {
+  EXPECT_EQ(lengthText(0.1), "100 mm");
+  EXPECT_EQ(lengthText(static_cast<double>(1e-3f)), "1 mm");
+  EXPECT_EQ(lengthText(1e-6), "1 µm");
+  EXPECT_EQ(lengthText(1e-9), "1 nm");
+  EXPECT_EQ(lengthText(0.0), "0 nm");
+  EXPECT_EQ(lengthText(2500.0), "2.5 km");
+  EXPECT_EQ(lengthText(0.99951), "1 m");
 }
 
 // The volume that a closed surface encloses is the sum of the tetrahedra from the origin to its triangles,

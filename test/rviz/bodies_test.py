@@ -17,7 +17,7 @@ import rosservice
 import rostest
 import yaml
 from geometry_msgs.msg import Point, Pose, Twist
-from rigid_body_sim.msg import BodyDescription, BodyDescriptions, BodyStates
+from rigid_body_sim.msg import BodyDescription, BodyDescriptions, BodyDetails, BodyStates
 from std_msgs.msg import Bool, String
 from visualization_msgs.msg import InteractiveMarkerFeedback
 
@@ -47,6 +47,7 @@ class Fake:
         self.name = name
         self.descriptions = rospy.Publisher(name + '/body_descriptions', BodyDescriptions, queue_size=10, latch=True)
         self.states = rospy.Publisher(name + '/body_states', BodyStates, queue_size=10, latch=True)
+        self.details = rospy.Publisher(name + '/body_details', BodyDetails, queue_size=10, latch=True)
         self.stamp = 1.0
 
     def describe(self, version, bodies):
@@ -175,6 +176,24 @@ class BodiesTest(unittest.TestCase):
             self.fake.describe(6, [body(1, 'sphere', GREEN)])
             self.fake.move(6, [here])
             self.wait_for_hues(rviz, [(here, 1)], 'RViz goes on with what can be drawn')
+
+    def test_details_colour_the_bodies_and_are_received_only_for_that(self):
+        places = [(-1.0, 0.0, 0.5), (1.0, 0.0, 0.5)]
+        self.fake.describe(10, [body(1, 'sphere', BLUE), body(2, 'sphere', BLUE)])
+        self.fake.move(10, places)
+        newton = BodyDetails(ids=[2, 1], islands=[2, 1])  # in another order than the descriptions
+        newton.methods = bytes([BodyDetails.NEWTON, BodyDetails.NONE])
+        self.fake.details.publish(newton)
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(place, 2) for place in places], 'the balls have their own colours')
+            self.assertEqual(self.fake.details.get_num_connections(), 0)
+        with self.open(**{'Color By': 'Solver'}) as rviz:
+            self.wait_for_hues(rviz, [(places[0], None), (places[1], 0)], 'one ball has the colour of its method')
+            newton.methods = bytes([BodyDetails.NEWTON])  # too few
+            self.fake.details.publish(newton)
+            newton.methods, newton.islands = bytes([BodyDetails.NEWTON] * 2), [1, 1]
+            self.fake.details.publish(newton)
+            self.wait_for_hues(rviz, [(place, 0) for place in places], 'what makes no sense is left out')
 
     def test_a_simulator_that_starts_again_is_drawn(self):
         here, there = (0.0, 0.0, 0.5), (2.0, -1.0, 0.5)
