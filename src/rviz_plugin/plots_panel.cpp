@@ -2,6 +2,7 @@
 #include "plots_panel.h"
 
 #include "plot_export.h"
+#include "scrolled.h"
 
 #include <QDir>
 #include <QFileDialog>
@@ -35,7 +36,9 @@ QToolButton* makeButton(const QString& text, const QString& tip) {
 }  // namespace
 
 PlotsPanel::PlotsPanel()
-    : plots_(new PlotStack(recorder_)),
+    : pages_(new QTabWidget),
+      accuracy_(new AccuracyView(simulator_)),
+      plots_(new PlotStack(recorder_)),
       picker_(new QuantityPicker(this)),
       add_(makeButton("&Add", "Adds and removes plots")),
       pause_(makeButton("Ho&ld", "Holds the picture still; recording goes on")),
@@ -73,13 +76,10 @@ void PlotsPanel::makeBaselineMenu() {
 }
 
 void PlotsPanel::layOut() {
-  auto* const row = new QHBoxLayout;
-  row->setSpacing(2);
-  for (QToolButton* button : {add_, pause_, follow_}) row->addWidget(button);
-  row->addWidget(window_);
-  row->addWidget(baseline_);
-  row->addWidget(export_);
-  row->addStretch(1);
+  pages_->setDocumentMode(true);
+  pages_->addTab(timePage(), "Over time");
+  pages_->addTab(scrolled(accuracy_), "Accuracy");
+  pages_->setTabToolTip(1, "Error against CPU time of each choice of solver settings; a click takes one");
   auto* const last_row = new QHBoxLayout;
   last_row->addWidget(cursor_, 1);
   last_row->addWidget(new QLabel("Node"));
@@ -87,12 +87,28 @@ void PlotsPanel::layOut() {
   auto* const rows = new QVBoxLayout(this);
   rows->setContentsMargins(6, 4, 6, 4);
   rows->setSpacing(4);
-  rows->addLayout(row);
-  rows->addWidget(plots_, 1);
+  rows->addWidget(pages_, 1);
   rows->addWidget(message_);
   rows->addLayout(last_row);
   cursor_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   message_->hide();
+}
+
+QWidget* PlotsPanel::timePage() {
+  auto* const row = new QHBoxLayout;
+  row->setSpacing(2);
+  for (QToolButton* button : {add_, pause_, follow_}) row->addWidget(button);
+  row->addWidget(window_);
+  row->addWidget(baseline_);
+  row->addWidget(export_);
+  row->addStretch(1);
+  auto* const page = new QWidget;
+  auto* const rows = new QVBoxLayout(page);
+  rows->setContentsMargins(0, 4, 0, 0);
+  rows->setSpacing(4);
+  rows->addLayout(row);
+  rows->addWidget(plots_, 1);
+  return page;
 }
 
 void PlotsPanel::connectWidgets() {
@@ -118,6 +134,12 @@ void PlotsPanel::connectWidgets() {
   connect(&recorder_, &Recorder::bodiesChanged, this, [this] {
     if (picker_->isVisible()) picker_->setBodies(recorder_.bodies());
   });
+  connect(&simulator_, &SimulatorClient::statusReceived, accuracy_, &AccuracyView::show);
+  connect(&simulator_, &SimulatorClient::reported, this, [this](const QString& text) {
+    if (accuracy_->isVisible()) tell(text);
+  });
+  connect(pages_, &QTabWidget::currentChanged, cursor_, &QLabel::clear);
+  connect(&recorder_, &Recorder::heardChanged, accuracy_, &QWidget::setEnabled);
   connect(&recorder_, &Recorder::heardChanged, this, [this](bool is_heard) {
     tell(is_heard ? QString() : QString("No simulator answers at '%1'.").arg(recorder_.node()));
   });
@@ -133,6 +155,8 @@ void PlotsPanel::load(const rviz::Config& config) {
   float window = 0.0f;
   if (config.mapGetFloat("Window", &window)) plots_->setWindow(window);
   window_->setCurrentIndex(window_->findData(plots_->window()));
+  int page = 0;
+  if (config.mapGetInt("Page", &page)) pages_->setCurrentIndex(page);
   const rviz::Config plots = config.mapGetChild("Plots");
   if (plots.isValid()) plots_->removeAll();
   for (int i = 0; i < plots.listLength(); ++i) {
@@ -153,6 +177,7 @@ void PlotsPanel::save(rviz::Config config) const {
   rviz::Panel::save(config);
   config.mapSetValue("Node", node_->node());
   config.mapSetValue("Window", plots_->window());
+  config.mapSetValue("Page", pages_->currentIndex());
   rviz::Config list = config.mapMakeChild("Plots");
   list.setType(rviz::Config::List);
   for (const TimePlot* const plot : plots_->plots()) {
@@ -169,7 +194,9 @@ void PlotsPanel::follow(const QString& node) {
   tell(QString("No simulator answers at '%1'.").arg(node));
   pause_->setChecked(false);
   plots_->restart();
+  accuracy_->setEnabled(false);
   recorder_.follow(node);
+  simulator_.follow(node);
 }
 
 void PlotsPanel::openPicker() {

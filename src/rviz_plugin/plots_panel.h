@@ -1,21 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PlotsPanel: quantities of a simulation over time, as a panel of RViz.
+// PlotsPanel: quantities of a simulation over time, and accuracy against cost, as a panel of RViz.
 #pragma once
 
+#include "accuracy_view.h"
 #include "elided_text.h"
 #include "node_box.h"
 #include "plot_stack.h"
 #include "quantity_picker.h"
 #include "recorder.h"
+#include "simulator_client.h"
 
 #include <rviz/panel.h>
 
 #include <QComboBox>
+#include <QTabWidget>
 #include <QToolButton>
 
 namespace rbs {
 
-/// The layout keeps the name of the node as "Node", the window of time as "Window", and the plots.
+/// The layout keeps the name of the node as "Node", the window of time as "Window", the plots, and the
+/// page that is seen as "Page".
 class PlotsPanel : public rviz::Panel {
   Q_OBJECT
  public:
@@ -27,6 +31,7 @@ class PlotsPanel : public rviz::Panel {
 
  private:
   void layOut();
+  QWidget* timePage();
   void makeBaselineMenu();
   void connectWidgets();
   void follow(const QString& node);
@@ -38,7 +43,10 @@ class PlotsPanel : public rviz::Panel {
   void showCursor(std::optional<double> time);
   void tell(const QString& text);
 
+  SimulatorClient simulator_;  ///< for the accuracy
   Recorder recorder_;
+  QTabWidget* pages_;
+  AccuracyView* accuracy_;
   PlotStack* plots_;
   QuantityPicker* picker_;
   QToolButton *add_, *pause_, *follow_, *baseline_, *export_;

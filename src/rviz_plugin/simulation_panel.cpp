@@ -2,6 +2,7 @@
 #include "simulation_panel.h"
 
 #include "colors.h"
+#include "scrolled.h"
 #include "shortcuts.h"
 #include "view.h"
 
@@ -9,7 +10,6 @@
 #include <QApplication>
 #include <QHBoxLayout>
 #include <QLabel>
-#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include <rviz/panel_dock_widget.h>
@@ -21,19 +21,6 @@
 #include <algorithm>
 
 namespace rbs {
-
-namespace {
-
-// A page that asks for no height: two panels fit above each other.
-QScrollArea* scrolled(QWidget* page) {
-  auto* const area = new QScrollArea;
-  area->setWidget(page);
-  area->setWidgetResizable(true);
-  area->setFrameShape(QFrame::NoFrame);
-  return area;
-}
-
-}  // namespace
 
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),

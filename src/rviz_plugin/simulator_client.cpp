@@ -42,6 +42,9 @@ void SimulatorClient::follow(const QString& node) {
   selection_.clear();
   subscribers_.clear();
   select_.shutdown();
+  rigid_body_sim::AccuracyStudy none;  // that of the last simulator does not hold for this one
+  none.done = true;
+  Q_EMIT studyReceived(none);
   try {
     subscribers_ = {
         ros_.subscribe(inNode("status"), 1, &SimulatorClient::receive, this),

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The panel of plots beside a running simulator, by keys and mouse; without a screen.
+#include "plots_panel.h"
+
+#include <rigid_body_sim/MeasureAccuracy.h>
+#include <ros/package.h>
+#include <ros/ros.h>
+
+#include <QApplication>
+#include <QElapsedTimer>
+#include <QTest>
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+using namespace rbs;
+
+namespace {
+
+constexpr int kPatience = 60'000;  // ms
+
+bool waitFor(const std::function<bool()>& condition) {
+  QElapsedTimer time;
+  time.start();
+  while (!condition()) {
+    if (time.elapsed() > kPatience) return false;
+    ros::spinOnce();
+    QTest::qWait(5);
+  }
+  return true;
+}
+
+class PlotsPanelTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    QObject::connect(&simulator_, &SimulatorClient::statusReceived,
+                     [this](const rigid_body_sim::Status& status) { status_ = status; });
+    QObject::connect(&simulator_, &SimulatorClient::studyReceived,
+                     [this](const rigid_body_sim::AccuracyStudy& study) { study_ = study; });
+    simulator_.follow("/sim");
+    ASSERT_TRUE(waitFor([this] { return !status_.scene.empty(); }));
+    panel_.resize(500, 600);
+    panel_.initialize(nullptr);
+    panel_.show();
+  }
+
+  /// The page of the accuracy, chosen by its tab.
+  AccuracyPlot& openAccuracy() {
+    QTabBar& tabs = *panel_.findChild<QTabBar*>();
+    QTest::mouseClick(&tabs, Qt::LeftButton, {}, tabs.tabRect(1).center());
+    return *panel_.findChild<AccuracyPlot*>();
+  }
+
+  SimulatorClient simulator_;
+  rigid_body_sim::Status status_;
+  rigid_body_sim::AccuracyStudy study_;
+  PlotsPanel panel_;
+};
+
+TEST_F(PlotsPanelTest, ShowsTheCostOfAccuracyAndAClickAppliesIt) {
+  AccuracyPlot& chart = openAccuracy();
+  QPushButton& measure = *panel_.findChild<QPushButton*>();
+  ASSERT_TRUE(waitFor([&] { return measure.isEnabled() && measure.isVisible(); }));
+  QTest::mouseClick(&measure, Qt::LeftButton);
+  ASSERT_TRUE(waitFor([&] { return !study_.settings.empty() && study_.done && chart.isVisible(); }));
+  EXPECT_TRUE(study_.trouble.empty()) << study_.trouble;
+  // Each setting that stands alone, as the chart itself names what is under the mouse.
+  int taken = 0;
+  for (const rigid_body_sim::SettingCost& cost : study_.settings) {
+    const QPoint at(static_cast<int>(chart.transform(QwtPlot::xBottom, cost.step_ms)),
+                    static_cast<int>(chart.transform(QwtPlot::yLeft, std::max(cost.error, 1e-15))));
+    if (!chart.nameAt(at).startsWith(QString::fromStdString(cost.name) + ":")) continue;
+    QTest::mouseClick(chart.canvas(), Qt::LeftButton, {}, at);
+    EXPECT_TRUE(waitFor([&] { return status_.fidelity == cost.name; }))
+        << status_.fidelity << " in place of " << cost.name;
+    if (++taken == 3) break;
+  }
+  EXPECT_GE(taken, 2);
+}
+
+TEST_F(PlotsPanelTest, KeepsThePageInTheLayout) {
+  rviz::Config layout;
+  openAccuracy();
+  panel_.save(layout);
+  PlotsPanel other;
+  other.load(layout);
+  EXPECT_EQ(other.findChild<QTabWidget*>()->currentIndex(), 1);
+}
+
+// A chart of another simulator would be taken for that of this one.
+TEST_F(PlotsPanelTest, ForgetsTheChartOfAnotherSimulator) {
+  AccuracyPlot& chart = openAccuracy();
+  simulator_.measureAccuracy();
+  ASSERT_TRUE(waitFor([&] { return chart.isVisible(); }));
+  auto& node = *panel_.findChild<NodeBox*>();
+  node.setNode("/nobody");
+  Q_EMIT node.chosen("/nobody");
+  EXPECT_FALSE(chart.isVisible());
+  EXPECT_FALSE(panel_.findChild<AccuracyView*>()->isEnabled());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "plots_panel_test");
+  QApplication application(argc, argv);
+  return RUN_ALL_TESTS();
+}
