@@ -46,6 +46,7 @@ void StatePublisher::publishDescriptions(const Timeline::Moment& moment) {
   rigid_body_sim::BodyDescriptions message;
   message.header.stamp = moment.stamp;
   message.header.frame_id = worldFrame();
+  message.scene = moment.snapshot->scene;
   message.version = moment.snapshot->description_version;
   for (const BodyDescription& body : *described_) message.bodies.push_back(toMsg(body));
   descriptions_.publish(message);

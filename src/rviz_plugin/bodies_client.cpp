@@ -7,7 +7,8 @@
 #include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/NamedBodies.h>
 
-#include <cmath>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace rbs {
 BodiesClient::BodiesClient() {
@@ -58,9 +59,28 @@ void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions)
   if (descriptions.version == descriptions_.version && descriptions.header.frame_id == frame() &&
       descriptions.bodies == bodies())
     return;  // sent again
+  const QHash<QString, QString> new_names = newNames(descriptions);
   descriptions_ = descriptions;
   matchMotions();
+  if (!new_names.isEmpty()) Q_EMIT renamed(new_names);
   Q_EMIT bodiesChanged();
+}
+
+// The same handle is the same body within a scene. A scene file that was edited and loaded again numbers its bodies
+// otherwise: there the last names are still to be found, or the new ones were there before.
+QHash<QString, QString> BodiesClient::newNames(const rigid_body_sim::BodyDescriptions& descriptions) const {
+  QHash<QString, QString> new_names;
+  if (descriptions.scene != descriptions_.scene) return new_names;
+  std::unordered_map<std::uint64_t, std::string> names;
+  std::unordered_set<std::string> before, now;
+  for (const auto& body : bodies()) names[body.id] = body.name, before.insert(body.name);
+  for (const auto& body : descriptions.bodies) now.insert(body.name);
+  for (const auto& body : descriptions.bodies) {
+    const auto known = names.find(body.id);
+    if (known == names.end() || now.count(known->second) > 0 || before.count(body.name) > 0) continue;
+    new_names.insert(QString::fromStdString(known->second), QString::fromStdString(body.name));
+  }
+  return new_names;
 }
 
 void BodiesClient::receiveStates(const rigid_body_sim::BodyStatesConstPtr& states) {
@@ -97,14 +117,7 @@ void BodiesClient::edit(const std::vector<rigid_body_sim::BodyChange>& changes, 
   EditBodies::Request request;
   request.changes = changes;
   worker_->call<EditBodies>(
-      inNode("edit_bodies"), request,
-      [this, changes, answer](const EditBodies::Response&) {
-        answer({});
-        for (const rigid_body_sim::BodyChange& change : changes)
-          if (!change.new_name.empty())
-            Q_EMIT renamed(QString::fromStdString(change.name), QString::fromStdString(change.new_name));
-      },
-      answer);
+      inNode("edit_bodies"), request, [answer](const EditBodies::Response&) { answer({}); }, answer);
 }
 
 void BodiesClient::remove(const QStringList& names) {

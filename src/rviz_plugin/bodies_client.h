@@ -10,6 +10,7 @@
 #include <rigid_body_sim/BodyStates.h>
 #include <ros/ros.h>
 
+#include <QHash>
 #include <QObject>
 #include <QString>
 #include <QStringList>
@@ -60,14 +61,15 @@ class BodiesClient : public QObject {
   void bodiesChanged();
   void motionChanged();
   void selectionChanged();
-  /// An edit of this client has given a body another name.
-  void renamed(const QString& from, const QString& to);
+  /// Bodies have other names now, whoever gave them: new names by the last ones. bodiesChanged() follows.
+  void renamed(const QHash<QString, QString>& new_names);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
   void reported(const QString& text, bool is_trouble);
 
  private:
   void receive(const rigid_body_sim::BodyDescriptions& descriptions);
   void receiveStates(const rigid_body_sim::BodyStatesConstPtr& states);
+  QHash<QString, QString> newNames(const rigid_body_sim::BodyDescriptions& descriptions) const;
   void matchMotions();
   void receiveSelection(const rigid_body_sim::BodyNames& selection);
   std::string inNode(const char* name) const { return node_.toStdString() + "/" + name; }

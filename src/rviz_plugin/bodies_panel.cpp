@@ -57,7 +57,7 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
-  connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRename);
+  connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRenames);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
   connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
     if (index.column() != BodyTable::Name) focus();
@@ -254,14 +254,13 @@ void BodiesPanel::rename(const QString& name, const QString& new_name) {
   simulator_.edit({change}, [](const QString&) {});
 }
 
-// Groups and hidden bodies are kept by their names.
-void BodiesPanel::followRename(const QString& from, const QString& to) {
-  for (QStringList& names : in_group_) {
-    const int place = names.indexOf(from);
-    if (place >= 0) names[place] = to;
-  }
-  if (hidden_.remove(from)) hidden_.insert(to);
-  applyHidden();
+// Groups and hidden bodies are kept by their names, which the layout keeps as well.
+void BodiesPanel::followRenames(const QHash<QString, QString>& new_names) {
+  for (QStringList& names : in_group_)
+    for (QString& name : names) name = new_names.value(name, name);
+  QSet<QString> hidden;
+  for (const QString& name : hidden_) hidden.insert(new_names.value(name, name));
+  hidden_ = hidden;
   chooseGroup(groups_->currentIndex());
   Q_EMIT configChanged();
 }

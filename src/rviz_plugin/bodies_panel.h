@@ -43,7 +43,7 @@ class BodiesPanel : public rviz::Panel {
   void sendSelection();
   void showCount();
   void showMessage(const QString& text, bool is_trouble);
-  void followRename(const QString& from, const QString& to);
+  void followRenames(const QHash<QString, QString>& new_names);
   void rename(const QString& name, const QString& new_name);
   void focus();
   void hideSelection();

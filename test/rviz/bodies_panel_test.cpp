@@ -103,6 +103,9 @@ class BodiesPanelTest : public testing::Test {
       if (field->accessibleName() == name) return *field;
     throw std::runtime_error("no field " + name.toStdString());
   }
+  bool isStruckOut(int row) {
+    return list().model()->index(row, BodyTable::Name).data(Qt::FontRole).value<QFont>().strikeOut();
+  }
   QString count() { return panel_.findChild<QLabel*>("count")->text(); }
   QString note() {
     for (const QLabel* const label : panel_.findChildren<QLabel*>("note"))
@@ -384,6 +387,45 @@ TEST_F(BodiesPanelTest, AGroupFollowsARename) {
   enter("Name", "globe");
   EXPECT_TRUE(
       waitFor([this] { return rows() == QStringList{"globe"} && selectedRows() == QStringList{"globe"}; }));
+}
+
+// Of anyone: another client, an undo, and a reset.
+TEST_F(BodiesPanelTest, AGroupAndWhatIsHiddenFollowRenamesOfOthers) {
+  select({"ball"});
+  makeGroup("round");
+  ASSERT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_H);
+  const auto isListedAlone = [this](const QString& name) {
+    return waitFor([&] { return rows() == QStringList{name} && isStruckOut(0); });
+  };
+  EXPECT_TRUE(isListedAlone("ball"));
+  rigid_body_sim::EditBodies::Request request;
+  request.changes.resize(1);
+  request.changes[0].name = "ball";
+  request.changes[0].new_name = "globe";
+  call<rigid_body_sim::EditBodies>("edit_bodies", request);
+  EXPECT_TRUE(isListedAlone("globe"));
+  call<std_srvs::Trigger>("undo");
+  EXPECT_TRUE(isListedAlone("ball"));
+  call<std_srvs::Trigger>("redo");
+  EXPECT_TRUE(isListedAlone("globe"));
+  call<std_srvs::Trigger>("reset");
+  EXPECT_TRUE(isListedAlone("ball"));
+}
+
+// In another scene a handle is another body's.
+TEST_F(BodiesPanelTest, AGroupStaysWithItsNamesInAnotherScene) {
+  select({"ball"});
+  makeGroup("round");
+  ASSERT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
+  rigid_body_sim::LoadScene::Request scene;
+  scene.name = "tower";
+  call<rigid_body_sim::LoadScene>("load_scene", scene);
+  EXPECT_TRUE(waitFor([this] { return rows().isEmpty(); }));
+  scene.name = ros::package::getPath("rigid_body_sim") + "/test/node/small.yaml";
+  call<rigid_body_sim::LoadScene>("load_scene", scene);
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList{"ball"}; }));
 }
 
 TEST_F(BodiesPanelTest, TheWheelChangesNothing) {
