@@ -88,6 +88,10 @@ int handleFace(const std::string& marker_name) {
   return -1;
 }
 
+bool isOfSelection(const std::string& marker_name) {
+  return marker_name == kGizmoName || handleFace(marker_name) >= 0;
+}
+
 Vec3 faceNormal(int face) {
   return (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(face / 2);
 }

@@ -20,6 +20,8 @@ inline constexpr const char* kGizmoName = "selection.gizmo";
 std::string handleName(int face);
 /// The face of a handle by its marker's name, or -1.
 int handleFace(const std::string& marker_name);
+/// Whether a marker of this name is the gizmo or a handle of the selected body.
+bool isOfSelection(const std::string& marker_name);
 /// Outward normal of a face in B.
 Vec3 faceNormal(int face);
 

@@ -47,6 +47,7 @@ Grip gripOf(const std::string& marker, const Pose& handle, const std::optional<V
 InteractiveBodies::InteractiveBodies(Simulator& simulator)
     : simulator_(simulator),
       board_(ros::NodeHandle("~").resolveName("interactive_bodies"),
+             ros::NodeHandle("~").resolveName("gizmo"),
              [this](const FeedbackPtr& feedback) {
                std::lock_guard<std::mutex> lock(inbox_mutex_);
                inbox_.mouse.push_back({feedback, true});
@@ -322,8 +323,7 @@ void InteractiveBodies::showSelection(const Snapshot& snapshot) {
 }
 
 int InteractiveBodies::bodyOf(const std::string& marker, const Snapshot& snapshot) const {
-  const bool is_of_selection = marker == kGizmoName || handleFace(marker) >= 0;
-  return is_of_selection ? snapshot.find(selected()) : snapshot.find(marker);
+  return isOfSelection(marker) ? snapshot.find(selected()) : snapshot.find(marker);
 }
 
 // Does nothing where another world has replaced the one that the mouse was used on. False where it was refused.

@@ -27,7 +27,7 @@
 
 namespace rbs {
 
-/// Serves ~interactive_bodies. Listens to ~select (the name of a body; "" selects none), to ~select_bodies (the
+/// Serves ~interactive_bodies, and ~gizmo with the gizmo and the handles alone. Listens to ~select (the name of a body; "" selects none), to ~select_bodies (the
 /// names of any number) and to ~interactive_bodies/mouse: feedback as from interactive markers, with the names
 /// of bodies. Publishes the names of the selected bodies on ~selected_bodies (latched; in the order in which
 /// they were selected), the springs that pull bodies on ~interactive_bodies/springs (a marker), the last selected

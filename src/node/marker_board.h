@@ -11,15 +11,17 @@
 
 namespace rbs {
 
-/// Shows, moves and erases interactive markers by name. Nothing is sent before publish(). A marker that a
+/// Shows, moves and erases interactive markers by name, on two servers: one has all of them, the other one only
+/// what belongs to the selection, for viewers that reach the bodies themselves. Nothing is sent before publish(). A marker that a
 /// client drags is left alone: replacing it would end the drag, and while it lasts the client leads.
 class MarkerBoard {
  public:
   using Callback = interactive_markers::InteractiveMarkerServer::FeedbackCallback;
 
-  /// Serves on `topic`/update, /update_full and /feedback. `callback` runs on a thread of ROS for every
+  /// Serves all on `topic`/update, /update_full and /feedback, and the selection's on `selection_topic`/update and so
+  /// on. `callback` runs on a thread of ROS for every
   /// feedback message, with a lock of the server held: it must not wait for anyone who uses this board.
-  MarkerBoard(const std::string& topic, Callback callback);
+  MarkerBoard(const std::string& topic, const std::string& selection_topic, Callback callback);
 
   /// Shows this marker, in place of another look or pose of the same name.
   void show(const visualization_msgs::InteractiveMarker& marker);
@@ -36,10 +38,12 @@ class MarkerBoard {
   /// on whatever pose came in.
   void putBack(const std::string& name);
 
-  void publish() { server_.applyChanges(); }
+  void publish();
 
  private:
-  interactive_markers::InteractiveMarkerServer server_;
+  void setPose(const std::string& name, const geometry_msgs::Pose& pose);
+
+  interactive_markers::InteractiveMarkerServer all_, of_selection_;
   Callback callback_;
   std::map<std::string, visualization_msgs::InteractiveMarker> shown_;
   std::multiset<std::string> gripped_;  ///< once for each client

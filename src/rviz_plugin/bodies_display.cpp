@@ -410,11 +410,14 @@ std::vector<BodiesDisplay*> BodiesDisplay::allIn(rviz::DisplayContext& context) 
 }
 
 std::string BodiesDisplay::nameOf(std::uint64_t low_id) const {
-  constexpr std::uint64_t kLow = 0x7fffffff;
   if (drawn_)
     for (const CatalogBody& body : drawn_->bodies)
-      if ((body.id & kLow) == low_id) return body.name;
+      if ((body.id & kLowId) == low_id) return body.name;
   return {};
+}
+
+void BodiesDisplay::setHovered(std::optional<std::uint64_t> low_id) {
+  if (visuals_) visuals_->bodies.setHovered(low_id);
 }
 
 void BodiesDisplay::setHidden(const std::set<std::string>& names) {

@@ -23,6 +23,7 @@
 #include <QRect>
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -53,6 +54,8 @@ class BodiesDisplay : public rviz::Display {
   std::string node() const;
   /// The name of the drawn body whose id has these lower 31 bits; empty for an unknown one.
   std::string nameOf(std::uint64_t low_id) const;
+  /// Draws the body whose id has these lower 31 bits a little brighter; empty: none.
+  void setHovered(std::optional<std::uint64_t> low_id);
   /// Does not draw the bodies of these names.
   void setHidden(const std::set<std::string>& names);
   /// The names of the bodies, other than planes, whose centres are drawn inside a rectangle of pixels of a

@@ -77,10 +77,11 @@ float tileFor(const BodyCatalog& catalog) {
   return powerOfTwoNear(3.0f * *middle);
 }
 
-Ogre::ColourValue brightened(const Ogre::ColourValue& color) {
-  constexpr float kShare = 0.45f;
-  Ogre::ColourValue bright = color + kShare * (Ogre::ColourValue::White - color);
-  bright.a = std::max(color.a, kShare);
+constexpr float kSelected = 0.45f, kHovered = 0.25f;  // shares of white
+
+Ogre::ColourValue brightened(const Ogre::ColourValue& color, float share) {
+  Ogre::ColourValue bright = color + share * (Ogre::ColourValue::White - color);
+  bright.a = std::max(color.a, share);
   return bright;
 }
 
@@ -117,11 +118,20 @@ void BodiesVisual::setHighlighted(const std::set<std::string>& names) {
   mark();
 }
 
+void BodiesVisual::setHovered(std::optional<std::uint64_t> low_id) {
+  if (low_id == hovered_id_) return;
+  hovered_id_ = low_id;
+  mark();
+}
+
 void BodiesVisual::mark() {
   highlighted_.clear();
+  hovered_.reset();
   if (!catalog_) return;
-  for (const CatalogBody& body : catalog_->bodies)
+  for (const CatalogBody& body : catalog_->bodies) {
+    if (hovered_id_ == (body.id & kLowId)) hovered_ = highlighted_.size();
     highlighted_.push_back(!highlighted_names_.empty() && highlighted_names_.count(body.name) > 0);
+  }
 }
 
 void BodiesVisual::draw(const std::vector<BodyPlace>& places, const std::vector<Ogre::ColourValue>& colors,
@@ -129,8 +139,10 @@ void BodiesVisual::draw(const std::vector<BodyPlace>& places, const std::vector<
   groups_.begin();
   for (std::size_t k = 0; k < places.size(); ++k) {
     const BodyPlace& place = places[k];
-    Instance instance = Instance::at(place.position, place.orientation, Vector3::UNIT_SCALE,
-                                     highlighted_[k] ? brightened(colors[k]) : colors[k]);
+    Ogre::ColourValue color = colors[k];
+    if (highlighted_[k]) color = brightened(color, kSelected);
+    if (k == hovered_) color = brightened(color, kHovered);
+    Instance instance = Instance::at(place.position, place.orientation, Vector3::UNIT_SCALE, color);
     instance.handle = static_cast<float>(in_order_[k]->getHandle());
     in_order_[k]->move(place, node_);
     const CatalogBody& body = catalog_->bodies[k];

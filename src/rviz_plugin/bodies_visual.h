@@ -8,6 +8,7 @@
 #include "instance_groups.h"
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -27,6 +28,8 @@ class BodiesVisual {
             const Eye& eye);
   /// Makes the bodies of these names brighter than they are.
   void setHighlighted(const std::set<std::string>& names);
+  /// Makes the body whose id has these lower 31 bits a little brighter; empty: none.
+  void setHovered(std::optional<std::uint64_t> low_id);
 
  private:
   void add(const CatalogBody& body, const BodyPlace& place, Instance instance, const Eye& eye);
@@ -39,8 +42,10 @@ class BodiesVisual {
   std::unordered_map<std::uint64_t, std::unique_ptr<BodyHandler>> handlers_;  ///< by id
   std::vector<BodyHandler*> in_order_;                                        ///< of the catalog
   std::set<std::string> highlighted_names_;
-  std::vector<bool> highlighted_;  ///< in the order of the catalog
-  float tile_ = 1.0f;              ///< side of the fields on planes, m
+  std::optional<std::uint64_t> hovered_id_;
+  std::vector<bool> highlighted_;       ///< in the order of the catalog
+  std::optional<std::size_t> hovered_;  ///< place in the catalog
+  float tile_ = 1.0f;                   ///< side of the fields on planes, m
   InstanceGroups groups_;
 };
 

@@ -27,6 +27,9 @@ struct BadMessage : std::runtime_error {
 
 enum class BodyShape { Box, Sphere, Plane, Capsule, Cylinder, Cone, Hull };
 
+/// The bits of an id that a marker's id has room for, and by which what is picked in the view is known.
+inline constexpr std::uint64_t kLowId = 0x7fffffff;
+
 /// A body by its description.
 struct CatalogBody {
   std::uint64_t id = 0;

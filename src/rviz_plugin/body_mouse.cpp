@@ -14,6 +14,7 @@
 #include <rviz/view_controller.h>
 #include <rviz/viewport_mouse_event.h>
 
+#include <cmath>
 #include <tuple>
 
 namespace rbs {
@@ -23,6 +24,15 @@ geometry_msgs::Point pointMsg(const Ogre::Vector3& p) {
   geometry_msgs::Point point;
   point.x = p.x, point.y = p.y, point.z = p.z;
   return point;
+}
+
+// By how much farther from the eye the mouse moves what it drags.
+float fartherBy(const rviz::ViewportMouseEvent& event) {
+  constexpr float kNotch = 120.0f, kByNotch = 0.1f, kByPixel = 0.005f;  // shares of the distance
+  if (event.type == QEvent::Wheel) return std::exp(kByNotch * static_cast<float>(event.wheel_delta) / kNotch);
+  return (event.modifiers & Qt::ShiftModifier)
+             ? std::exp(kByPixel * static_cast<float>(event.last_y - event.y))
+             : 1.0f;
 }
 
 }  // namespace
@@ -46,7 +56,7 @@ void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
   if (event.type == QEvent::FocusIn) return showHints();
   if (event.type == QEvent::FocusOut) return letGo();
   if (event.leftDown()) return press(event);
-  if (drags() && event.type == QEvent::MouseMove) return move(event);
+  if (drags() && (event.type == QEvent::MouseMove || event.type == QEvent::Wheel)) return move(event);
   if (event.leftUp()) return letGo();
   if (event.rightUp() && event.buttons_down == Qt::NoButton) return showMenu(event);
   const bool is_for_menu = event.right();
@@ -56,7 +66,9 @@ void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
 }
 
 void BodyMouse::showHints() {
-  context_.setStatus("<b>Left-Click:</b> Select. <b>Left-Drag:</b> Pull. <b>Right-Click:</b> Menu.");
+  context_.setStatus(
+      "<b>Left-Click:</b> Select. <b>Left-Drag:</b> Pull. <b>Shift / Wheel in a drag:</b> Nearer or farther. "
+      "<b>Right-Click:</b> Menu.");
 }
 
 std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent& event) {
@@ -109,6 +121,8 @@ void BodyMouse::press(rviz::ViewportMouseEvent& event) {
 
 // A point behind the eye is under no pixel.
 void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
+  const Ogre::Vector3 eye = event.viewport->getCamera()->getDerivedPosition();
+  drag_->plane.d += (fartherBy(event) - 1.0f) * drag_->plane.getDistance(eye);
   const Ogre::Ray ray = mouseRay(event);
   const auto [meets, distance] = ray.intersects(drag_->plane);
   if (!meets) return;

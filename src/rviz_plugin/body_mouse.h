@@ -31,7 +31,7 @@ std::optional<SimulatorBodies::Met> bodyUnder(const rviz::ViewportMouseEvent& ev
 
 /// One for all bodies: aim() says which one is under the mouse. RViz's Interact tool hands it the mouse like
 /// a control of an interactive marker, and the simulator gets the same feedback. The left button drags in the
-/// plane of the view, the right one opens the menu, all else moves the view.
+/// plane of the view, with Shift or the wheel nearer and farther, the right one opens the menu, all else moves the view.
 class BodyMouse : public rviz::InteractiveObject {
  public:
   explicit BodyMouse(rviz::DisplayContext& context);

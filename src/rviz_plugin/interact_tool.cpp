@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "interact_tool.h"
 
+#include "bodies_display.h"
 #include "picked_body.h"
 #include "simulation_panel.h"
 
@@ -25,6 +26,7 @@ void InteractTool::onInitialize() {
 
 void InteractTool::deactivate() {
   mouse_->letGo();
+  hover(nullptr);
   rviz::InteractionTool::deactivate();
 }
 
@@ -72,26 +74,42 @@ void InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
   }
 }
 
-// Makes the body under the mouse, if there is one, take the mouse in the way of RViz's interactive objects.
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   nothing_there_ = "There is no body here: the mouse turns the view.";
   for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
     bodiesOf(node);  // so that they are known before the first press
   const std::optional<PickedBody> picked = pickBody(*context_, event);
-  if (!picked) return;
-  picked->handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
-  const std::shared_ptr<SimulatorBodies> simulator = bodiesOf(picked->node);
-  const QString node = QString::fromStdString(picked->node);
-  const rigid_body_sim::BodyDescription* const body = simulator->find(picked->id);
+  const bool takes_drags = picked && aimAt(*picked);
+  hover(takes_drags ? &*picked : nullptr);
+}
+
+// Makes the body under the mouse take the mouse in the way of RViz's interactive objects. Whether it is one that a
+// drag moves.
+bool InteractTool::aimAt(const PickedBody& picked) {
+  picked.handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
+  const std::shared_ptr<SimulatorBodies> simulator = bodiesOf(picked.node);
+  const QString node = QString::fromStdString(picked.node);
+  const rigid_body_sim::BodyDescription* const body = simulator->find(picked.id);
   if (!body) {
     nothing_there_ =
         QString("%1 has not sent the description of this body yet: the mouse turns the view.").arg(node);
-  } else if (body->shape == "plane") {
+    return false;
+  }
+  if (body->shape == "plane") {
     nothing_there_ = QString("'%1' is a plane, which cannot be dragged: the mouse turns the view.")
                          .arg(QString::fromStdString(body->name));
-  } else {
-    mouse_->aim(simulator, *body, picked->position, picked->orientation);
-    picked->handler->setInteractiveObject(mouse_);
+    return false;
+  }
+  mouse_->aim(simulator, *body, picked.position, picked.orientation);
+  picked.handler->setInteractiveObject(mouse_);
+  return !isSeeThrough(*body);
+}
+
+// What would take a drag is brighter.
+void InteractTool::hover(const PickedBody* picked) {
+  for (BodiesDisplay* const display : BodiesDisplay::allIn(*context_)) {
+    const bool has_it = picked && display->node() == picked->node;
+    display->setHovered(has_it ? std::make_optional(picked->id) : std::nullopt);
   }
 }
 

@@ -14,6 +14,8 @@
 
 namespace rbs {
 
+struct PickedBody;
+
 /// Where the mouse is at no interactive marker but at a drawn body, it takes that body: any of thousands,
 /// since bodies need no marker. A press on anything else turns the view and says so; a click there, or
 /// Escape, drops the selection, and Delete deletes the selected bodies. A click with Ctrl adds a body to the
@@ -30,6 +32,8 @@ class InteractTool : public rviz::InteractionTool {
   /// Adds the body under the mouse to the selection, or takes it away.
   void toggle(const rviz::ViewportMouseEvent& event);
   void aim(const rviz::ViewportMouseEvent& event);
+  bool aimAt(const PickedBody& picked);
+  void hover(const PickedBody* picked);
   std::shared_ptr<SimulatorBodies> bodiesOf(const std::string& node);
   void finishMiss(const QPoint& released_at);
 

@@ -31,10 +31,8 @@ QString titleOf(rviz::SelectionManager& manager, rviz::SelectionHandler& handler
   return title;
 }
 
-constexpr std::uint64_t kLow = 0x7fffffff;
-
 std::optional<PickedBody> bodyOf(BodyHandler& handler) {
-  return PickedBody{&handler, handler.node(), handler.body().id & kLow, handler.position(),
+  return PickedBody{&handler, handler.node(), handler.body().id & kLowId, handler.position(),
                     handler.orientation()};
 }
 

@@ -66,12 +66,11 @@ def wait(condition, what):
 class Client:
     """What an RViz knows of the server, and its mouse."""
 
-    def __init__(self, name):
+    def __init__(self, name, server="/sim/interactive_bodies"):
         self.name = name
         self.markers = {}
-        self.subscriber = rospy.Subscriber("/sim/interactive_bodies/update_full", InteractiveMarkerInit,
-                                           self.receive)
-        self.publisher = rospy.Publisher("/sim/interactive_bodies/feedback", Feedback, queue_size=100)
+        self.subscriber = rospy.Subscriber(server + "/update_full", InteractiveMarkerInit, self.receive)
+        self.publisher = rospy.Publisher(server + "/feedback", Feedback, queue_size=100)
         wait(lambda: self.publisher.get_num_connections() > 0, "the server listens")
 
     def receive(self, message):
@@ -571,6 +570,22 @@ class InteractiveBodiesTest(unittest.TestCase):
         wait(lambda: distance(position("crate"), [1, 2, 6]) < 1e-9, "the crate has moved at once")
         self.assertAlmostEqual(body("crate").pose.orientation.z, 0.6)
         self.client.release(GIZMO, target)
+
+    def test_the_gizmo_has_a_server_of_its_own_without_click_targets(self):
+        other = Client("viewer", "/sim/gizmo")
+        self.addCleanup(other.close)
+        self.client.click("crate")
+        other.wait_for(GIZMO)
+        self.assertEqual(set(other.markers), {GIZMO})
+        other.press(GIZMO)
+        moved = Pose(Point(1, 2, 3), Quaternion(0, 0, 0, 1))
+        other.move(GIZMO, moved)
+        other.release(GIZMO, moved)
+        wait(lambda: abs(body("crate").pose.position.z - 3.0) < 1e-6, "the crate is where the gizmo was put")
+        self.client.choose("crate", "Resize")
+        other.wait_for(*FACES)
+        other.wait_without(GIZMO)
+        self.assertEqual(set(other.markers), set(FACES))
 
     def test_a_click_on_the_gizmo_in_single_precision_moves_nothing_and_the_smallest_turn_does(self):
         self.client.click("crate")

@@ -87,7 +87,7 @@ class BodiesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.fake = Fake('/sim')
-        cls.mouse, cls.lock = [], threading.Lock()
+        cls.mouse, cls.dragged, cls.lock = [], [], threading.Lock()
         rospy.Subscriber('/sim/interactive_bodies/mouse', InteractiveMarkerFeedback, cls.hear, queue_size=1000)
         cls.screen = rviz_driver.Screen().__enter__()
         cls.addClassCleanup(cls.screen.__exit__)
@@ -97,6 +97,8 @@ class BodiesTest(unittest.TestCase):
         with cls.lock:
             if feedback.event_type == InteractiveMarkerFeedback.MOUSE_DOWN:
                 cls.mouse.append(feedback.marker_name)
+            if feedback.event_type == InteractiveMarkerFeedback.POSE_UPDATE:
+                cls.dragged.append(feedback.pose.position)
 
     def clicked(self):
         with self.lock:
@@ -238,6 +240,32 @@ class BodiesTest(unittest.TestCase):
                     wait_until(lambda: len(self.clicked()) > before, 'a body takes the click')
                     self.assertEqual(self.clicked()[-1], 'body_%d' % (k + 1))
                     taken += 1
+
+    def test_the_body_under_the_mouse_is_brighter_and_shift_drags_it_away(self):
+        here = (0.0, 0.0, 0.5)
+        self.fake.describe(11, [body(1, 'sphere', RED)])
+        self.fake.move(11, [here])
+        with self.open() as rviz:
+            self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            plain, (x, y) = self.pixel(rviz, here), rviz.pixel_of(here)
+            self.screen.xdotool('mousemove', x - 6, y, 'sleep', 0.3, 'mousemove', x - 5, y)
+            wait_until(lambda: sum(self.pixel(rviz, here)) > sum(plain) + 20, 'the ball under the mouse is brighter')
+            before = len(self.clicked())
+            self.screen.xdotool('mousedown', 1)
+            wait_until(lambda: len(self.clicked()) > before, 'the ball takes the mouse')
+            self.assertEqual(self.farthest(), None)
+            self.screen.xdotool('keydown', 'shift')
+            for k in range(1, 9):
+                self.screen.xdotool('mousemove', x - 5, y - 8 * k, 'sleep', 0.05)
+            wait_until(lambda: self.farthest() and self.farthest() > math.dist(VIEW.eye, here) + 1.0, 'it is dragged away')
+            self.screen.xdotool('mouseup', 1, 'keyup', 'shift', 'mousemove', 1, 1)
+            self.screen.xdotool('mousemove', rviz.scene.x + 5, rviz.scene.y + 5)
+            wait_until(lambda: self.pixel(rviz, here) == plain, 'the mouse is at nothing')
+
+    def farthest(self):
+        """How far from the eye a body has been dragged, m."""
+        with self.lock:
+            return max((math.dist(VIEW.eye, (p.x, p.y, p.z)) for p in self.dragged), default=None)
 
     def test_the_display_can_be_taken_away_and_added_again(self):
         here = (0.0, 0.0, 0.5)
