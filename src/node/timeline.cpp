@@ -23,9 +23,10 @@ Timeline::Moment Timeline::advance(const Simulator& simulator, bool again) {
   moment.snapshot = simulator.snapshot();
   const Snapshot& snapshot = *moment.snapshot;
   const ros::Time now = wall_ ? ros::Time::now() : wireStamp(snapshot.elapsed);
-  moment.changed =
-      again || snapshot.elapsed != elapsed_ || snapshot.edits != edits_ || (wall_ && now - stamp_ >= kOldest);
+  moment.changed = again || repeats_ || snapshot.elapsed != elapsed_ || snapshot.edits != edits_ ||
+                   (wall_ && now - stamp_ >= kOldest);
   if (moment.changed) stamp_ = std::max(now, stamp_ + ros::Duration(0, 1));
+  repeats_ = false;
   elapsed_ = snapshot.elapsed;
   edits_ = snapshot.edits;
   moment.stamp = stamp_;
@@ -36,6 +37,11 @@ Timeline::Moment Timeline::advance(const Simulator& simulator, bool again) {
 ros::Time Timeline::stamp() const {
   std::lock_guard<std::mutex> lock(mutex_);
   return stamp_;
+}
+
+void Timeline::repeat() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  repeats_ = true;
 }
 
 void Timeline::note(Replacement replacement) {

@@ -44,6 +44,9 @@ class Timeline {
   /// The stamp of the last moment.
   ros::Time stamp() const;
 
+  /// The next moment has a stamp of its own, so that all is sent again.
+  void repeat();
+
   /// Notes for the next moment that the world was replaced.
   void note(Replacement replacement);
 
@@ -53,6 +56,7 @@ class Timeline {
   double elapsed_ = 0.0;     ///< Snapshot::elapsed of the last moment, s
   std::uint64_t edits_ = 0;  ///< Snapshot::edits of the last moment
   ros::Time stamp_;          ///< of the last moment
+  bool repeats_ = false;     ///< somebody has asked for a new stamp
   std::vector<Replacement> replacements_;
 };
 

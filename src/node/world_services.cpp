@@ -14,6 +14,7 @@
 #include <rigid_body_sim/SetGravity.h>
 #include <rigid_body_sim/SetWind.h>
 #include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
 
 #include <set>
 
@@ -157,6 +158,11 @@ void Services::offerSurroundings() {
 void Services::offerReading() {
   offerQuery<GetBody>("get_body", getBody);
   offerQuery<ListBodies>("list_bodies", listBodies);
+  offer<std_srvs::Trigger>(
+      "republish", [this](const std_srvs::Trigger::Request&, std_srvs::Trigger::Response&) {
+        session_.timeline().repeat();
+        return std::string("the transforms, states, contacts and details are sent again");
+      });
 }
 
 }  // namespace rbs

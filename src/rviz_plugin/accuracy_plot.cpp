@@ -5,11 +5,12 @@
 #include "plot_look.h"
 
 #include <qwt_picker_machine.h>
-#include <qwt_plot_grid.h>
 #include <qwt_plot_picker.h>
 #include <qwt_scale_engine.h>
 #include <qwt_symbol.h>
 #include <qwt_text.h>
+
+#include <QEvent>
 
 #include <algorithm>
 #include <cmath>
@@ -22,12 +23,13 @@ constexpr std::size_t kTimes = 15;  // whose median is shown
 constexpr double kNear = 12.0;      // pixels from a point that the mouse may be
 constexpr int kPointSize = 8, kLiveSize = 11;
 
+/// A preset, and the number of its colour (curveColor()).
 struct Preset {
-  const char *name, *colour;
+  const char* name;
+  std::size_t colour;
 };
-constexpr Preset kPresetLooks[] = {
-    {"preview", "#7fb3d5"}, {"interactive", "#1b5e9e"}, {"accurate", "#2e8b57"}, {"reference", "#7d3c98"}};
-constexpr const char *kLiveColour = "#d98a00", *kStaleColour = "#b8b8b8";
+constexpr Preset kPresetLooks[] = {{"preview", 1}, {"interactive", 0}, {"accurate", 2}, {"reference", 3}};
+constexpr std::size_t kLiveColour = 4, kStaleColour = 7;
 
 QPointF pointOf(const rigid_body_sim::SettingCost& cost) {
   return {cost.step_ms, std::max(cost.error, kLeast)};
@@ -83,12 +85,8 @@ AccuracyPlot::AccuracyPlot() {
   setAxisTitle(xBottom, small("CPU ms per step"));
   setAxisTitle(yLeft, small("error, m/s"));
   constexpr int kLeastHeight = 200;
-  setCanvasBackground(palette().base());
   setMinimumHeight(kLeastHeight);
-  auto* grid = new QwtPlotGrid;
-  grid->setPen(gridColor(palette()));
-  grid->attach(this);
-  front_.setPen(gridColor(palette()), 4.0);
+  grid_.attach(this);
   front_.setItemAttribute(QwtPlotItem::Legend, false);
   front_.attach(this);
   for (std::size_t k = 0; k < kPresets; ++k) {
@@ -99,13 +97,12 @@ AccuracyPlot::AccuracyPlot() {
     points_[k]->attach(this);
   }
   live_.setTitle(small("live"));
-  live_.setPen(QColor(kLiveColour), 1.5);
-  live_.setSymbol(symbol(QwtSymbol::Diamond, QColor(kLiveColour), kLiveSize));
   live_.setLegendAttribute(QwtPlotCurve::LegendShowSymbol);
   live_.attach(this);
   auto* legend = new QwtLegend;
   legend->setMaxColumns(kPresets + 1);
   insertLegend(legend, QwtPlot::TopLegend);
+  setColors();
   connect(new Hover(*this), qOverload<const QPointF&>(&QwtPlotPicker::selected), this, &AccuracyPlot::choose);
 }
 
@@ -117,12 +114,30 @@ void AccuracyPlot::show(const rigid_body_sim::AccuracyStudy& study) {
     for (const rigid_body_sim::SettingCost& cost : settings_)
       if (cost.preset == kPresetLooks[k].name) points.append(pointOf(cost));
     points_[k]->setSamples(points);
-    points_[k]->setSymbol(
-        symbol(QwtSymbol::Ellipse, stale_ ? kStaleColour : kPresetLooks[k].colour, kPointSize));
   }
+  setColors();
   front_.setSamples(frontOf(settings_));
   live_.setVisible(!stale_);
   setVisible(!settings_.empty());
+  replot();
+}
+
+void AccuracyPlot::setColors() {
+  const auto color = [this](std::size_t number) { return curveColor(number, palette()); };
+  setCanvasBackground(palette().base());
+  grid_.setPen(gridColor(palette()));
+  front_.setPen(gridColor(palette()), 4.0);
+  for (std::size_t k = 0; k < kPresets; ++k)
+    points_[k]->setSymbol(
+        symbol(QwtSymbol::Ellipse, color(stale_ ? kStaleColour : kPresetLooks[k].colour), kPointSize));
+  live_.setPen(color(kLiveColour), 1.5);
+  live_.setSymbol(symbol(QwtSymbol::Diamond, color(kLiveColour), kLiveSize));
+}
+
+void AccuracyPlot::changeEvent(QEvent* event) {
+  QwtPlot::changeEvent(event);
+  if (event->type() != QEvent::PaletteChange) return;
+  setColors();
   replot();
 }
 

@@ -8,6 +8,7 @@
 #include <qwt_legend.h>
 #include <qwt_plot.h>
 #include <qwt_plot_curve.h>
+#include <qwt_plot_grid.h>
 
 #include <array>
 #include <deque>
@@ -35,7 +36,11 @@ class AccuracyPlot : public QwtPlot {
  Q_SIGNALS:
   void chosen(const rigid_body_sim::SettingCost& setting);
 
+ protected:
+  void changeEvent(QEvent* event) override;
+
  private:
+  void setColors();
   const rigid_body_sim::SettingCost* nearest(const QPointF& pixels) const;
   void choose(const QPointF& where);
 
@@ -45,6 +50,7 @@ class AccuracyPlot : public QwtPlot {
   bool stale_ = false;
   std::deque<double> times_;  ///< of the last steps, ms
   std::array<std::unique_ptr<QwtPlotCurve>, kPresets> points_;
+  QwtPlotGrid grid_;
   QwtPlotCurve front_, live_;
 };
 

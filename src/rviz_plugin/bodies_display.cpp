@@ -11,6 +11,7 @@
 #include <rviz/display_group.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/status_property.h>
+#include <std_srvs/Trigger.h>
 
 #include <algorithm>
 #include <cmath>
@@ -190,8 +191,7 @@ ros::Subscriber BodiesDisplay::listen(const std::string& topic) {
   return threaded_nh_.subscribe<Message>(topic, kQueue, receive);
 }
 
-// While the simulator is paused no state comes anew where another part of RViz listens as well: what is known of
-// the same topic stays.
+// What is known of the same topic stays until a state comes.
 void BodiesDisplay::subscribe() {
   unsubscribe();
   if (topic_->getTopicStd() != known_topic_) playback_.clear();
@@ -205,10 +205,18 @@ void BodiesDisplay::subscribe() {
         update_nh_.subscribe(node() + "/selected_bodies", 1, &BodiesDisplay::receiveSelection, this);
     explainColors();
     setStatus(StatusProperty::Warn, "Topic", "No message received");
+    askAgain();
   } catch (const ros::Exception& error) {
     inbox_.reset();
     setStatus(StatusProperty::Error, "Topic", QString("Cannot subscribe: ") + error.what());
   }
+}
+
+// Where another part of RViz listens to the states as well, the simulator sees nobody new, and would send none while
+// it is paused. A bag has no such service, and goes on anyway.
+void BodiesDisplay::askAgain() {
+  worker_ = std::make_unique<ServiceWorker>();
+  worker_->call<std_srvs::Trigger>(node() + "/republish", {});
 }
 
 // What only an option needs is only listened to for that option.
@@ -231,6 +239,7 @@ void BodiesDisplay::unsubscribe() {
   states_.shutdown();
   descriptions_.shutdown();
   selection_topic_.shutdown();
+  worker_.reset();
   inbox_.reset();
   followOptions();
   known_.reset();

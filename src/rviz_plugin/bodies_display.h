@@ -9,6 +9,7 @@
 #include "contacts_visual.h"
 #include "guides_visual.h"
 #include "names_visual.h"
+#include "service_worker.h"
 #include "shadow_visual.h"
 #include "trails_visual.h"
 
@@ -90,6 +91,7 @@ class BodiesDisplay : public rviz::Display {
   void addOptions();
   template <class Message>
   ros::Subscriber listen(const std::string& topic);
+  void askAgain();
   void unsubscribe();
   void takeIn(BodyInbox::Content content);
   void readContacts();
@@ -115,6 +117,7 @@ class BodiesDisplay : public rviz::Display {
   ColorBy legend_of_ = ColorBy::Material;
   std::shared_ptr<BodyInbox> inbox_;  ///< shared with the callbacks, which may still run
   ros::Subscriber descriptions_, states_, contacts_topic_, details_topic_, status_topic_, selection_topic_;
+  std::unique_ptr<ServiceWorker> worker_;  ///< null: nothing is asked
   BodyPlayback playback_;
   std::string known_topic_;  ///< of what playback_ knows
   std::set<std::string> hidden_;

@@ -4,7 +4,6 @@
 #include <QAction>
 #include <QClipboard>
 #include <QGuiApplication>
-#include <QPainter>
 #include <QTextLayout>
 
 namespace rbs {
@@ -30,24 +29,29 @@ QSize ElidedText::sizeHint() const {
 
 void ElidedText::paintEvent(QPaintEvent*) {
   QPainter painter(this);
-  const int row_height = fontMetrics().lineSpacing();
-  QString rest = text_;
+  drawElided(painter, QRect(0, 0, width(), rows_ * fontMetrics().lineSpacing()), text_);
+}
+
+void drawElided(QPainter& painter, const QRect& place, const QString& text) {
+  const QFontMetrics metrics = painter.fontMetrics();
+  const int rows = place.height() / metrics.lineSpacing();
+  QString rest = text;
   rest.replace('\n', ' ');
-  QTextLayout layout(rest, font());
+  QTextLayout layout(rest, painter.font());
   QTextOption option;
   option.setWrapMode(QTextOption::WrapAtWordBoundaryOrAnywhere);
   layout.setTextOption(option);
   layout.beginLayout();
-  for (int row = 0; row < rows_; ++row) {
+  for (int row = 0; row < rows; ++row) {
     QTextLine line = layout.createLine();
     if (!line.isValid()) break;
-    line.setLineWidth(width());
-    const QPoint corner(0, row * row_height);
-    if (row + 1 < rows_) {
+    line.setLineWidth(place.width());
+    const QPoint corner = place.topLeft() + QPoint(0, row * metrics.lineSpacing());
+    if (row + 1 < rows) {
       line.draw(&painter, corner);
     } else {  // the last row has all that is left
-      painter.drawText(corner + QPoint(0, fontMetrics().ascent()),
-                       fontMetrics().elidedText(rest.mid(line.textStart()), Qt::ElideRight, width()));
+      painter.drawText(corner + QPoint(0, metrics.ascent()),
+                       metrics.elidedText(rest.mid(line.textStart()), Qt::ElideRight, place.width()));
     }
   }
   layout.endLayout();

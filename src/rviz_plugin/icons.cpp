@@ -1,30 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "icons.h"
 
+#include <QGuiApplication>
+#include <QIconEngine>
 #include <QPainter>
+#include <QPalette>
 #include <QPixmap>
 #include <QPolygonF>
+
+#include <functional>
+#include <utility>
 
 namespace rbs {
 namespace {
 
-/// Drawn by `draw` in a square of 18 units, y down.
-template <class Draw>
+using Draw = std::function<void(QPainter&)>;
+
+/// An icon that is drawn anew in every size, in a square of 18 units, y down. Without a colour it has that of the texts
+/// on buttons.
+class DrawnIcon : public QIconEngine {
+ public:
+  DrawnIcon(const QColor& color, Draw draw) : color_(color), draw_(std::move(draw)) {}
+
+  QIconEngine* clone() const override { return new DrawnIcon(*this); }
+
+  void paint(QPainter* painter, const QRect& rect, QIcon::Mode mode, QIcon::State) override {
+    constexpr double kFaint = 0.35;
+    painter->save();
+    painter->translate(rect.topLeft());
+    painter->scale(double(rect.width()) / kIconSize, double(rect.height()) / kIconSize);
+    painter->setRenderHint(QPainter::Antialiasing);
+    painter->setOpacity(mode == QIcon::Disabled ? kFaint : 1.0);
+    const QColor color = color_.isValid() ? color_ : QGuiApplication::palette().color(QPalette::ButtonText);
+    painter->setPen(Qt::NoPen);
+    painter->setBrush(color);
+    draw_(*painter);
+    painter->restore();
+  }
+
+  QPixmap pixmap(const QSize& size, QIcon::Mode mode, QIcon::State state) override {
+    QPixmap pixmap(size);
+    pixmap.fill(Qt::transparent);
+    QPainter painter(&pixmap);
+    paint(&painter, QRect(QPoint(), size), mode, state);
+    return pixmap;
+  }
+
+ private:
+  QColor color_;
+  Draw draw_;
+};
+
+// RViz does not say that its icons may have as many pixels as the screen has for their points.
 QIcon drawn(const QColor& color, Draw draw) {
-  QPixmap pixmap(kIconSize, kIconSize);
-  pixmap.fill(Qt::transparent);
-  QPainter painter(&pixmap);
-  painter.setRenderHint(QPainter::Antialiasing);
-  painter.setPen(Qt::NoPen);
-  painter.setBrush(color);
-  draw(painter);
-  return QIcon(pixmap);
+  QCoreApplication::setAttribute(Qt::AA_UseHighDpiPixmaps);
+  return QIcon(new DrawnIcon(color, std::move(draw)));
 }
 
 // An arrow to the left whose tail turns down; seen in a mirror where `forward`.
 QIcon turned(bool forward) {
-  const QColor color(0x5f, 0x6b, 0x7a);
-  return drawn(color, [&](QPainter& painter) {
+  return drawn({}, [=](QPainter& painter) {
+    const QColor color = painter.brush().color();
     if (forward) painter.translate(kIconSize, 0), painter.scale(-1.0, 1.0);
     painter.drawPolygon(QPolygonF({{1, 7}, {8, 1}, {8, 13}}));
     painter.setBrush(Qt::NoBrush);
@@ -66,7 +102,7 @@ QIcon stepIcon() {
 
 QIcon resetIcon() {
   const QColor color(0xb8, 0x43, 0x3a);
-  return drawn(color, [&](QPainter& painter) {
+  return drawn(color, [=](QPainter& painter) {
     painter.drawPolygon(QPolygonF({{9, 0}, {9, 8}, {14, 4}}));
     painter.setBrush(Qt::NoBrush);
     painter.setPen(QPen(color, 2.5));

@@ -12,7 +12,7 @@ QIcon playIcon();   ///< green triangle
 QIcon pauseIcon();  ///< amber bars
 QIcon stepIcon();   ///< blue triangle with a bar
 QIcon resetIcon();  ///< red turning arrow
-QIcon undoIcon();   ///< grey arrow to the left
-QIcon redoIcon();   ///< grey arrow to the right
+QIcon undoIcon();   ///< arrow to the left in the colour of texts
+QIcon redoIcon();   ///< arrow to the right in the colour of texts
 
 }  // namespace rbs

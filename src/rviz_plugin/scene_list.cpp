@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_list.h"
 
+#include "elided_text.h"
+
 #include <ros/package.h>
 
 #include <QAbstractItemView>
@@ -38,8 +40,7 @@ class SceneRow : public QStyledItemDelegate {
     const int line = option.fontMetrics.height();
     painter->drawText(text, Qt::AlignTop | Qt::AlignLeft, index.data(Qt::DisplayRole).toString());
     painter->setFont(option.font);
-    painter->drawText(text.adjusted(0, line + 2, 0, 0), Qt::AlignTop | Qt::AlignLeft | Qt::TextWordWrap,
-                      index.data(Qt::ToolTipRole).toString());
+    drawElided(*painter, text.adjusted(0, line + 2, 0, 0), index.data(Qt::ToolTipRole).toString());
     painter->restore();
   }
 };

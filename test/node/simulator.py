@@ -23,7 +23,7 @@ TYPES = {
     'set_gravity': srv.SetGravity, 'set_effects': srv.SetEffects, 'set_fidelity': srv.SetFidelity,
     'tune_fidelity': srv.TuneFidelity, 'seek_accuracy': srv.AccuracyGoal, 'apply_accuracy': srv.AccuracyGoal,
     'measure_accuracy': srv.MeasureAccuracy, 'stop_accuracy': Trigger, 'estimate_error': SetBool, 'show_ghost': SetBool,
-    'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'step': srv.Step,
+    'pause': Trigger, 'resume': Trigger, 'toggle_pause': Trigger, 'republish': Trigger, 'step': srv.Step,
     'reset': Trigger, 'undo': Trigger, 'redo': Trigger, 'set_speed': srv.SetSpeed, 'load_scene': srv.LoadScene, 'load_scene_with_seed': srv.LoadSceneWithSeed, 'save_scene': srv.File,
     'save_state': srv.File, 'load_state': srv.File,
 }

@@ -160,6 +160,16 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(island[ids['ball']], ids['ball'])
         self.assertEqual(len(last.reference_distances), 0)
 
+    def test_who_shares_a_connection_has_all_sent_again(self):
+        first = self.listen('/sim/body_states', BodyStates)
+        wait(first.all, 'a newcomer hears the states, also while paused')
+        second = self.listen('/sim/body_states', BodyStates)  # of the same process: nobody new for the simulator
+        stamp = first.all()[-1].header.stamp
+        call('republish')
+        again = wait(second.all, 'the states come again')[0]
+        self.assertGreater(again.header.stamp, stamp)
+        self.assertEqual(again.poses, first.all()[0].poses)
+
     def test_contacts_are_as_rare_as_they_are_asked_to_be_and_the_last_ones_always_come(self):
         every, rare = self.listen('/sim/contacts', Contacts), self.listen('/sim_rare/contacts', Contacts)
         for node, heard in (('/sim', every), ('/sim_rare', rare)):

@@ -4,6 +4,7 @@
 #include "accuracy_plot.h"
 
 #include <qwt_legend_data.h>
+#include <qwt_symbol.h>
 
 #include <QApplication>
 #include <QMouseEvent>
@@ -102,6 +103,23 @@ TEST(AccuracyPlot, IsHiddenWhileNothingIsKnown) {
   chart.plot.showLive(0.5, 0.01);
   chart.show(study());
   EXPECT_FALSE(chart.plot.isHidden());
+}
+
+// The theme of the desktop may change while the chart is shown.
+TEST(AccuracyPlot, FollowsThePalette) {
+  Chart chart;
+  chart.show(study());
+  const auto colorOf = [&](int k) {
+    const QwtPlotItemList curves = chart.plot.itemList(QwtPlotItem::Rtti_PlotCurve);
+    return static_cast<QwtPlotCurve*>(curves.at(k))->symbol()->brush().color();
+  };
+  QPalette dark;
+  dark.setColor(QPalette::Base, Qt::black);
+  dark.setColor(QPalette::Text, Qt::white);
+  const QColor before = colorOf(1);
+  chart.plot.setPalette(dark);
+  EXPECT_EQ(chart.plot.canvasBackground().color(), QColor(Qt::black));
+  EXPECT_GT(colorOf(1).lightness(), before.lightness()) << "to stand out from the dark";
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <std_srvs/Trigger.h>
 
 #include <QApplication>
+#include <QColorDialog>
 #include <QDialog>
 #include <QElapsedTimer>
 #include <QInputDialog>
@@ -21,6 +22,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <string>
@@ -387,6 +389,36 @@ TEST_F(BodiesPanelTest, AGroupFollowsARename) {
   enter("Name", "globe");
   EXPECT_TRUE(
       waitFor([this] { return rows() == QStringList{"globe"} && selectedRows() == QStringList{"globe"}; }));
+}
+
+TEST_F(BodiesPanelTest, HidesAndShowsByKeys) {
+  select({"ball"});
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_H);
+  EXPECT_TRUE(waitFor([this] { return isStruckOut(2) && !isStruckOut(1); }));
+  QTest::keyClick(&list(), Qt::Key_H, Qt::ShiftModifier);
+  EXPECT_TRUE(waitFor([this] { return !isStruckOut(2); }));
+}
+
+TEST_F(BodiesPanelTest, ColoursByTheDialogue) {
+  select({"ball"});
+  const QList<QToolButton*> buttons = panel_.findChildren<QToolButton*>();
+  const auto button = std::find_if(buttons.begin(), buttons.end(),
+                                   [](const QToolButton* other) { return other->toolTip() == "Colour"; });
+  ASSERT_NE(button, buttons.end());
+  ASSERT_TRUE(waitFor([&] { return (*button)->isVisible(); }));
+  QTest::mouseClick(*button, Qt::LeftButton);
+  auto* const dialog = panel_.findChild<QColorDialog*>();
+  ASSERT_TRUE(dialog);
+  const QList<QLineEdit*> edits = dialog->findChildren<QLineEdit*>();
+  const auto name = std::find_if(edits.begin(), edits.end(),
+                                 [](const QLineEdit* other) { return other->text().startsWith('#'); });
+  ASSERT_NE(name, edits.end());
+  (*name)->selectAll();
+  QTest::keyClicks(*name, "#00ff80");
+  QTest::keyClick(*name, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([] { return body("ball").description.color.g == 1.0f; }));
+  EXPECT_EQ(body("ball").description.color.r, 0.0f);
 }
 
 // Of anyone: another client, an undo, and a reset.

@@ -19,6 +19,7 @@ import yaml
 from geometry_msgs.msg import Point, Pose, Twist
 from rigid_body_sim.msg import BodyDescription, BodyDescriptions, BodyDetails, BodyStates
 from std_msgs.msg import Bool, String
+from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import InteractiveMarkerFeedback
 
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
@@ -43,10 +44,10 @@ class SendFilePath:
 class Fake:
     """Publishes descriptions and states as a simulator would."""
 
-    def __init__(self, name):
+    def __init__(self, name, latch=True):
         self.name = name
         self.descriptions = rospy.Publisher(name + '/body_descriptions', BodyDescriptions, queue_size=10, latch=True)
-        self.states = rospy.Publisher(name + '/body_states', BodyStates, queue_size=10, latch=True)
+        self.states = rospy.Publisher(name + '/body_states', BodyStates, queue_size=10, latch=latch)
         self.details = rospy.Publisher(name + '/body_details', BodyDetails, queue_size=10, latch=True)
         self.stamp = 1.0
 
@@ -196,6 +197,21 @@ class BodiesTest(unittest.TestCase):
             newton.methods, newton.islands = bytes([BodyDetails.NEWTON] * 2), [1, 1]
             self.fake.details.publish(newton)
             self.wait_for_hues(rviz, [(place, 0) for place in places], 'what makes no sense is left out')
+
+    def test_a_display_asks_for_states_that_were_sent_before(self):
+        here = (0.0, 0.0, 0.5)
+        silent = Fake('/silent', latch=False)
+        silent.describe(1, [body(1, 'sphere', GREEN)])
+
+        def send(_request):
+            wait_until(silent.states.get_num_connections, 'RViz listens to the states')
+            silent.move(1, [here])
+            return TriggerResponse(success=True)
+
+        service = rospy.Service('/silent/republish', Trigger, send)
+        self.addCleanup(service.shutdown)
+        with self.open(Topic='/silent/body_states') as rviz:
+            self.wait_for_hues(rviz, [(here, 1)], 'the ball is drawn')
 
     def test_a_simulator_that_starts_again_is_drawn(self):
         here, there = (0.0, 0.0, 0.5), (2.0, -1.0, 0.5)

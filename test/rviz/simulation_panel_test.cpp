@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pages of the panel of the simulation, by keys and mouse, beside a running simulator; without a screen.
 #include "effects_view.h"
+#include "icons.h"
 #include "pipeline_tree.h"
 #include "scene_bar.h"
+#include "scene_list.h"
 #include "transport_bar.h"
 #include "warnings_view.h"
 #include "wind_view.h"
@@ -14,6 +16,11 @@
 #include <QApplication>
 #include <QElapsedTimer>
 #include <QFile>
+#include <QFileDialog>
+#include <QImage>
+#include <QLineEdit>
+#include <QMenu>
+#include <QPainter>
 #include <QTemporaryDir>
 #include <QTest>
 
@@ -93,6 +100,22 @@ TEST_F(SimulationPanelTest, SetsTheWindByDirectionSpeedAndGusts) {
   EXPECT_EQ(wind_.mean.z, -2.0);
 }
 
+TEST_F(SimulationPanelTest, TurnsTheWindByTheCompass) {
+  WindView view(simulator_);
+  view.resize(400, 200);
+  view.setVisible(true);
+  enter(*view.findChildren<QDoubleSpinBox*>()[1], "8");
+  ASSERT_TRUE(waitFor([this] { return wind_.enabled && wind_.mean.x == 8.0; }));
+  QDial& compass = child<QDial>(view);
+  QTest::mouseClick(&compass, Qt::LeftButton, {}, QPoint(compass.width() / 2, compass.height() / 4));
+  EXPECT_TRUE(waitFor([this] { return wind_.mean.y > 7.9; })) << "up is y";
+  const int before = compass.value();
+  compass.setFocus();
+  QTest::keyClick(&compass, Qt::Key_PageUp);
+  EXPECT_GT(compass.value(), before);
+  EXPECT_TRUE(waitFor([this] { return wind_.mean.x > 0.5 && wind_.mean.y > 0.0; })) << "clockwise, towards x";
+}
+
 TEST_F(SimulationPanelTest, SwitchesEffectsAndTellsWhatThatNeglects) {
   EffectsView view(simulator_);
   QObject::connect(&simulator_, &SimulatorClient::statusReceived, &view, &EffectsView::show);
@@ -132,6 +155,75 @@ TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {
   EXPECT_EQ(bar.recent(), QStringList({file, "state:" + state}));
   simulator_.saveScene("/proc/no.yaml");
   EXPECT_TRUE(waitFor([this] { return told_.contains("/proc: "); })) << told_.toStdString();
+}
+
+TEST_F(SimulationPanelTest, AsksForAFileByTheMenu) {
+  SceneBar bar(simulator_);
+  bar.setVisible(true);
+  const QTemporaryDir folder;
+  const auto choose = [&bar](const QString& entry, const QString& file) {
+    auto& files = child<QToolButton>(bar);
+    Q_EMIT files.menu()->aboutToShow();
+    for (QAction* const action : files.menu()->actions())
+      if (action->text() == entry) action->trigger();
+    auto* const dialog = bar.findChild<QFileDialog*>();
+    ASSERT_TRUE(dialog) << entry.toStdString();
+    auto& name = *dialog->findChild<QLineEdit*>("fileNameEdit");
+    name.clear();
+    QTest::keyClicks(&name, file);
+    QTest::keyClick(&name, Qt::Key_Return);
+    ASSERT_TRUE(waitFor([&] { return !bar.findChild<QFileDialog*>(); }));
+  };
+  choose("Save scene as…", folder.filePath("kept"));  // the suffix is added
+  EXPECT_TRUE(waitFor([&] { return QFile::exists(folder.filePath("kept.yaml")); })) << told_.toStdString();
+  choose("Open scene…", folder.filePath("kept.yaml"));
+  EXPECT_TRUE(waitFor([&] { return bar.recent().contains(folder.filePath("kept.yaml")); }));
+  EXPECT_TRUE(waitFor([this] { return told_.contains("kept.yaml") || told_.contains("loaded"); }))
+      << told_.toStdString();
+}
+
+// Letters only add ink, until an ellipsis takes the place of some: what does not fit is not cut in silence.
+TEST(SceneList, EndsInAnEllipsisWhereThereIsMoreThanFits) {
+  QComboBox box;
+  showAsSceneList(box);
+  const auto drawn = [&box](int letters) {
+    fillSceneList(box, {"scene"}, {QString(letters, 'i')});  // narrower than an ellipsis
+    QImage picture(box.itemDelegate()->sizeHint({}, {}), QImage::Format_RGB32);
+    picture.fill(Qt::white);
+    QPainter painter(&picture);
+    QStyleOptionViewItem option;
+    option.rect = picture.rect();
+    box.itemDelegate()->paint(&painter, option, box.model()->index(0, 0));
+    return picture;
+  };
+  const auto losesInk = [](const QImage& before, const QImage& after) {
+    for (int y = 0; y < before.height(); ++y)
+      for (int x = 0; x < before.width(); ++x)
+        if (before.pixel(x, y) != before.pixel(0, 0) && after.pixel(x, y) == before.pixel(0, 0)) return true;
+    return false;
+  };
+  int letters = 1;
+  while (letters < 1000 && !losesInk(drawn(letters), drawn(letters + 1))) ++letters;
+  EXPECT_GT(letters, 50) << "there is room for some";
+  EXPECT_LT(letters, 1000) << "no ellipsis";
+  EXPECT_EQ(drawn(letters + 1), drawn(letters + 50)) << "the rest is left out";
+}
+
+// On a screen with two pixels a point, an icon of pixels would be blurred.
+TEST(Icons, AreDrawnInTheSizeThatIsAskedFor) {
+  const QImage small = playIcon().pixmap(18, 18).toImage(), large = playIcon().pixmap(72, 72).toImage();
+  ASSERT_EQ(large.size(), QSize(72, 72));
+  EXPECT_EQ(small.size(), QSize(18, 18));
+  const auto partial = [](const QImage& image) {  // pixels on the rim, neither in nor out
+    int count = 0;
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x) {
+        const int alpha = qAlpha(image.pixel(x, y));
+        count += alpha > 8 && alpha < 247;
+      }
+    return count;
+  };
+  EXPECT_LT(partial(large), 6 * partial(small)) << "a blurred rim is an area, a sharp one a line";
 }
 
 TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
