@@ -4,6 +4,7 @@
 // Other threads post commands, which run between two steps, and read immutable snapshots.
 #pragma once
 
+#include "rigid_body_sim/recording.h"
 #include "rigid_body_sim/world.h"
 
 #include <cstdint>
@@ -105,6 +106,13 @@ class Simulator {
   /// It costs a second run beside the world.
   void estimateErrors(bool on);
   bool estimatesErrors() const;  ///< the last value given to estimateErrors(); false at first
+
+  /// Records: hands each change of the world to `keep`, in order, on the simulator's thread, which must not wait in
+  /// it. The first entry is a checkpoint of this moment. Another comes with every load, reset, undo and redo, and
+  /// every `checkpoint_period` s of physics time, above 0. What a failed apply() has taken back is left out. The
+  /// solver settings that a goal chooses are commands, too. An empty `keep` ends the recording. Cost: a state hash
+  /// for the commands of a step, and for a checkpoint that and a copy of the world. Nothing while nobody records.
+  void record(std::function<void(Recorded)> keep, double checkpoint_period = 10.0);
 
   /// The newest snapshot, never null. The call copies a pointer. While the simulation runs a new one follows
   /// 80 times a second. It is as rare as 10 times a second where snapshots are expensive or steps are slow,

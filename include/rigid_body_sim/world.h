@@ -7,12 +7,15 @@
 #include "rigid_body_sim/scene.h"
 #include "rigid_body_sim/snapshot.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace rbs {
+
+struct Command;
 
 /// Changes to a body, for World::editBody(). An empty field leaves its property as it is. Ranges are those of
 /// BodyDef and Material.
@@ -96,6 +99,28 @@ struct SavedState {
     bool commanded = false;       ///< the next command replaces it
   };
   std::vector<Wrench> wrenches;  ///< in the order in which they were applied
+
+  // What World::captureState() leaves empty and World::captureExactState() fills:
+
+  /// A grab that pulls a body.
+  struct Grabbed {
+    std::uint32_t body = 0;  ///< index of the body
+    Grab grab;               ///< the spring
+  };
+  std::vector<Grabbed> grabs;  ///< in the order in which they began
+  /// A hold that moves a body.
+  struct Held {
+    std::uint32_t body = 0;  ///< index of the body
+    Pose target;             ///< kinematic target
+    Twist twist;             ///< velocity of the body in the last step, in W; also of a static one
+  };
+  std::vector<Held> holds;  ///< in the order in which they began
+  /// A frozen body, which World::capture() makes static.
+  struct Frozen {
+    std::uint32_t body = 0;  ///< index of the body
+    bool kinematic = false;  ///< its own kind: kinematic, else dynamic
+  };
+  std::vector<Frozen> frozen;  ///< in the order of the bodies
 };
 
 /// A simulated world: bodies, surroundings, solver settings and the state of motion. It is not thread-safe:
@@ -118,7 +143,7 @@ class World {
   /// or of the state. Cost: n bodies, and `saved`.
   explicit World(SceneDef scene, const std::optional<SavedState>& saved = std::nullopt);
   ~World();
-  World(const World&);                 ///< another world with the same future, bit for bit; copies everything
+  World(const World&);                 ///< another world with the same future, bit for bit, but no journal
   World(World&&) noexcept;             ///< the source may only be destroyed or assigned to
   World& operator=(World&&) noexcept;  ///< the source may only be destroyed or assigned to
 
@@ -212,6 +237,13 @@ class World {
   /// for bit. Never throws. Wakes all. Cost: an analysis of n bodies.
   void setEffects(const EffectOverrides& effects);
 
+  // --- journal
+
+  /// Calls `journal` after each change by a function above, with the Command that makes it again: once for each
+  /// body that releaseAll() releases, and never where nothing has changed. Empty: no journal. A move takes the
+  /// journal along, a copy has none. It must not change the world. Cost: none without it.
+  void setJournal(std::function<void(const Command&)> journal);
+
   // --- time
 
   /// Advances by the scene's step, in Setting::divisions equal parts. Never throws: trouble is in the report.
@@ -243,6 +275,10 @@ class World {
   SceneDef capture() const;
   /// The rest of a saved state, which capture() leaves out. Cost: n bodies and all contact points.
   SavedState captureState() const;
+  /// captureState(), and what that leaves out: grabs, holds and which bodies are frozen. With capture() it makes
+  /// a world of the same stateHash(). It is meant for recordings. A saved state that people load again should
+  /// have no grab, since the hand that held the body is gone. Cost: that of captureState().
+  SavedState captureExactState() const;
   /// The descriptions of all bodies in canonical order; never null. Cost: a copied pointer, or n descriptions
   /// after an edit that changed one.
   std::shared_ptr<const std::vector<BodyDescription>> bodies() const;

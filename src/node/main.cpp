@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The simulator as a ROS node: a session, its services and commands, and what it publishes.
+#include "command_publisher.h"
 #include "command_topics.h"
 #include "names.h"
 #include "parameters.h"
@@ -51,7 +52,8 @@ struct Options {
   std::string world_frame;
   std::string file_root;  ///< files are read and written below it alone; empty: anywhere
   bool resume = false;
-  std::string state_file;  ///< of resume; empty: nowhere
+  std::string state_file;           ///< of resume; empty: nowhere
+  double checkpoint_period = 10.0;  ///< of ~commands, s of simulated time
 };
 
 /// Throws InvalidInput for parameters that are not allowed.
@@ -96,6 +98,9 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   options.publishers.repeat_period =
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
                         "period after which descriptions and markers are sent again, s; 0: never");
+  options.checkpoint_period =
+      parameters.number("checkpoint_period", options.checkpoint_period, 0.1, 1e6,
+                        "simulated time from one checkpoint on ~commands to the next, s");
   options.publishers.status_line = parameters.flag("status_line", false, "print one line of status a second");
   options.file_root = parameters.text(
       "file_root", "", "folder that scenes, states and meshes are read and written in; empty: anywhere");
@@ -168,6 +173,7 @@ void run() {
   rbs::Publishers publishers(session.simulator(), session.timeline(), reference_run, options.publishers);
   rbs::Services services(session, reference_run);
   rbs::CommandTopics commands(session.simulator());
+  rbs::CommandPublisher recording(node, session.simulator(), session.timeline(), options.checkpoint_period);
   constexpr int kThreads = 4;  // so that a client that waits for a load holds up no other client
   ros::AsyncSpinner spinner(kThreads);
   spinner.start();

@@ -110,6 +110,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   msg.view_target = toPoint(snapshot.view.target);
   msg.time = snapshot.time;
   msg.steps = snapshot.steps;
+  msg.world = snapshot.world;
   msg.step = snapshot.step;
   msg.bodies = snapshot.bodies->size();
   msg.gravity = toMsg(snapshot.gravity);

@@ -52,7 +52,7 @@ Capsule readCapsule(Fields& fields, FileProblems& problems) {
 }
 
 /// All but a hull. `size` is the diameter of a sphere, the edge of a cube, or the three full extents.
-Shape readShape(Fields& fields, FileProblems& problems, const std::string& name) {
+Shape readSizedShape(Fields& fields, FileProblems& problems, const std::string& name) {
   if (name == "sphere") {
     double diameter = fullExtents(Sphere{}).x();
     fields.read("size", diameter);
@@ -182,6 +182,17 @@ void BodyReader::read(const YamlNode& list) {
   for (std::size_t i = 0; i < list.items.size(); ++i) readEntry(list.items[i], i);
 }
 
+void BodyReader::readShape(Fields& fields, BodyDef& body) {
+  static const std::vector<std::string> shapes{"box",      "sphere", "plane", "capsule",
+                                               "cylinder", "cone",   "hull"};
+  const std::string& shape = shapes[fields.choose("shape", shapes).value_or(0)];
+  if (shape == "hull") {
+    readHull(fields, body);
+  } else {
+    body.shape = readSizedShape(fields, problems_, shape);
+  }
+}
+
 void BodyReader::readHull(Fields& fields, BodyDef& body) {
   if (const YamlNode* size = fields.find("size")) {
     fields.report("size", describe(*size), "nothing: a hull is as large as its points; `scale` changes that");
@@ -234,15 +245,8 @@ void BodyReader::readEntry(const YamlNode& node, std::size_t index) {
   std::optional<Pyramid> pyramid;
   std::optional<Ring> ring;
   std::optional<CardHouse> house;
-  static const std::vector<std::string> shapes{"box",      "sphere", "plane", "capsule",
-                                               "cylinder", "cone",   "hull"};
-  const std::string& shape = shapes[fields.choose("shape", shapes).value_or(0)];
   readBody(fields, problems_, body);
-  if (shape == "hull") {
-    readHull(fields, body);
-  } else {
-    body.shape = readShape(fields, problems_, shape);
-  }
+  readShape(fields, body);
   readGroup(fields, "repeat", problems_, [&](Fields& f) { readRepeat(f, repeat.emplace()); });
   readGroup(fields, "pyramid", problems_, [&](Fields& f) { readPyramid(f, body.shape, pyramid.emplace()); });
   readGroup(fields, "ring", problems_, [&](Fields& f) { readRing(f, ring.emplace()); });

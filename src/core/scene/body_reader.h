@@ -22,6 +22,9 @@ class BodyReader {
       : problems_(problems), random_(seed), folder_(std::move(folder)) {}
 
   void read(const YamlNode& list);
+  /// Reads the keys of the shape among those of a body. The points of a hull are in the frame that the pose of
+  /// `body` is the pose of, which becomes that of the body.
+  void readShape(Fields& fields, BodyDef& body);
   std::vector<BodyDef> takeBodies() { return std::move(bodies_); }
   /// Index of the entry that made each body.
   const std::vector<std::size_t>& entries() const { return entries_; }

@@ -8,6 +8,7 @@
 #include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/scenes.h"
 #include "scene/body_reader.h"
+#include "scene/scene_fields_reader.h"
 #include "scene/scene_limits.h"
 #include "scene/yaml_fields.h"
 #include "state/scene_fields.h"
@@ -26,7 +27,8 @@ void readPreset(Fields& fields, const std::string& key, Setting& setting) {
   if (const auto choice = fields.choose(key, names)) setting.preset = kFidelities[*choice];
 }
 
-/// The name of a quality level; or a mapping with its numbers, or with a goal by which the settings change.
+}  // namespace
+
 void readFidelity(Fields& top, FileProblems& problems, SceneDef& scene) {
   const YamlNode* node = top.find("fidelity");
   if (!node) return;
@@ -44,6 +46,34 @@ void readFidelity(Fields& top, FileProblems& problems, SceneDef& scene) {
   });
 }
 
+void readEffects(Fields& top, FileProblems& problems, EffectOverrides& out) {
+  readGroup(top, "effects", problems, [&](Fields& effects) {
+    for (const Effect effect : kEffects)
+      if (const auto choice = effects.choose(effectName(effect), {"off", "on", "auto"});
+          choice && *choice < 2)
+        out[effect] = *choice == 1;
+  });
+}
+
+void readGrab(Fields& fields, Grab& grab) {
+  fields.require("p_B", "the point of the body, [x, y, z]", grab.p_B);
+  fields.require("p_W", "the point of the world, [x, y, z]", grab.p_W);
+  fields.require("frequency", "the frequency of the spring", grab.frequency);
+  fields.require("max_acceleration", "the cap on its force over the mass", grab.max_acceleration);
+}
+
+void readPose(Fields& fields, Pose& pose) {
+  fields.require("position", "the position, [x, y, z]", pose.p_WB);
+  fields.require("orientation", "the orientation, [x, y, z, w]", pose.q_WB);
+}
+
+void readTwist(Fields& fields, Twist& twist) {
+  fields.require("velocity", "the velocity, [x, y, z]", twist.v_WB);
+  fields.require("spin", "the angular velocity, [x, y, z]", twist.w_WB);
+}
+
+namespace {
+
 void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   top.read("name", scene.name);
   top.read("property", scene.property);
@@ -51,18 +81,10 @@ void readSurroundings(Fields& top, FileProblems& problems, SceneDef& scene) {
   top.read("step", scene.step);
   readFidelity(top, problems, scene);
   top.read("seed", scene.seed);
-  forEachSurrounding([&](const char* key, auto surrounding, auto type) {
-    readGroup(top, key, problems, [&](Fields& fields) {
-      auto& value = (scene.*surrounding).emplace();
-      forEachField(type, [&](const char* name, auto field, Range) { fields.read(name, value.*field); });
-    });
+  forEachSurrounding([&](const char* key, auto surrounding, auto) {
+    readSurrounding(top, key, problems, scene.*surrounding);
   });
-  readGroup(top, "effects", problems, [&](Fields& effects) {
-    for (const Effect effect : kEffects)
-      if (const auto choice = effects.choose(effectName(effect), {"off", "on", "auto"});
-          choice && *choice < 2)
-        scene.effects[effect] = *choice == 1;
-  });
+  readEffects(top, problems, scene.effects);
   readGroup(top, "view", problems, [&](Fields& view) {
     view.read("eye", scene.view.eye);
     view.read("target", scene.view.target);
@@ -135,6 +157,22 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     item.require("point", "where the force acts on the body, [x, y, z]", wrench.point_B);
     item.require("until", "the time at which it ends", wrench.until);
     wrench.commanded = readFlag(item, "commanded");
+  });
+  readItems(fields, "grabs", problems, [&](Fields& item) {
+    SavedState::Grabbed& grabbed = state.grabs.emplace_back();
+    requireBody(item, "body", grabbed.body);
+    readGrab(item, grabbed.grab);
+  });
+  readItems(fields, "holds", problems, [&](Fields& item) {
+    SavedState::Held& held = state.holds.emplace_back();
+    requireBody(item, "body", held.body);
+    readPose(item, held.target);
+    readTwist(item, held.twist);
+  });
+  readItems(fields, "frozen", problems, [&](Fields& item) {
+    SavedState::Frozen& frozen = state.frozen.emplace_back();
+    requireBody(item, "body", frozen.body);
+    frozen.kinematic = readFlag(item, "kinematic");
   });
   return state;
 }

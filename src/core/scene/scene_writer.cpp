@@ -4,13 +4,14 @@
 #include "base/number_text.h"
 #include "rigid_body_sim/scenes.h"
 #include "scene/scene_limits.h"
+#include "scene/scene_text.h"
 #include "state/scene_fields.h"
 
 #include <cstdio>
 #include <cstring>
 
 namespace rbs {
-namespace {
+namespace scene_text {
 
 bool sameBits(double a, double b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
@@ -42,7 +43,6 @@ std::string text(const Color& c) {
          numberText(c[3]) + "]";
 }
 
-/// A double-quoted scalar of YAML.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -60,34 +60,29 @@ std::string quoted(const std::string& text) {
   return result + "\"";
 }
 
-/// A mapping on one line: {key: value, key: value}.
-class Line {
- public:
-  Line& add(const std::string& key, const std::string& value) {
-    text_ += (text_.empty() ? "" : ", ") + key + ": " + value;
-    return *this;
-  }
-  template <class Value>
-  Line& addUnless(const Value& usual, const std::string& key, const Value& value) {
-    return sameBits(usual, value) ? *this : add(key, rbs::text(value));
-  }
-  template <class Value>
-  Line& addGiven(const std::string& key, const std::optional<Value>& value) {
-    return value ? add(key, rbs::text(*value)) : *this;
-  }
-  std::string close() const { return "{" + text_ + "}"; }
-
- private:
-  std::string text_;
-};
-
 std::string text(const std::vector<Vec3>& points) {
   std::string result;
   for (const Vec3& p : points) result += (result.empty() ? "" : ", ") + text(p);
   return "[" + result + "]";
 }
 
-void addSize(Line& line, const Shape& shape) {
+void addFields(Line& line, const Grab& grab) {
+  line.add("p_B", text(grab.p_B))
+      .add("p_W", text(grab.p_W))
+      .add("frequency", text(grab.frequency))
+      .add("max_acceleration", text(grab.max_acceleration));
+}
+
+void addFields(Line& line, const Pose& pose) {
+  line.add("position", text(pose.p_WB)).add("orientation", text(pose.q_WB));
+}
+
+void addFields(Line& line, const Twist& twist) {
+  line.add("velocity", text(twist.v_WB)).add("spin", text(twist.w_WB));
+}
+
+void addFields(Line& line, const Shape& shape) {
+  line.add("shape", shapeName(shape));
   if (const auto* capsule = std::get_if<Capsule>(&shape)) {
     line.add("size", text(2.0 * capsule->radius)).add("half_length", text(capsule->half_length));
   } else if (const auto* hull = std::get_if<ConvexHull>(&shape)) {
@@ -99,12 +94,11 @@ void addSize(Line& line, const Shape& shape) {
   }
 }
 
-std::string bodyText(const BodyDef& body) {
+std::string text(const BodyDef& body) {
   static const BodyDef usual;
   Line line;
   if (!body.name.empty()) line.add("name", quoted(body.name));
-  line.add("shape", shapeName(body.shape));
-  addSize(line, body.shape);
+  addFields(line, body.shape);
   if (body.kind != usual.kind) line.add("kind", kindName(body.kind));
   line.addUnless(usual.pose.p_WB, "position", body.pose.p_WB)
       .addUnless(usual.pose.q_WB, "orientation", body.pose.q_WB)
@@ -124,6 +118,35 @@ std::string bodyText(const BodyDef& body) {
   return line.close();
 }
 
+std::string text(const std::vector<BodyDef>& bodies) {
+  std::string result;
+  for (const BodyDef& body : bodies) result += (result.empty() ? "" : ", ") + text(body);
+  return "[" + result + "]";
+}
+
+std::string text(const Setting& setting, const std::optional<Goal>& goal) {
+  if (setting == Setting(setting.preset) && !goal) return fidelityName(setting.preset);
+  Line line;
+  line.add("preset", fidelityName(setting.preset));
+  if (setting.divisions != 1) line.add("divisions", std::to_string(setting.divisions));
+  if (setting.sub_steps) line.add("sub_steps", std::to_string(*setting.sub_steps));
+  line.addGiven("tolerance", setting.tolerance).addGiven("max_solve_ms", setting.max_solve_ms);
+  if (goal) line.addGiven("max_error", goal->max_error).addGiven("max_step_ms", goal->max_step_ms);
+  return line.close();
+}
+
+std::string text(const EffectOverrides& effects) {
+  Line line;
+  for (const auto& [effect, on] : effects) line.add(effectName(effect), on ? "on" : "off");
+  return line.close();
+}
+
+}  // namespace scene_text
+
+namespace {
+
+using namespace scene_text;
+
 std::string contactText(const SavedState::Contact& contact) {
   std::string points;
   for (const SavedState::Contact::Point& point : contact.points) {
@@ -140,6 +163,33 @@ std::string contactText(const SavedState::Contact& contact) {
   line.add("normal", text(contact.n_W));
   if (contact.depth > 0.0) line.add("depth", text(contact.depth));
   return line.add("points", "[" + points + "]").close();
+}
+
+std::string userForcesText(const SavedState& state) {
+  std::string result;
+  if (!state.grabs.empty()) result += "  grabs:\n";
+  for (const SavedState::Grabbed& grabbed : state.grabs) {
+    Line line;
+    line.add("body", text(grabbed.body));
+    addFields(line, grabbed.grab);
+    result += "    - " + line.close() + "\n";
+  }
+  if (!state.holds.empty()) result += "  holds:\n";
+  for (const SavedState::Held& held : state.holds) {
+    Line line;
+    line.add("body", text(held.body));
+    addFields(line, held.target);
+    addFields(line, held.twist);
+    result += "    - " + line.close() + "\n";
+  }
+  if (!state.frozen.empty()) result += "  frozen:\n";
+  for (const SavedState::Frozen& frozen : state.frozen) {
+    Line line;
+    line.add("body", text(frozen.body));
+    if (frozen.kinematic) line.add("kinematic", "1");
+    result += "    - " + line.close() + "\n";
+  }
+  return result;
 }
 
 std::string stateText(const SavedState& state) {
@@ -173,39 +223,19 @@ std::string stateText(const SavedState& state) {
     if (wrench.commanded) line.add("commanded", "1");
     result += "    - " + line.close() + "\n";
   }
-  return result;
-}
-
-std::string fidelityText(const SceneDef& scene) {
-  const Setting& setting = scene.fidelity;
-  if (setting == Setting(setting.preset) && !scene.goal) return fidelityName(setting.preset);
-  Line line;
-  line.add("preset", fidelityName(setting.preset));
-  if (setting.divisions != 1) line.add("divisions", std::to_string(setting.divisions));
-  if (setting.sub_steps) line.add("sub_steps", std::to_string(*setting.sub_steps));
-  line.addGiven("tolerance", setting.tolerance).addGiven("max_solve_ms", setting.max_solve_ms);
-  if (scene.goal)
-    line.addGiven("max_error", scene.goal->max_error).addGiven("max_step_ms", scene.goal->max_step_ms);
-  return line.close();
+  return result + userForcesText(state);
 }
 
 std::string headText(const SceneDef& scene) {
   std::string result = "name: " + quoted(scene.name) + "\nproperty: " + quoted(scene.property) +
                        "\ngravity: " + text(scene.gravity) + "\nstep: " + text(scene.step) +
-                       "\nfidelity: " + fidelityText(scene) + "\nseed: " + text(scene.seed) + "\n";
-  forEachSurrounding([&](const char* key, auto surrounding, auto type) {
+                       "\nfidelity: " + text(scene.fidelity, scene.goal) + "\nseed: " + text(scene.seed) +
+                       "\n";
+  forEachSurrounding([&](const char* key, auto surrounding, auto) {
     if (!(scene.*surrounding)) return;
-    Line line;
-    forEachField(type, [&](const char* name, auto field, Range) {
-      line.add(name, text(*(scene.*surrounding).*field));
-    });
-    result += key + (": " + line.close() + "\n");
+    result += key + (": " + text(*(scene.*surrounding)) + "\n");
   });
-  if (!scene.effects.empty()) {
-    Line line;
-    for (const auto& [effect, on] : scene.effects) line.add(effectName(effect), on ? "on" : "off");
-    result += "effects: " + line.close() + "\n";
-  }
+  if (!scene.effects.empty()) result += "effects: " + text(scene.effects) + "\n";
   return result +
          "view: " + Line().add("eye", text(scene.view.eye)).add("target", text(scene.view.target)).close() +
          "\n";
@@ -217,7 +247,7 @@ std::string writeScene(const SceneDef& scene, const std::optional<SavedState>& s
   std::vector<Problem> problems = validate(scene);
   if (!problems.empty()) throw InvalidInput(std::move(problems));
   std::string result = headText(scene) + (scene.bodies.empty() ? "bodies: []\n" : "bodies:\n");
-  for (const BodyDef& body : scene.bodies) result += "  - " + bodyText(body) + "\n";
+  for (const BodyDef& body : scene.bodies) result += "  - " + text(body) + "\n";
   if (state) result += stateText(*state);
   if (result.size() > kMostSceneBytes || scene.bodies.size() > kMostBodies) {
     throw InvalidInput({{"bodies", std::to_string(scene.bodies.size()), "what fits a scene file of 16 MiB"}});

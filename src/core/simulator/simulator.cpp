@@ -6,6 +6,7 @@
 #include "rigid_body_sim/quote.h"
 #include "simulator/edit_history.h"
 #include "simulator/pacer.h"
+#include "simulator/recorder.h"
 
 #include <algorithm>
 #include <atomic>
@@ -25,7 +26,7 @@ namespace {
 
 using Clock = Pacer::Clock;
 
-struct Command {
+struct Posted {
   std::function<void()> run;
   std::shared_ptr<std::promise<void>> done;  // null: nobody waits
 };
@@ -54,11 +55,12 @@ struct Simulator::Impl {
   EditHistory history;
   std::uint64_t revision = 0, revisions = 0;  // of the world, and in all
   std::set<std::uint64_t> saved{0};           // revisions that a file holds
+  Recorder recorder;
 
   // Shared with other threads, under the mutex.
   mutable std::mutex mutex;
   std::condition_variable wake;
-  std::vector<Command> commands;
+  std::vector<Posted> commands;
   bool stop = false;
   Pace pace;  // without the numbers of the pacer
   Pacer pacer;
@@ -135,15 +137,24 @@ struct Simulator::Impl {
   void apply(const std::function<std::string(World&)>& edit, std::string& what) {
     World before(world);
     const std::uint64_t edits = world.edits();
+    const std::size_t recorded = recorder.pending();
     try {
       what = edit(world);
     } catch (...) {
-      if (world.edits() != edits) world = std::move(before), world.setThreads(threads);
+      if (world.edits() != edits) takeBack(std::move(before), recorded);
       throw;
     }
     if (world.edits() == edits) return;
     history.add({what, std::move(before), std::atomic_load(&origin), revision});
     revision = ++revisions;
+  }
+
+  // Goes back to the world before an edit that failed, and forgets the commands that it has given.
+  void takeBack(World before, std::size_t recorded) {
+    world = std::move(before);
+    world.setThreads(threads);
+    recorder.listen(world);
+    recorder.drop(recorded);
   }
 
   // The solver settings are no edit: they stay, but where the edit was a load. User forces end: the hand that
@@ -170,6 +181,7 @@ struct Simulator::Impl {
   }
 
   void prepareReplacement(const char* by) {
+    recorder.leave(world);
     endRequest(by);
     publish();
     edits_before = published->edits + 1;
@@ -184,6 +196,7 @@ struct Simulator::Impl {
     world.setThreads(threads);
     governor = Governor();
     governor.setEstimating(estimating);
+    recorder.attach(world, worlds);
     restartClock();
     publish();  // a command that has waited for this world to come sees that it has
   }
@@ -199,7 +212,7 @@ struct Simulator::Impl {
     });
   }
 
-  void push(Command command) {
+  void push(Posted command) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
       commands.push_back(std::move(command));
@@ -216,7 +229,7 @@ struct Simulator::Impl {
   }
 
   // One snapshot shows the results of all commands, before any caller continues.
-  void runCommands(std::vector<Command>& todo) {
+  void runCommands(std::vector<Posted>& todo) {
     std::vector<std::exception_ptr> thrown(todo.size());
     bool awaited = false;
     for (std::size_t k = 0; k < todo.size(); ++k) {
@@ -228,6 +241,7 @@ struct Simulator::Impl {
         thrown[k] = std::current_exception();
       }
     }
+    recorder.flush(world);
     if (awaited) publish();
     for (std::size_t k = 0; k < todo.size(); ++k) {
       if (!todo[k].done) continue;
@@ -238,6 +252,7 @@ struct Simulator::Impl {
   void takeStep() {
     const Clock::time_point start = Clock::now();
     governor.step(world);
+    recorder.stepped(world);
     stale = true;
     const std::lock_guard<std::mutex> lock(mutex);
     pacer.stepped(start, Clock::now(), world.scene().step);
@@ -261,7 +276,7 @@ struct Simulator::Impl {
   }
 
   // Waits until there is something to do. Returns the commands that came, or nothing when it is over.
-  std::optional<std::vector<Command>> await() {
+  std::optional<std::vector<Posted>> await() {
     std::unique_lock<std::mutex> lock(mutex);
     const auto called = [this] { return stop || !commands.empty(); };
     const Clock::time_point next = nextWork();
@@ -275,7 +290,7 @@ struct Simulator::Impl {
   }
 
   void loop() {
-    while (std::optional<std::vector<Command>> todo = await()) {
+    while (std::optional<std::vector<Posted>> todo = await()) {
       runCommands(*todo);
       advance();
     }
@@ -406,6 +421,13 @@ void Simulator::estimateErrors(bool on) {
 
 bool Simulator::estimatesErrors() const {
   return impl_->estimating;
+}
+
+void Simulator::record(std::function<void(Recorded)> keep, double checkpoint_period) {
+  if (!(checkpoint_period > 0.0))
+    throw InvalidInput({{"checkpoint_period", text(checkpoint_period), "more than 0 s"}});
+  impl_->post(
+      [&] { impl_->recorder.begin(std::move(keep), checkpoint_period, impl_->world, impl_->worlds); });
 }
 
 std::pair<World, std::shared_ptr<const Snapshot>> Simulator::copy() {

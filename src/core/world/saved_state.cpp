@@ -45,6 +45,48 @@ SavedState captureState(const SceneStore& scene) {
   return state;
 }
 
+SavedState captureExactState(const SceneStore& scene) {
+  SavedState state = captureState(scene);
+  const Bodies& bodies = scene.bodies;
+  for (const BodyGrab& grab : scene.grabs) state.grabs.push_back({bodies.indexOf(grab.body), grab.grab});
+  for (const BodyHold& hold : scene.holds) {
+    const Index i = bodies.indexOf(hold.body);
+    state.holds.push_back({i, hold.target, bodies.twist[i]});
+  }
+  for (Index i = 0; i < bodies.size(); ++i)
+    if (bodies.traits[i].frozen) state.frozen.push_back({i, bodies.traits[i].kind == BodyKind::Kinematic});
+  return state;
+}
+
+namespace {
+
+// Numbers of user forces are those that a world has taken, so only their form is checked.
+void checkUserForces(const SavedState& saved, Index bodies, std::vector<Problem>& problems) {
+  for (const SavedState::Grabbed& grabbed : saved.grabs) {
+    if (grabbed.body >= bodies)
+      problems.push_back({"state.grabs", std::to_string(grabbed.body), "the index of a body"});
+    checkVector(grabbed.grab.p_B, Limits::max_position, "state.grabs.p_B", "m", problems);
+    checkVector(grabbed.grab.p_W, Limits::max_position, "state.grabs.p_W", "m", problems);
+    checkPositive(grabbed.grab.frequency, 1e4, "state.grabs.frequency", "Hz", problems);
+    checkPositive(grabbed.grab.max_acceleration, 1e9, "state.grabs.max_acceleration", "m/s^2", problems);
+  }
+  for (const SavedState::Held& held : saved.holds) {
+    if (held.body >= bodies)
+      problems.push_back({"state.holds", std::to_string(held.body), "the index of a body"});
+    checkVector(held.target.p_WB, Limits::max_position, "state.holds.position", "m", problems);
+    if (!(std::abs(held.target.q_WB.norm() - 1.0) < 1e-9))
+      problems.push_back(
+          {"state.holds.orientation", text(held.target.q_WB.norm()), "a quaternion of norm 1"});
+    if (!held.twist.v_WB.allFinite() || !held.twist.w_WB.allFinite())
+      problems.push_back({"state.holds.velocity", "", "finite velocities"});
+  }
+  for (const SavedState::Frozen& frozen : saved.frozen)
+    if (frozen.body >= bodies)
+      problems.push_back({"state.frozen", std::to_string(frozen.body), "the index of a body"});
+}
+
+}  // namespace
+
 std::vector<Problem> validate(const SavedState& saved, Index bodies) {
   std::vector<Problem> problems;
   if (!std::isfinite(saved.time) || saved.time < 0.0)
@@ -80,6 +122,7 @@ std::vector<Problem> validate(const SavedState& saved, Index bodies) {
     if (!std::isfinite(wrench.until))
       problems.push_back({"state.wrenches.until", text(wrench.until), "a finite time, in s"});
   }
+  checkUserForces(saved, bodies, problems);
   return problems;
 }
 
@@ -103,6 +146,24 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
         {scene.bodies.id[w.body], w.force_W, w.torque_W, w.point_B, w.until, w.commanded});
   scene.time = saved.time;
   scene.steps = saved.steps;
+}
+
+void restoreUserForces(const SavedState& saved, SceneStore& scene) {
+  Bodies& bodies = scene.bodies;
+  for (const SavedState::Frozen& frozen : saved.frozen) {
+    Traits& traits = bodies.traits[frozen.body];
+    traits.kind = frozen.kinematic ? BodyKind::Kinematic : BodyKind::Dynamic;
+    traits.frozen = true;
+    bodies.refresh(frozen.body);
+  }
+  for (const SavedState::Grabbed& grabbed : saved.grabs)
+    scene.grabs.push_back({bodies.id[grabbed.body], grabbed.grab});
+  for (const SavedState::Held& held : saved.holds) {
+    scene.holds.push_back({bodies.id[held.body], held.target});
+    bodies.traits[held.body].held = true;
+    bodies.twist[held.body] = held.twist;
+    bodies.refresh(held.body);
+  }
 }
 
 bool restoreRotationAndRest(const SavedState& saved, SceneStore& scene) {

@@ -8,12 +8,15 @@
 namespace rbs {
 
 SavedState captureState(const SceneStore& scene);
+SavedState captureExactState(const SceneStore& scene);
 
 /// Every fault of a saved state of this number of bodies.
 std::vector<Problem> validate(const SavedState& saved, Index bodies);
 
 /// Restores the time, the contacts and the wrenches of a sound state. To be called before analyseScene().
 void restoreForces(const SavedState& saved, SceneStore& scene);
+/// Restores grabs, holds and frozen bodies of a sound state. To be called before analyseScene().
+void restoreUserForces(const SavedState& saved, SceneStore& scene);
 
 /// Restores orientations that are not integrated, and sleeping islands. To be called after analyseScene().
 /// Returns whether analyseScene() must be called again.

@@ -60,13 +60,15 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   impl_->nameBodies(bodies);
   for (const BodyDef& body : bodies) impl_->scene.bodies.append({impl_->next_serial++}, body);
   if (saved) throwIfAny(validate(*saved, impl_->scene.bodies.size()));
-  if (saved) restoreForces(*saved, impl_->scene);
+  if (saved) restoreForces(*saved, impl_->scene), restoreUserForces(*saved, impl_->scene);
   impl_->edited(true);
   if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
   impl_->pipeline.filter(impl_->analysis);
 }
 
-World::World(const World& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+World::World(const World& other) : impl_(std::make_unique<Impl>(*other.impl_)) {
+  impl_->journal = nullptr;
+}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
@@ -93,6 +95,7 @@ std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
     impl_->scene.bodies.append(ids.back(), body);
   }
   impl_->edited(true, std::vector<Index>{});
+  impl_->record([&] { return commands::AddBodies{named}; });
   return ids;
 }
 
@@ -100,6 +103,7 @@ void World::removeBody(BodyId id) {
   const Index i = impl_->require(id);
   impl_->letGo(id);
   SceneStore& scene = impl_->scene;
+  const std::string name = scene.bodies.name[i];
   scene.contacts.remove(id);
   scene.wrenches.erase(std::remove_if(scene.wrenches.begin(), scene.wrenches.end(),
                                       [id](const TimedWrench& w) { return w.body == id; }),
@@ -107,6 +111,7 @@ void World::removeBody(BodyId id) {
   removeFromAnalysis(scene, i);
   scene.bodies.erase(i);
   impl_->edited(true, std::vector<Index>{});
+  impl_->record([&] { return commands::RemoveBody{name}; });
 }
 
 void World::clear() {
@@ -120,11 +125,13 @@ void World::clear() {
   impl_->step = {};
   setThreads(threads);
   impl_->edited(true);
+  impl_->record([] { return commands::Clear{}; });
 }
 
 void World::editBody(BodyId id, const BodyEdit& edit) {
   const Index i = impl_->require(id);
   Bodies& bodies = impl_->scene.bodies;
+  const std::string name = bodies.name[i];
   BodyDef def = bodies.define(i, impl_->scene.time);
   def.kind = bodies.traits[i].kind;  // also of a frozen body
   if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
@@ -177,6 +184,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
                            !edit.rolling_resistance && !edit.torsional_resistance && !edit.color &&
                            !edit.group && !edit.mask && !old.frozen;
   impl_->edited(!only_motion, std::vector<Index>{i});
+  impl_->record([&] { return commands::EditBody{name, edit}; });
 }
 
 BodyId World::find(const std::string& name) const {
@@ -226,6 +234,7 @@ void World::setGravity(const Vec3& gravity_W) {
   settings.gravity = gravity_W;
   impl_->scene.settings = checked(std::move(settings));
   impl_->edited(false);
+  impl_->record([&] { return commands::SetGravity{gravity_W}; });
 }
 
 void World::setAir(const std::optional<Air>& air) {
@@ -234,6 +243,7 @@ void World::setAir(const std::optional<Air>& air) {
   if (!air) settings.wind.reset();
   impl_->scene.settings = checked(std::move(settings));
   impl_->edited(false);
+  impl_->record([&] { return commands::SetAir{air}; });
 }
 
 void World::setWind(const std::optional<Wind>& wind) {
@@ -241,17 +251,20 @@ void World::setWind(const std::optional<Wind>& wind) {
   settings.wind = wind;
   impl_->scene.settings = checked(std::move(settings));
   impl_->edited(false);
+  impl_->record([&] { return commands::SetWind{wind}; });
 }
 
 void World::setFidelity(const Setting& setting) {
   throwIfAny(validate(setting));
   impl_->scene.settings.fidelity = setting;
   impl_->begunAnew();
+  impl_->record([&] { return commands::SetFidelity{setting}; });
 }
 
 void World::setGoal(const std::optional<Goal>& goal) {
   if (goal) throwIfAny(validate(*goal));
   impl_->scene.settings.goal = goal;
+  impl_->record([&] { return commands::SetGoal{goal}; });
 }
 
 void World::setFluid(const std::optional<Fluid>& fluid) {
@@ -259,11 +272,19 @@ void World::setFluid(const std::optional<Fluid>& fluid) {
   settings.fluid = fluid;
   impl_->scene.settings = checked(std::move(settings));
   impl_->edited(false);
+  impl_->record([&] { return commands::SetFluid{fluid}; });
 }
 
 void World::setEffects(const EffectOverrides& effects) {
   impl_->scene.settings.effects = effects;
   impl_->edited(false);
+  impl_->record([&] { return commands::SetEffects{effects}; });
+}
+
+// --- journal
+
+void World::setJournal(std::function<void(const Command&)> journal) {
+  impl_->journal = std::move(journal);
 }
 
 // --- time

@@ -45,26 +45,38 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   bodies.updateOrientation(i, impl_->scene.time);
   bodies.twist[i] = twist;
   impl_->edited(false, std::vector<Index>{});
+  impl_->record([&] { return commands::ApplyImpulse{bodies.name[i], impulse_W, point_W}; });
 }
 
 void World::applyWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                         double seconds) {
   impl_->scene.wrenches.push_back(impl_->wrenchOf(id, force_W, torque_W, point_W, seconds));
-  impl_->edited(false, std::vector<Index>{impl_->require(id)});
+  const Index i = impl_->require(id);
+  impl_->edited(false, std::vector<Index>{i});
+  impl_->record([&] {
+    return commands::ApplyWrench{impl_->scene.bodies.name[i], force_W, torque_W, point_W, seconds};
+  });
 }
 
 void World::commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                           double seconds) {
   TimedWrench command = impl_->wrenchOf(id, force_W, torque_W, point_W, seconds);
   command.commanded = true;
-  for (TimedWrench& wrench : impl_->scene.wrenches) {
-    if (wrench.body != id || !wrench.commanded) continue;
-    wrench = command;
+  const Index i = impl_->require(id);
+  std::vector<TimedWrench>& wrenches = impl_->scene.wrenches;
+  const auto last = std::find_if(wrenches.begin(), wrenches.end(), [&](const TimedWrench& wrench) {
+    return wrench.body == id && wrench.commanded;
+  });
+  if (last != wrenches.end()) {
+    *last = command;
     ++impl_->edits;
-    return;
+  } else {
+    wrenches.push_back(command);
+    impl_->edited(false, std::vector<Index>{i});
   }
-  impl_->scene.wrenches.push_back(command);
-  impl_->edited(false, std::vector<Index>{impl_->require(id)});
+  impl_->record([&] {
+    return commands::CommandWrench{impl_->scene.bodies.name[i], force_W, torque_W, point_W, seconds};
+  });
 }
 
 void World::grab(BodyId id, const Grab& grab) {
@@ -77,15 +89,18 @@ void World::grab(BodyId id, const Grab& grab) {
   if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
     problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
   throwIfAny(problems);
-  for (BodyGrab& grabbed : impl_->scene.grabs) {
-    if (grabbed.body != id) continue;
-    grabbed.grab = grab;
+  std::vector<BodyGrab>& grabs = impl_->scene.grabs;
+  const auto last =
+      std::find_if(grabs.begin(), grabs.end(), [&](const BodyGrab& other) { return other.body == id; });
+  if (last != grabs.end()) {
+    last->grab = grab;
     ++impl_->edits;
-    return;
+  } else {
+    impl_->release(i);
+    grabs.push_back({id, grab});
+    impl_->edited(false, std::vector<Index>{i});
   }
-  release(id);
-  impl_->scene.grabs.push_back({id, grab});
-  impl_->edited(false, std::vector<Index>{i});
+  impl_->record([&] { return commands::GrabBody{impl_->scene.bodies.name[i], grab}; });
 }
 
 void World::hold(BodyId id, const Pose& target) {
@@ -97,29 +112,37 @@ void World::hold(BodyId id, const Pose& target) {
     problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
   throwIfAny(problems);
   const Pose unit{target.p_WB, target.q_WB.normalized()};
-  for (BodyHold& hold : impl_->scene.holds) {
-    if (hold.body != id) continue;
-    hold.target = unit;
+  std::vector<BodyHold>& holds = impl_->scene.holds;
+  const auto last =
+      std::find_if(holds.begin(), holds.end(), [&](const BodyHold& other) { return other.body == id; });
+  if (last != holds.end()) {
+    last->target = unit;
     ++impl_->edits;
-    return;
+  } else {
+    impl_->release(i);
+    holds.push_back({id, unit});
+    impl_->scene.bodies.traits[i].held = true;
+    impl_->scene.bodies.refresh(i);
+    impl_->edited(false, std::vector<Index>{i});
   }
-  release(id);
-  impl_->scene.holds.push_back({id, unit});
-  impl_->scene.bodies.traits[i].held = true;
-  impl_->scene.bodies.refresh(i);
-  impl_->edited(false, std::vector<Index>{i});
+  impl_->record([&] { return commands::HoldBody{impl_->scene.bodies.name[i], target}; });
 }
 
-void World::release(BodyId id) {
-  const Index i = impl_->require(id);
-  Bodies& bodies = impl_->scene.bodies;
-  impl_->letGo(id);
+void World::Impl::release(Index i) {
+  Bodies& bodies = scene.bodies;
+  letGo(bodies.id[i]);
   if (bodies.traits[i].held) {
     bodies.traits[i].held = false;
     bodies.twist[i] = {};
     bodies.refresh(i);
   }
-  impl_->edited(false, std::vector<Index>{i});
+  edited(false, std::vector<Index>{i});
+}
+
+void World::release(BodyId id) {
+  const Index i = impl_->require(id);
+  impl_->release(i);
+  impl_->record([&] { return commands::ReleaseBody{impl_->scene.bodies.name[i]}; });
 }
 
 void World::releaseAll() {

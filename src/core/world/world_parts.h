@@ -2,6 +2,7 @@
 // The parts behind the interface of World.
 #pragma once
 
+#include "rigid_body_sim/commands.h"
 #include "rigid_body_sim/world.h"
 #include "state/context.h"
 #include "step/analyse_scene.h"
@@ -9,6 +10,7 @@
 #include "step/sleep.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +30,13 @@ struct World::Impl {
   std::uint64_t description_version = 0;
   std::unordered_map<std::string, std::uint64_t> next_number;  // of names by shape
   mutable std::shared_ptr<const std::vector<BodyDescription>> descriptions;
+  std::function<void(const Command&)> journal;
+
+  // To be called after a change from outside; `command` makes the command.
+  template <class Make>
+  void record(const Make& command) const {
+    if (journal) journal({command()});
+  }
 
   Index require(BodyId id) const {
     const Index i = scene.bodies.indexOf(id);
@@ -73,6 +82,7 @@ struct World::Impl {
   // A wrench about the centre of mass, from now on. Throws InvalidInput.
   TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                        double seconds) const;
+  void release(Index i);
   void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);

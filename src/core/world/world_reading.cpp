@@ -44,6 +44,10 @@ SavedState World::captureState() const {
   return rbs::captureState(impl_->scene);
 }
 
+SavedState World::captureExactState() const {
+  return rbs::captureExactState(impl_->scene);
+}
+
 Pose World::pose(BodyId id) const {
   return impl_->scene.bodies.poseNow(impl_->require(id), impl_->scene.time);
 }

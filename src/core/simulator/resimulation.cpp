@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rigid_body_sim/recording.h"
+
+#include <algorithm>
+
+namespace rbs {
+namespace {
+
+// "apply_impulse, grab": each name once, in the order of their first.
+std::string namesOf(const Recorded& entry) {
+  const auto* const given = std::get_if<Recorded::Commands>(&entry.what);
+  if (!given) return "checkpoint";
+  std::vector<std::string> names;
+  for (const Command& command : *given)
+    if (std::find(names.begin(), names.end(), command.name()) == names.end()) names.push_back(command.name());
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+void Resimulation::expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash) {
+  std::vector<std::uint64_t>& hashes = expected_[{world, step}];
+  if (std::find(hashes.begin(), hashes.end(), hash) == hashes.end()) hashes.push_back(hash);
+}
+
+Mismatch Resimulation::mismatch(const std::string& at, std::uint64_t expected, std::uint64_t found) const {
+  return {number_, world_->steps(), world_->time(), at, expected, found, ""};
+}
+
+// Notes the hash of this moment, where one of this step is expected.
+void Resimulation::note() {
+  if (expected_.count({number_, world_->steps()})) seen_.push_back(world_->stateHash());
+}
+
+std::optional<Mismatch> Resimulation::leaveStep() {
+  const auto expected = expected_.find({number_, world_->steps()});
+  if (expected == expected_.end()) return std::nullopt;
+  const std::vector<std::uint64_t> hashes = std::move(expected->second), seen = std::exchange(seen_, {});
+  expected_.erase(expected);
+  for (const std::uint64_t hash : hashes) {
+    if (std::find(seen.begin(), seen.end(), hash) != seen.end()) {
+      ++hashes_;
+    } else if (Moment(number_, world_->steps()) != first_) {  // where it may be from before the checkpoint
+      return mismatch("status", hash, seen.back());
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Mismatch> Resimulation::advance(std::uint64_t step) {
+  std::optional<Mismatch> first;
+  while (world_->steps() < step) {
+    if (std::optional<Mismatch> found = leaveStep(); found && !first) first = std::move(found);
+    world_->step();
+    ++steps_;
+    seconds_ += world_->scene().step;
+    note();
+  }
+  return first;
+}
+
+// A status may have been seen after the last entry of its world.
+std::optional<Mismatch> Resimulation::leaveWorld() {
+  std::uint64_t last = world_->steps();
+  for (const auto& [moment, hashes] : expected_)
+    if (moment.first == number_) last = std::max(last, moment.second);
+  std::optional<Mismatch> found = advance(last), at_last = leaveStep();
+  return found ? found : at_last;
+}
+
+std::optional<Mismatch> Resimulation::begin(const Recorded& entry) {
+  const auto* checkpoint = std::get_if<Recorded::Checkpoint>(&entry.what);
+  const std::string path = "world " + std::to_string(entry.world);
+  if (!checkpoint) throw InvalidInput({{path, "commands before any checkpoint", "a checkpoint first"}});
+  if (!*checkpoint)
+    throw InvalidInput({{path, "a first checkpoint without a world", "a world that fits 16 MiB of text"}});
+  const std::optional<Mismatch> before = world_ ? leaveWorld() : std::nullopt;
+  if (!world_) {
+    first_ = {entry.world, entry.step};
+    expected_.erase(expected_.begin(), expected_.lower_bound(first_));
+  }
+  world_.emplace((*checkpoint)->scene, (*checkpoint)->state);
+  number_ = entry.world;
+  note();
+  return before;
+}
+
+std::optional<Mismatch> Resimulation::executeAll(const Recorded& entry) {
+  const auto* const given = std::get_if<Recorded::Commands>(&entry.what);
+  if (!given) return std::nullopt;
+  for (const Command& command : *given) {
+    try {
+      execute(*world_, command);
+    } catch (const InvalidInput& refusal) {
+      Mismatch refused = mismatch(command.name(), entry.hash, world_->stateHash());
+      refused.refusal = refusal.what();
+      return refused;
+    }
+    ++commands_;
+  }
+  note();
+  return std::nullopt;
+}
+
+std::optional<Mismatch> Resimulation::take(const Recorded& entry) {
+  std::optional<Mismatch> first;
+  const auto consider = [&](std::optional<Mismatch> found) {
+    if (found && !first) first = std::move(found);
+  };
+  if (!world_ || entry.world != number_) consider(begin(entry));
+  if (entry.step < world_->steps())
+    throw InvalidInput({{"step", std::to_string(entry.step), "at least " + std::to_string(world_->steps())}});
+  consider(advance(entry.step));
+  consider(executeAll(entry));
+  const std::uint64_t hash = world_->stateHash();
+  if (hash == entry.hash) {
+    ++hashes_;
+  } else {
+    consider(mismatch(namesOf(entry), entry.hash, hash));
+  }
+  return first;
+}
+
+std::optional<Mismatch> Resimulation::finish() {
+  return world_ ? leaveWorld() : std::nullopt;
+}
+
+}  // namespace rbs
