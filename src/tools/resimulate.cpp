@@ -18,6 +18,7 @@
 #include <cinttypes>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
@@ -54,12 +55,20 @@ std::string counted(std::uint64_t number, const std::string& thing) {
   return grouped(number) + " " + thing + (number == 1 ? "" : thing.back() == 'h' ? "es" : "s");
 }
 
+/// Whether a file begins as every bag does.
+bool beginsAsBag(const std::string& file) {
+  const std::string mark = "#ROSBAG";
+  std::string begin(mark.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == mark;
+}
+
 void open(const std::string& file, rosbag::Bag& bag) {
   try {
     bag.open(file, rosbag::bagmode::Read);
-  } catch (const rosbag::BagUnindexedException&) {
-    throw std::runtime_error(file + " is cut off: rosbag reindex " + file + " may save what it has");
   } catch (const rosbag::BagException& error) {
+    if (beginsAsBag(file))
+      throw std::runtime_error(file + " is cut off: `rosbag reindex " + file + "` saves what it has");
     throw std::runtime_error(file + " is no bag that can be read: " + error.what());
   }
 }
@@ -91,8 +100,8 @@ std::string simulatorIn(rosbag::Bag& bag, const Request& request) {
 }
 
 template <class Message>
-void requireDefinition(const rosbag::View& view) {
-  for (const rosbag::ConnectionInfo* connection : const_cast<rosbag::View&>(view).getConnections())
+void requireDefinition(rosbag::View& view) {
+  for (const rosbag::ConnectionInfo* connection : view.getConnections())
     if (connection->md5sum != ros::message_traits::md5sum<Message>())
       throw std::runtime_error(connection->topic + " was recorded by another version of " +
                                connection->datatype);
@@ -123,7 +132,7 @@ class Progress {
   void clear() const {
     if (terminal_) std::fprintf(stderr, "\r\033[K");
   }
-  void operator()(std::size_t entry, const Resimulation& run) {
+  void show(std::size_t entry, const Resimulation& run) const {
     const auto now = std::chrono::steady_clock::now();
     if (now - told_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
     told_ = now;
@@ -136,7 +145,7 @@ class Progress {
  private:
   const std::size_t entries_;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
-  std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
 };
 
 /// The bodies that differ most from the checkpoint, at most five.
@@ -185,22 +194,8 @@ class Recording {
       const auto status = instance.instantiate<StatusMsg>();
       run_.expect(status->world, status->steps, numberOf(status->hash));
     }
-    Progress progress(commands_.size());
-    std::size_t n = 0;
-    std::optional<Mismatch> found;
-    for (auto at = commands_.begin(); at != commands_.end(); ++at, ++n) {
-      const Recorded entry = next(*at->instantiate<CommandMsg>());
-      if (found) {
-        if (closing(entry)) break;
-        continue;
-      }
-      found = run_.take(entry);
-      progress(n, run_);
-      if (found) progress.clear(), print(*found);
-      if (found && closing(entry)) break;
-    }
-    if (!found && (found = run_.finish())) progress.clear(), print(*found);
-    progress.clear();
+    std::optional<Mismatch> found = takeAll();
+    if (!found && (found = run_.finish())) print(*found);
     std::printf("re-simulated %s (%.1f s) with %s: %s equal%s\n", counted(run_.steps(), "step").c_str(),
                 run_.seconds(), counted(run_.commands(), "command").c_str(),
                 counted(run_.hashes(), "hash").c_str(), found ? ", then one differs" : "");
@@ -208,7 +203,26 @@ class Recording {
   }
 
  private:
-  Recorded next(const CommandMsg& msg) {
+  std::optional<Mismatch> takeAll() {
+    const Progress progress(commands_.size());
+    std::size_t n = 0;
+    for (auto at = commands_.begin(); at != commands_.end(); ++at, ++n) {
+      const Recorded entry = next(*at);
+      const std::optional<Mismatch> found = run_.take(entry);
+      if (found) {
+        progress.clear();
+        print(*found);
+        if (!compareBodies(found->world, entry)) lookAhead(found->world, ++at);
+        return found;
+      }
+      progress.show(n, run_);
+    }
+    return std::nullopt;
+  }
+
+  Recorded next(const rosbag::MessageInstance& instance) {
+    const CommandMsg::ConstPtr message = instance.instantiate<CommandMsg>();
+    const CommandMsg& msg = *message;
     if (sequence_ && msg.sequence != *sequence_ + 1)
       throw std::runtime_error(
           "entry " + std::to_string(*sequence_) + " of the commands is followed by entry " +
@@ -220,13 +234,24 @@ class Recording {
     return entryOf(msg);
   }
 
-  // After a mismatch: goes on to the next checkpoint of the same world, and says where the bodies are by then.
-  // Returns whether there is nothing more to say.
-  bool closing(const Recorded& entry) {
-    if (entry.world != run_.worldNumber()) return true;
+  /// Goes on after a mismatch in this world to its next checkpoint, and says where the bodies are by then.
+  void lookAhead(std::uint64_t world, rosbag::View::iterator at) {
+    try {
+      for (; at != commands_.end(); ++at) {
+        const Recorded entry = next(*at);
+        if (entry.world != world) break;
+        run_.take(entry);
+        if (compareBodies(world, entry)) return;
+      }
+    } catch (const std::exception&) {  // no recording from there on: the mismatch has been told
+    }
+    std::printf("No checkpoint of this world follows, so where the bodies are is not known.\n");
+  }
+
+  /// Returns whether the entry has the bodies of this world.
+  bool compareBodies(std::uint64_t world, const Recorded& entry) {
     const auto* checkpoint = std::get_if<Recorded::Checkpoint>(&entry.what);
-    run_.take(entry);
-    if (!checkpoint || !*checkpoint) return false;
+    if (entry.world != world || !checkpoint || !*checkpoint) return false;
     printBodies(run_.world(), **checkpoint, entry.step);
     return true;
   }
