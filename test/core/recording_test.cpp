@@ -499,6 +499,20 @@ TEST(Recording, CheckpointsComeInTimeAndWithEveryWorld) {
   EXPECT_EQ(session.entries.back().step, 0u);
 }
 
+TEST(Recording, UndoAndRedoGiveCheckpointsAndNoCommands) {
+  Session session(someBodies(), 100.0);
+  push(session);
+  session.apply([](World& world) { world.grab(world.find("ball"), Grab{}); });
+  const std::size_t before = session.entries.size();
+  session.simulator.undo();
+  session.simulator.redo();
+  session.simulator.undo();
+  session.step(1);
+  ASSERT_EQ(session.entries.size(), before + 3);
+  for (std::size_t k = before; k < session.entries.size(); ++k)
+    EXPECT_TRUE(std::holds_alternative<Recorded::Checkpoint>(session.entries[k].what));
+}
+
 TEST(Recording, BeginsWithACheckpointInTheMiddleOfADragAndEndsWhenAsked) {
   Simulator simulator(someBodies(), {true, 0.0});
   simulator.step(20);
