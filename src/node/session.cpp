@@ -37,6 +37,9 @@ void Session::loadScene(const std::string& name_or_file, const std::optional<std
 void Session::loadState(const std::string& file) {
   SceneFile saved = readScene(file);
   if (!saved.state) throw InvalidInput({{file, "", "holds a scene but no saved state: use load_scene"}});
+  // Those of a checkpoint: the hand that held a body then holds it no longer.
+  saved.state->grabs.clear();
+  saved.state->holds.clear();
   replace(saved, file);
 }
 

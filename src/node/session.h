@@ -34,7 +34,7 @@ class Session {
   /// Replaces the world by a scene of the catalogue or of a file; `seed` replaces Options::seed. Throws
   /// InvalidInput for a bad scene.
   void loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed = std::nullopt);
-  /// Replaces the world by a state that was saved. Throws InvalidInput for a file without one.
+  /// Replaces the world by a state that was saved, without its user forces. Throws InvalidInput for a file without one.
   void loadState(const std::string& file);
   /// Back to the world as it was loaded.
   void reset();

@@ -149,11 +149,11 @@ class Progress {
 };
 
 /// The bodies that differ most from the checkpoint, at most five.
-void printBodies(const World& world, const SceneFile& checkpoint, std::uint64_t step) {
+void printBodies(const World& world, const SceneFile& checkpoint, const Recorded& entry) {
   std::map<std::string, Vec3> found;
   for (const BodyDef& body : world.capture().bodies) found[body.name] = body.pose.p_WB;
   std::vector<std::pair<double, std::string>> distances;
-  std::size_t missing = 0, moved = 0;
+  std::size_t missing = 0;
   for (const BodyDef& body : checkpoint.scene.bodies) {
     const auto other = found.find(body.name);
     if (other == found.end()) {
@@ -164,15 +164,17 @@ void printBodies(const World& world, const SceneFile& checkpoint, std::uint64_t 
     if (distance > 0.0) distances.emplace_back(distance, body.name);
     found.erase(other);
   }
-  moved = distances.size();
-  std::printf("At the checkpoint of step %s, ", grouped(step).c_str());
+  const std::size_t moved = distances.size();
+  std::printf("At the checkpoint of step %s, ", grouped(entry.step).c_str());
   if (missing + found.size() > 0)
     std::printf("%zu recorded bodies are missing and %zu are not in the recording; ", missing, found.size());
   if (moved == 0) {
-    std::printf("no body is elsewhere.\n");
+    const bool equal = world.stateHash() == entry.hash;
+    std::printf("no body is elsewhere%s.\n", equal ? ", and the hash is equal again" : "");
     return;
   }
-  std::printf("%zu of %zu bodies are elsewhere; the farthest:\n", moved, checkpoint.scene.bodies.size());
+  std::printf("%zu of %zu bodies %s elsewhere; the farthest:\n", moved, checkpoint.scene.bodies.size(),
+              moved == 1 ? "is" : "are");
   std::sort(distances.rbegin(), distances.rend());
   if (distances.size() > 5) distances.resize(5);
   for (const auto& [distance, name] : distances) std::printf("  %-24s %.3g m\n", name.c_str(), distance);
@@ -252,7 +254,7 @@ class Recording {
   bool compareBodies(std::uint64_t world, const Recorded& entry) {
     const auto* checkpoint = std::get_if<Recorded::Checkpoint>(&entry.what);
     if (entry.world != world || !checkpoint || !*checkpoint) return false;
-    printBodies(run_.world(), **checkpoint, entry.step);
+    printBodies(run_.world(), **checkpoint, entry);
     return true;
   }
 

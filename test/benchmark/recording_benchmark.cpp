@@ -35,9 +35,9 @@ SceneDef fallingBalls(int side, int layers) {
   SceneDef scene = test::onFloor(1.0 / 60.0, 0.5);
   scene.name = std::to_string(side * side * layers) + " balls in a heap";
   for (int k = 0; k < side * side * layers; ++k)
-    scene.bodies.push_back(test::ball("ball_" + std::to_string(k), 0.1,
-                                      {0.21 * (k % side) + 0.01 * (k % 7), 0.21 * (k / side % side),
-                                       0.1 + 0.21 * (k / (side * side))}));
+    scene.bodies.push_back(test::ball(
+        "ball_" + std::to_string(k), 0.1,
+        {0.21 * (k % side) + 0.01 * (k % 7), 0.21 * (k / side % side), 0.1 + 0.21 * (k / (side * side))}));
   return scene;
 }
 

@@ -268,6 +268,38 @@ TEST(Commands, FaultyTextIsRefusedWithItsPlace) {
   EXPECT_THAT(refusalOf("edit_body: {body: a, set: {weight: 2}}"), HasSubstr("edit_body.set.weight"));
 }
 
+TEST(Commands, MangledTextIsRefusedOrTakenAndDoesNoHarm) {
+  int refused = 0, taken = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    Draw draw(seed);
+    World world(someBodies());
+    std::string text = writeCommand(anyCommand(draw, world, draw.index(kKinds), 1));
+    for (std::size_t k = 1 + draw.index(3); k > 0; --k) {
+      const std::size_t at = draw.index(text.size());
+      switch (draw.index(3)) {
+        case 0:
+          text[at] = static_cast<char>(draw.index(256));
+          break;
+        case 1:
+          text.erase(at, 1 + draw.index(8));
+          break;
+        default:
+          text.insert(at, text.substr(draw.index(text.size()), 1 + draw.index(8)));
+      }
+      if (text.empty()) text = "x";
+    }
+    try {
+      execute(world, parseCommand(text, "mangled"));
+      ++taken;
+    } catch (const InvalidInput&) {
+      ++refused;
+    }
+    world.step();
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(taken, 100);
+}
+
 // --- states with user forces
 
 TEST(ExactState, HoldsGrabsHoldsAndFrozenBodies) {
