@@ -24,8 +24,7 @@ struct Recorded {
   /// The whole world, exactly: capture() and captureExactState(). Null: the world was too large to be written.
   using Checkpoint = std::shared_ptr<const SceneFile>;
 
-  std::uint64_t world =
-      0;  ///< number of the world, Snapshot::world; it grows with each load, reset, undo, redo
+  std::uint64_t world = 0;                  ///< Snapshot::world: the number of the world
   std::uint64_t step = 0;                   ///< World::steps() then
   double time = 0.0;                        ///< World::time() then, s
   std::uint64_t hash = 0;                   ///< World::stateHash() after the commands, or of the checkpoint
@@ -34,10 +33,10 @@ struct Recorded {
 
 /// A state hash of a re-simulation that differs from the recorded one.
 struct Mismatch {
-  std::uint64_t world = 0,  ///< number of the world, as Recorded::world
-      step = 0;             ///< steps of that world
-  double time = 0.0;        ///< physics time of that world, s
-  std::string at;  ///< what the hash was recorded with: "checkpoint", "status" or the names of the commands
+  std::uint64_t world = 0,     ///< number of the world, as Recorded::world
+      step = 0;                ///< steps of that world
+  double time = 0.0;           ///< physics time of that world, s
+  std::string at;              ///< what has the hash: "checkpoint", "status" or the names of the commands
   std::uint64_t expected = 0,  ///< recorded hash
       found = 0;               ///< hash of the re-simulation
   std::string refusal;         ///< why the world has refused a recorded command; empty: a hash differs
@@ -54,7 +53,7 @@ class Resimulation {
   void expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash);
 
   /// Goes on to the next entry, which is of the same world at the same or a later step, or of another world.
-  /// Returns the first mismatch on the way; later entries are then compared with a world that has gone astray.
+  /// Returns the first mismatch on the way; later entries are then compared with a world that already differs.
   /// Throws InvalidInput where the entries do not make a recording: a command before any checkpoint, a step that
   /// goes back, another world whose first checkpoint could not be written, a faulty scene.
   std::optional<Mismatch> take(const Recorded& entry);
