@@ -3,7 +3,8 @@
 """Random calls of every service of a simulator, many of them hostile.
 
 The node must answer each call, leave its state as it is, hash for hash, with each refusal, say nothing that is not
-finite, and end in good order. The same count and seed give the same calls.
+finite, and end in good order. What it did is recorded, and must run again to the same hashes. The same count and seed give
+the same calls.
 """
 import argparse
 import collections
@@ -16,8 +17,11 @@ import subprocess
 import sys
 import tempfile
 import time
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import roslib.packages
+import rosnode
 import rospy
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parents[depth]) for depth in (0, 1)]
@@ -72,6 +76,33 @@ class Node:
     def said(self):
         with open(self.log, errors='replace') as log:
             return log.read()[-LONGEST_MESSAGE:]
+
+
+class Recording:
+    """A bag of what changes the simulator, as a context manager."""
+    TOPICS = {'/sim/commands', '/sim/status'}
+
+    def __init__(self, folder):
+        self.bag = os.path.join(folder, 'calls.bag')
+
+    def __enter__(self):
+        self.recorder = subprocess.Popen(['rosbag', 'record', '--quiet', '--output-name', self.bag, *self.TOPICS],
+                                         stdout=subprocess.DEVNULL)
+        simulator = ServerProxy(rosnode.get_api_uri(rosgraph.Master('/service_fuzz'), '/sim'))
+        while {connection[4] for connection in simulator.getBusInfo('/service_fuzz')[2]} < self.TOPICS:
+            time.sleep(0.1)
+        return self
+
+    def __exit__(self, *error):
+        self.recorder.send_signal(signal.SIGINT)
+        self.recorder.wait()
+
+    def check(self):
+        """Raises Failure unless it runs again to the same hashes."""
+        done = subprocess.run(['rosrun', 'rigid_body_sim', 'resimulate', self.bag], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        if done.returncode != 0:
+            raise Failure('the recording does not run again: ' + done.stdout)
 
 
 def make_hostile_files(folder):
@@ -162,11 +193,13 @@ def run(count, seed, folder, progress=lambda fuzz: None):
     """Starts a node and calls it `count` times; returns the ServiceFuzz. Raises Failure with what the node has said."""
     with Node(folder) as node:
         try:
-            fuzz = ServiceFuzz(seed, folder)
-            for _ in range(count):
-                fuzz.call()
-                node.forget_log()
-                progress(fuzz)
+            with Recording(folder) as recording:
+                fuzz = ServiceFuzz(seed, folder)
+                for _ in range(count):
+                    fuzz.call()
+                    node.forget_log()
+                    progress(fuzz)
+            recording.check()
             status = node.end()
             if status != 0:
                 raise Failure('the node ended with %d' % status)
