@@ -8,6 +8,7 @@
 #include "resume.h"
 #include "services.h"
 #include "session.h"
+#include "start.h"
 #include "tf_frames.h"
 
 #include "rigid_body_sim/file_access.h"
@@ -18,33 +19,12 @@
 #include <ros/ros.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <limits>
 #include <optional>
 #include <thread>
-#include <vector>
 
 namespace {
-
-/// Starts the node on wall time, whatever the rest of the graph lives on: the interactive markers need a
-/// clock that goes on while the simulation is paused, and this node is the source of the other one.
-void initOnWallTime(int argc, char** argv) {
-  static char remapping[] = "/use_sim_time:=~never_use_sim_time";
-  std::vector<char*> arguments(argv, argv + argc);
-  arguments.push_back(remapping);
-  int count = static_cast<int>(arguments.size());
-  arguments.push_back(nullptr);
-  ros::init(count, arguments.data(), "sim");
-}
-
-/// Ends the node in good order at SIGTERM, and when its terminal is closed; roscpp does so at SIGINT only.
-void endInGoodOrder() {
-  for (const int signal : {SIGTERM, SIGHUP}) {
-    const auto before = std::signal(signal, [](int) { ros::requestShutdown(); });
-    if (before == SIG_IGN) std::signal(signal, SIG_IGN);  // as nohup requires
-  }
-}
 
 struct Options {
   rbs::Session::Options session;
@@ -56,12 +36,12 @@ struct Options {
   double checkpoint_period = 10.0;  ///< of ~commands, s of simulated time
 };
 
-/// Throws InvalidInput for parameters that are not allowed.
 // One core is left to RViz. More than four threads have little to share.
 unsigned usualThreads() {
   return std::clamp(std::thread::hardware_concurrency(), 2u, 5u) - 1u;
 }
 
+/// Throws InvalidInput for parameters that are not allowed.
 Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   Options options;
   rbs::Session::Options& session = options.session;
@@ -132,32 +112,12 @@ Options givenOptions(const ros::NodeHandle& node) {
   return options;
 }
 
-/// Handles --help, --version and unknown arguments without starting a node, which would end another of its
-/// name. Nothing where there is nothing but remappings; otherwise the exit code.
-std::optional<int> answerWithoutNode(int argc, char** argv) {
-  std::vector<std::string> arguments;
-  ros::removeROSArgs(argc, argv, arguments);
-  if (arguments.size() <= 1) return {};
-  if (arguments.size() == 2 && arguments[1] == "--version") {
-    std::puts("rigid_body_sim " RBS_VERSION);
-    return 0;
-  }
-  const bool help = arguments.size() == 2 && (arguments[1] == "--help" || arguments[1] == "-h");
-  if (!help) {
-    const std::string& wrong =
-        arguments[1] == "--help" || arguments[1] == "--version" ? arguments[2] : arguments[1];
-    std::fprintf(stderr,
-                 "simulator_node: unknown argument '%.80s'; allowed: --help, --version, _PARAMETER:=VALUE\n",
-                 wrong.c_str());
-    return 2;
-  }
+std::string help() {
   rbs::Parameters parameters;
   readOptions(parameters, "that of the package");
-  std::printf(
-      "The node of rigid_body_sim. Usage: simulator_node [--help] [--version] [_PARAMETER:=VALUE ...]\n"
-      "Parameters and their defaults:\n%s",
-      parameters.list().c_str());
-  return 0;
+  return "The node of rigid_body_sim. Usage: simulator_node [--help] [--version] [_PARAMETER:=VALUE ...]\n"
+         "Parameters and their defaults:\n" +
+         parameters.list();
 }
 
 void run() {
@@ -184,9 +144,10 @@ void run() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (const std::optional<int> code = answerWithoutNode(argc, argv)) return *code;
-  initOnWallTime(argc, argv);
-  endInGoodOrder();
+  if (const std::optional<int> code = rbs::answerWithoutNode(argc, argv, "simulator_node", RBS_VERSION, help))
+    return *code;
+  rbs::initOnWallTime(argc, argv, "sim");
+  rbs::endInGoodOrder();
   rbs::findPackagesBy(ros::package::getPath);
   rbs::interruptReadingBy([] { return ros::isShuttingDown() || !ros::ok(); });
   try {

@@ -14,6 +14,8 @@
 namespace rbs {
 namespace {
 
+const QColor kRecordRed(0xd4, 0x1f, 0x2f);
+
 using Draw = std::function<void(QPainter&)>;
 
 /// An icon that is drawn anew in every size, in a square of 18 units, y down. Without a colour it has that of the texts
@@ -71,6 +73,14 @@ QIcon turned(bool forward) {
 }
 
 }  // namespace
+
+QIcon recordIcon() {
+  return drawn(kRecordRed, [](QPainter& painter) { painter.drawEllipse(QRectF(3, 3, 12, 12)); });
+}
+
+QIcon stopRecordIcon() {
+  return drawn(kRecordRed, [](QPainter& painter) { painter.drawRect(QRectF(4, 4, 10, 10)); });
+}
 
 QIcon undoIcon() {
   return turned(false);

@@ -12,11 +12,12 @@ namespace {
 struct Shortcut {
   const char *keys, *what;
 };
-constexpr Shortcut kEverywhere[] = {{"Space", "run or pause"},
-                                    {".", "take steps, while paused"},
-                                    {"+, -", "double or halve the speed"},
-                                    {"1", "wind on or off"},
-                                    {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"}};
+constexpr Shortcut kEverywhere[] = {
+    {"Space", "run or pause"}, {".", "take steps, while paused"},  {"+, -", "double or halve the speed"},
+    {"1", "wind on or off"},   {"R", "record; end the recording"}, {"Ctrl+Z, Ctrl+Shift+Z", "undo, redo"}};
+constexpr Shortcut kInReplay[] = {{"Left, right", "go by a step"},
+                                  {"Page up, page down", "go by a second"},
+                                  {"Home, end", "go to the start, to the end"}};
 constexpr Shortcut kInView[] = {
     {"Click", "select a body"},
     {"Ctrl+click", "add a body to the selection, or take it away"},
@@ -47,9 +48,9 @@ void show(QWidget* window) {
   box->setAttribute(Qt::WA_DeleteOnClose);
   box->setWindowTitle("Keys and mouse of the simulation");
   box->setTextFormat(Qt::RichText);
-  box->setText("<table>" + table("Everywhere", kEverywhere) +
-               table("In the view, with the tool Interact", kInView) +
-               table("In the list of bodies", kInList) + "</table>");
+  box->setText(
+      "<table>" + table("Everywhere", kEverywhere) + table("In the view, with the tool Interact", kInView) +
+      table("In the list of bodies", kInList) + table("On the slider of a replay", kInReplay) + "</table>");
   box->open();
 }
 

@@ -90,6 +90,8 @@ void SimulationPanel::connectWidgets() {
   connect(&simulator_, &SimulatorClient::reported, this, &SimulationPanel::showMessage);
   connect(&simulator_, &SimulatorClient::selectionChanged, this, &SimulationPanel::followSelection);
   connect(scenes_, &SceneBar::recentChanged, this, &rviz::Panel::configChanged);
+  connect(transport_, &TransportBar::folderChanged, this, &rviz::Panel::configChanged);
+  connect(transport_, &TransportBar::recordingChanged, this, &SimulationPanel::enableControls);
   connect(warnings_, &WarningsView::countChanged, this, &SimulationPanel::countWarnings);
   connect(wind_, &QCheckBox::clicked, &simulator_, &SimulatorClient::enableWind);
   connect(node_, &NodeBox::chosen, this, [this](const QString& node) {
@@ -120,6 +122,7 @@ void SimulationPanel::addKeys() {
   addKey(Qt::Key_Period, [this] { transport_->step(); });
   addKey(Qt::Key_Plus, [this] { transport_->goFaster(); });
   addKey(Qt::Key_Minus, [this] { transport_->goSlower(); });
+  addKey(Qt::Key_R, [this] { transport_->record(); });
   addKey(Qt::Key_1, [this] { simulator_.toggleWind(); });
   addKey(Qt::CTRL | Qt::Key_Z, [this] { simulator_.undo(); });
   addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, [this] { simulator_.redo(); });
@@ -142,6 +145,8 @@ void SimulationPanel::load(const rviz::Config& config) {
   const rviz::Config files = config.mapGetChild("Recent");
   for (int i = 0; i < files.listLength(); ++i) recent.append(files.listChildAt(i).getValue().toString());
   scenes_->setRecent(recent);
+  QString folder;
+  if (config.mapGetString("Recordings", &folder) && !folder.isEmpty()) transport_->setFolder(folder);
   int page = 0;
   if (config.mapGetInt("Page", &page)) pages_->setCurrentIndex(page);
 }
@@ -151,6 +156,7 @@ void SimulationPanel::save(rviz::Config config) const {
   config.mapSetValue("Node", node_->node());
   config.mapSetValue("Scene", scene_);
   config.mapSetValue("Page", pages_->currentIndex());
+  config.mapSetValue("Recordings", transport_->folder());
   rviz::Config recent = config.mapMakeChild("Recent");
   for (const QString& file : scenes_->recent()) recent.listAppendNew().setValue(file);
 }
@@ -174,6 +180,7 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   scenes_->show(status);
   wind_->setChecked(status.wind);
   showUnsaved(status.unsaved);
+  enableEdits(status.recording.empty());
 }
 
 void SimulationPanel::showUnsaved(bool is_unsaved) {
@@ -196,12 +203,24 @@ void SimulationPanel::look(const rigid_body_sim::Status& status) {
 }
 
 void SimulationPanel::showHeard(bool is_heard) {
-  controls_->setEnabled(is_heard);
+  is_heard_ = is_heard;
+  enableControls();
   if (is_heard) {
     showMessage({}, false);
   } else {
     showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
   }
+}
+
+// A recording can be ended also when nothing is heard any more.
+void SimulationPanel::enableControls() {
+  controls_->setEnabled(is_heard_ || transport_->isRecording());
+}
+
+// Nothing but the time of a replay can be steered.
+void SimulationPanel::enableEdits(bool is_live) {
+  for (QWidget* const widget : std::initializer_list<QWidget*>{scenes_, wind_, accuracy_, effects_, air_})
+    widget->setEnabled(is_live);
 }
 
 void SimulationPanel::showMessage(const QString& text, bool is_trouble) {

@@ -62,6 +62,8 @@ class SimulationPanel : public rviz::Panel {
   void follow(const QString& node);
   void show(const rigid_body_sim::Status& status);
   void showHeard(bool is_heard);
+  void enableControls();
+  void enableEdits(bool is_live);
   void look(const rigid_body_sim::Status& status);
   void showMessage(const QString& text, bool is_trouble);
   void countWarnings(int count);
@@ -77,6 +79,7 @@ class SimulationPanel : public rviz::Panel {
   SimulatorClient simulator_;
   QPointer<QWidget> window_;  ///< of RViz
   QString scene_;             ///< that the view belongs to
+  bool is_heard_ = false;
   QWidget* controls_;
   TransportBar* transport_;
   SceneBar* scenes_;

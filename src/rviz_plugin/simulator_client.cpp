@@ -9,6 +9,7 @@
 #include <rigid_body_sim/LoadSceneWithSeed.h>
 #include <rigid_body_sim/MeasureAccuracy.h>
 #include <rigid_body_sim/NamedBodies.h>
+#include <rigid_body_sim/Seek.h>
 #include <rigid_body_sim/SetEffects.h>
 #include <rigid_body_sim/SetFidelity.h>
 #include <rigid_body_sim/SetSpeed.h>
@@ -17,6 +18,8 @@
 #include <rigid_body_sim/TuneFidelity.h>
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
+
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -39,6 +42,8 @@ void SimulatorClient::follow(const QString& node) {
     connect(worker->get(), &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
   }
   setHeard(false);
+  is_seeking_ = false;
+  next_seek_.reset();
   selection_.clear();
   subscribers_.clear();
   select_.shutdown();
@@ -61,6 +66,7 @@ void SimulatorClient::follow(const QString& node) {
 void SimulatorClient::receive(const rigid_body_sim::Status& status) {
   quiet_looks_ = 0;
   wind_ = status.wind;
+  is_replay_ = !status.recording.empty();
   setHeard(true);
   Q_EMIT statusReceived(status);
 }
@@ -93,7 +99,7 @@ void SimulatorClient::setHeard(bool is_heard) {
   if (is_heard == is_heard_) return;
   is_heard_ = is_heard;
   Q_EMIT heardChanged(is_heard);
-  if (is_heard) listScenes();
+  if (is_heard && !is_replay_) listScenes();
 }
 
 void SimulatorClient::listScenes() {
@@ -108,6 +114,7 @@ void SimulatorClient::listScenes() {
 
 void SimulatorClient::tellAnswer(const QString& service, bool success, const QString& message) {
   if (success && service.endsWith("/list_scenes")) return;  // the user did not ask for it
+  if (success && service.endsWith("/seek")) return;         // the slider says it
   Q_EMIT reported(success ? message : QString("%1: %2").arg(service, message), !success);
 }
 
@@ -144,6 +151,21 @@ void SimulatorClient::step(int steps) {
   rigid_body_sim::Step::Request request;
   request.n = steps;
   stepper_->call<rigid_body_sim::Step>(inNode("step"), request);
+}
+
+void SimulatorClient::seek(double time) {
+  next_seek_ = time;
+  if (is_seeking_) return;
+  is_seeking_ = true;
+  using rigid_body_sim::Seek;
+  Seek::Request request;
+  request.time = *std::exchange(next_seek_, std::nullopt);
+  const auto goOn = [this] {
+    is_seeking_ = false;
+    if (next_seek_) seek(*next_seek_);
+  };
+  worker_->call<Seek>(
+      inNode("seek"), request, [goOn](const Seek::Response&) { goOn(); }, [goOn](const QString&) { goOn(); });
 }
 
 void SimulatorClient::setSpeed(double factor) {

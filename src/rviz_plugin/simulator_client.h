@@ -20,6 +20,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace rbs {
@@ -42,7 +43,11 @@ class SimulatorClient : public QObject {
   void reset();
   void undo();
   void redo();
-  void setSpeed(double factor);  ///< times real time; 0 is as fast as possible
+  /// Of a replay: goes to a time, s from the start of the recording. Of many calls, those are left out that are
+  /// overtaken by a later one.
+  void seek(double time);
+  bool isSeeking() const { return is_seeking_; }  ///< whether an answer to seek() is outstanding
+  void setSpeed(double factor);                   ///< times real time; 0 is as fast as possible
   /// By its name in the catalogue, or the path of its file.
   void loadScene(const QString& name);
   void loadSceneWithSeed(const QString& name, std::uint64_t seed);
@@ -116,6 +121,9 @@ class SimulatorClient : public QObject {
   int quiet_looks_ = 0;  ///< since the last status
   bool is_heard_ = false;
   bool wind_ = false;
+  bool is_replay_ = false;
+  bool is_seeking_ = false;
+  std::optional<double> next_seek_;  ///< the time that is asked for meanwhile, s
 };
 
 }  // namespace rbs

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "transport_bar.h"
 
+#include "colors.h"
 #include "icons.h"
+#include "node_box.h"
 #include "wheel_guard.h"
 
+#include <QDir>
+#include <QFileDialog>
 #include <QLabel>
+#include <QMenu>
 #include <QMessageBox>
 #include <QSignalBlocker>
 #include <QVBoxLayout>
@@ -66,15 +71,22 @@ TransportBar::TransportBar(SimulatorClient& simulator)
       row_(new QHBoxLayout),
       steps_(makeSteps()),
       slider_(new QSlider(Qt::Horizontal)),
-      speed_(makeSpeed()) {
+      speed_(makeSpeed()),
+      folder_(QDir::homePath()),
+      note_(new ElidedText(2)),
+      seek_bar_(new SeekBar(simulator)) {
   row_->setSpacing(4);
   play_ = addButton(playIcon(), "Run (space)");
-  QToolButton* const reset = addButton(resetIcon(), "Reset: back to the scene as it was loaded");
+  reset_ = addButton(resetIcon(), {});
   step_ = addButton(stepIcon(), "Take steps, while paused (.)");
   row_->addWidget(steps_);
   undo_ = addButton(undoIcon(), {});
   redo_ = addButton(redoIcon(), {});
   row_->addStretch();
+  record_ = addButton({}, {});
+  record_->setObjectName("record");
+  record_->setContextMenuPolicy(Qt::CustomContextMenu);
+  showRecording();
   slider_->setRange(0, kSliderSteps);
   slider_->setToolTip("Requested real-time factor, 0.01 to 100 (+ doubles it, - halves it)");
   guardFromWheel(*slider_);
@@ -88,13 +100,24 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   rows->setSpacing(4);
   rows->addLayout(row_);
   rows->addLayout(speed);
+  rows->addWidget(seek_bar_);
+  rows->addWidget(note_);
+  note_->setVisible(false);
 
   connect(slider_, &QSlider::valueChanged, this, [this](int place) { speed_->setValue(factorAt(place)); });
   connect(play_, &QToolButton::clicked, this, &TransportBar::playOrPause);
   connect(step_, &QToolButton::clicked, this, &TransportBar::step);
-  connect(reset, &QToolButton::clicked, this, &TransportBar::askToReset);
+  connect(reset_, &QToolButton::clicked, this, &TransportBar::askToReset);
   connect(undo_, &QToolButton::clicked, &simulator_, &SimulatorClient::undo);
   connect(redo_, &QToolButton::clicked, &simulator_, &SimulatorClient::redo);
+  connect(record_, &QToolButton::clicked, this, &TransportBar::record);
+  connect(record_, &QWidget::customContextMenuRequested, this, [this](const QPoint& place) {
+    QMenu menu;
+    menu.addAction("Folder of recordings…", this, &TransportBar::askFolder);
+    menu.exec(record_->mapToGlobal(place));
+  });
+  connect(&recorder_, &BagRecorder::stateChanged, this, &TransportBar::showRecording);
+  connect(&recorder_, &BagRecorder::told, this, &TransportBar::note);
   connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
 }
 
@@ -120,6 +143,41 @@ void TransportBar::askToReset() {
     if (question->standardButton(button) == QMessageBox::Reset) simulator_.reset();
   });
   question->open();
+}
+
+void TransportBar::askFolder() {
+  auto* const dialog = new QFileDialog(this, "Folder of recordings", folder_);
+  dialog->setAttribute(Qt::WA_DeleteOnClose);
+  dialog->setFileMode(QFileDialog::Directory);
+  dialog->setOption(QFileDialog::ShowDirsOnly);
+  connect(dialog, &QFileDialog::fileSelected, this, [this](const QString& folder) {
+    setFolder(folder);
+    showRecording();
+    Q_EMIT folderChanged();
+  });
+  dialog->open();
+}
+
+void TransportBar::record() {
+  if (record_->isEnabled())
+    recorder_.toggle(QString::fromStdString(resolvedNode(simulator_.node())), folder_);
+}
+
+void TransportBar::showRecording() {
+  const bool is_recording = recorder_.state() == BagRecorder::State::Recording;
+  record_->setIcon(is_recording ? stopRecordIcon() : recordIcon());
+  record_->setEnabled(is_recording || (recorder_.state() == BagRecorder::State::Idle && !is_replay_));
+  record_->setToolTip(
+      is_replay_     ? QString("A recording is replayed")
+      : is_recording ? QString("End the recording (R)")
+                     : QString("Record into a bag in %1 (R); a right click chooses the folder").arg(folder_));
+  Q_EMIT recordingChanged();
+}
+
+void TransportBar::note(const QString& text, bool is_trouble) {
+  note_->setText(text);
+  showTrouble(*note_, is_trouble);
+  note_->setVisible(!text.isEmpty());
 }
 
 void TransportBar::step() {
@@ -151,6 +209,13 @@ void TransportBar::show(const rigid_body_sim::Status& status) {
   offer(*undo_, "Undo", "Ctrl+Z", status.undo);
   offer(*redo_, "Redo", "Ctrl+Shift+Z", status.redo);
   is_unsaved_ = status.unsaved;
+  seek_bar_->show(status);
+  if (const bool is_replay = !status.recording.empty(); is_replay != is_replay_) {
+    is_replay_ = is_replay;
+    showRecording();
+  }
+  reset_->setToolTip(is_replay_ ? "Back to the start of the recording"
+                                : "Reset: back to the scene as it was loaded");
   if (!speed_->hasFocus() && !slider_->isSliderDown()) showSpeed(status.requested_speed);
   if (is_still == is_paused_) return;
   is_paused_ = is_still;

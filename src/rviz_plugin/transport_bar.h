@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The row of buttons that run, step, reset and pace the simulation, and undo edits.
+// The buttons that run, step, reset, pace and record the simulation, and undo edits; of a replay, the time in it.
 #pragma once
 
+#include "bag_recorder.h"
+#include "elided_text.h"
+#include "seek_bar.h"
 #include "simulator_client.h"
 
 #include <QDoubleSpinBox>
@@ -25,11 +28,25 @@ class TransportBar : public QWidget {
   void step();
   void goFaster() { scaleSpeed(2.0); }
   void goSlower() { scaleSpeed(0.5); }
+  /// Begins to record, or ends it.
+  void record();
+
+  bool isRecording() const { return recorder_.state() != BagRecorder::State::Idle; }
+  /// Folder of the recordings.
+  const QString& folder() const { return folder_; }
+  void setFolder(const QString& folder) { folder_ = folder; }
+
+ Q_SIGNALS:
+  void recordingChanged();
+  void folderChanged();
 
  private:
   void scaleSpeed(double factor);
   void showSpeed(double factor);
   void askToReset();
+  void askFolder();
+  void showRecording();
+  void note(const QString& text, bool is_trouble);
   QToolButton* addButton(const QIcon& icon, const QString& tip);
 
   SimulatorClient& simulator_;
@@ -40,8 +57,15 @@ class TransportBar : public QWidget {
   QSlider* slider_;  ///< logarithm of the requested speed
   QDoubleSpinBox* speed_;
   QToolButton *undo_, *redo_;
+  QToolButton* reset_;
+  QToolButton* record_;
+  BagRecorder recorder_;
+  QString folder_;
+  ElidedText* note_;  ///< of the recording
+  SeekBar* seek_bar_;
   bool is_paused_ = true;
   bool is_unsaved_ = false;
+  bool is_replay_ = false;
 };
 
 }  // namespace rbs

@@ -14,6 +14,7 @@
 #include <ros/ros.h>
 
 #include <QApplication>
+#include <QDir>
 #include <QElapsedTimer>
 #include <QFile>
 #include <QFileDialog>
@@ -66,6 +67,7 @@ class SimulationPanelTest : public testing::Test {
   static Widget& child(QWidget& parent, int k = 0) {
     return *parent.findChildren<Widget*>().at(k);
   }
+  static QToolButton& recordButton(TransportBar& bar) { return *bar.findChild<QToolButton*>("record"); }
   static void enter(QDoubleSpinBox& box, const char* text) {
     box.setFocus();
     box.selectAll();
@@ -246,6 +248,59 @@ TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
   const std::uint64_t before = status_.steps;
   bar.step();
   EXPECT_TRUE(waitFor([&] { return status_.steps == before + 1; }));
+}
+
+TEST_F(SimulationPanelTest, RecordsByItsButtonAndSaysWhereTheBagIs) {
+  const QTemporaryDir folder;
+  TransportBar bar(simulator_);
+  bar.setVisible(true);
+  bar.setFolder(folder.path());
+  const auto& note = child<ElidedText>(bar);
+  EXPECT_FALSE(note.isVisible());
+  QTest::mouseClick(&recordButton(bar), Qt::LeftButton);
+  EXPECT_TRUE(bar.isRecording());
+  ASSERT_TRUE(waitFor([&] { return note.text().contains(" MB a minute") || !bar.isRecording(); }))
+      << note.text().toStdString();
+  EXPECT_TRUE(bar.isRecording());
+  EXPECT_TRUE(note.text().startsWith("sim_")) << note.text().toStdString();
+  QTest::mouseClick(&recordButton(bar), Qt::LeftButton);
+  ASSERT_TRUE(waitFor([&] { return !bar.isRecording(); }));
+  const QStringList bags = QDir(folder.path()).entryList(QDir::Files);
+  ASSERT_EQ(bags.size(), 1);
+  EXPECT_TRUE(bags[0].startsWith("sim_") && bags[0].endsWith(".bag")) << bags[0].toStdString();
+  EXPECT_TRUE(note.text().startsWith("Recorded ") && note.text().contains(bags[0]))
+      << note.text().toStdString();
+}
+
+TEST_F(SimulationPanelTest, SaysWhyNothingIsRecorded) {
+  TransportBar bar(simulator_);
+  bar.setVisible(true);
+  bar.setFolder("/nowhere");
+  const auto& note = child<ElidedText>(bar);
+  bar.record();
+  ASSERT_TRUE(waitFor([&] { return !bar.isRecording(); }));
+  EXPECT_TRUE(note.text().contains("there is no folder /nowhere")) << note.text().toStdString();
+  const QByteArray path = qgetenv("PATH");
+  qputenv("PATH", "/nowhere");
+  bar.record();
+  ASSERT_TRUE(waitFor([&] { return !bar.isRecording(); }));
+  qputenv("PATH", path);
+  EXPECT_TRUE(note.text().contains("rosrun cannot be started")) << note.text().toStdString();
+}
+
+TEST_F(SimulationPanelTest, EndsTheRecordingWithThePanel) {
+  const QTemporaryDir folder;
+  const auto isThere = [&](const char* end) {
+    const QStringList files = QDir(folder.path()).entryList(QDir::Files);
+    return files.size() == 1 && files[0].endsWith(end);
+  };
+  {
+    TransportBar bar(simulator_);
+    bar.setFolder(folder.path());
+    bar.record();
+    ASSERT_TRUE(waitFor([&] { return isThere(".bag.active"); }));
+  }
+  EXPECT_TRUE(waitFor([&] { return isThere(".bag"); }));
 }
 
 TEST(WarningsView, CountsWhatComesAgainAndKeepsABoundedList) {
