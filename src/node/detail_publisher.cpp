@@ -33,7 +33,7 @@ constexpr std::array kMethods{
 std::uint8_t numberOf(std::string_view method) {
   const auto known =
       std::find_if(kMethods.begin(), kMethods.end(), [&](const auto& row) { return row.name == method; });
-  return known != kMethods.end() ? known->number : BodyDetails::NONE;
+  return known != kMethods.end() ? known->number : std::uint8_t{BodyDetails::NONE};
 }
 
 BodyDetails detailsMsg(const Timeline::Moment& moment, const RunComparison::Distances* distances) {

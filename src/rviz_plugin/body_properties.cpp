@@ -81,7 +81,7 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   connect(kind_, qOverload<int>(&QComboBox::activated), this, &BodyProperties::chooseKind);
   connect(color_, &QToolButton::clicked, this, &BodyProperties::chooseColor);
 
-  for (const BodyField& field : bodyFields()) rows_.push_back({});
+  rows_.resize(bodyFields().size());
   for (const BodyField& field : bodyFields()) addNumbers(field);
   grid_->setRowStretch(grid_->rowCount(), 1);
   setWidget(form_);
