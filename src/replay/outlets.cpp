@@ -3,6 +3,7 @@
 
 #include <rigid_body_sim/AccuracyStudy.h>
 #include <rigid_body_sim/BodyDescriptions.h>
+#include <rigid_body_sim/BodyDetails.h>
 #include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/BodyStates.h>
 #include <rigid_body_sim/Contacts.h>
@@ -109,6 +110,7 @@ std::map<std::string, std::unique_ptr<Outlet>> makeOutlets(ros::NodeHandle& simu
   };
   add(BodyDescriptions(), "body_descriptions", Says::All, kLatched);
   add(BodyStates(), "body_states", Says::All);
+  add(BodyDetails(), "body_details", Says::All);
   add(Contacts(), "contacts", Says::All);
   add(Wind(), "wind", Says::All);
   add(AccuracyStudy(), "accuracy", Says::All, kLatched);

@@ -100,6 +100,10 @@ void ReplayServices::offerTime() {
       throw std::runtime_error("the recording ends here: " + player_.inWords());
     return player_.inWords();
   });
+  offer<Trigger>("republish", [this](const auto&, auto&) {
+    player_.seek(player_.seconds());
+    return "what is shown is sent again";
+  });
   offer<Seek>("seek", [this](const auto& request, auto&) {
     player_.seek(request.time);
     return player_.inWords();

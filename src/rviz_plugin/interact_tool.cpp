@@ -74,10 +74,14 @@ void InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
   }
 }
 
+// Before each picture: the bodies of a simulator are to be known before the mouse is over one of them.
+void InteractTool::update(float, float) {
+  for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
+    bodiesOf(node);
+}
+
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   nothing_there_ = "There is no body here: the mouse turns the view.";
-  for (const std::string& node : SimulationPanel::nodes(context_->getWindowManager()->getParentWindow()))
-    bodiesOf(node);  // so that they are known before the first press
   const std::optional<PickedBody> picked = pickBody(*context_, event);
   const bool takes_drags = picked && aimAt(*picked);
   hover(takes_drags ? &*picked : nullptr);

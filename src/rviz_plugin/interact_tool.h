@@ -25,6 +25,7 @@ class InteractTool : public rviz::InteractionTool {
  public:
   void onInitialize() override;
   void deactivate() override;
+  void update(float wall_dt, float ros_dt) override;
   int processMouseEvent(rviz::ViewportMouseEvent& event) override;
   int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
 
