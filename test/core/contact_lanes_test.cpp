@@ -43,12 +43,12 @@ class Heap {
     analysis_ = analyseScene(store_);
     step_.begin(store_, 0.0, kStep);
     step_.islands.resize(1);
-    for (const Index i : store_.lists.in_islands) step_.island[i] = 0, batch_.bodies.push_back(i);
+    for (const Index i : store_.lists.in_islands) step_.island[i] = 0, bodies_.push_back(i);
     for (Index i = 0; i < store_.bodies.size(); ++i)
       for (Index j = i + 1; j < store_.bodies.size(); ++j) {
         if (step_.island[i] == kNone && step_.island[j] == kNone) continue;
         const Index contact = store_.contacts.add(store_.bodies, i, j);
-        batch_.edges.push_back(islands::edgeOf(store_.contacts, contact));
+        edges_.push_back(islands::edgeOf(store_.contacts, contact));
         store_.contacts.active.back().state.touch();
       }
   }
@@ -67,7 +67,9 @@ class Heap {
   StepStore step_;
   SceneAnalysis analysis_;
   Context context_{store_, step_, analysis_};
-  IslandBatch batch_;
+  std::vector<Index> bodies_;
+  std::vector<Edge> edges_;
+  IslandBatch batch_{bodies_, edges_};
 };
 
 void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point,

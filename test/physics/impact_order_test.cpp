@@ -221,4 +221,46 @@ TEST(ImpactOrder, WhatTheBulgeOfAPathReachesIsMet) {
   }
 }
 
+// What a ball does in three steps that falls on a field of a hundred boxes, which touch each other.
+struct Landing {
+  unsigned impacts = 0, deferred = 0;
+  double height = 0.0;  // of the ball above the field at the end, m
+};
+
+Landing landingOf(double speed, double restitution) {
+  constexpr double kSize = 0.4, kRadius = 0.2;
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  for (int k = 0; k < 100; ++k) {
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Constant(kSize),
+                               Vec3(kSize * (k % 10), kSize * (k / 10), 0.5 * kSize)));
+    scene.bodies.back().density = 1e5;  // the ball is light: an impact hardly moves a box
+  }
+  World world(ordered(scene));
+  for (int k = 0; k < 5; ++k) world.step();
+  BodyDef falling = ball("ball", kRadius, Vec3(5.0 * kSize, 5.0 * kSize, kSize + kRadius + 0.02));
+  falling.twist.v_WB.z() = -speed;
+  falling.material.restitution = restitution;
+  const BodyId id = world.addBody(falling);
+  Landing landing;
+  for (int k = 0; k < 3; ++k) {
+    const StepReport& report = world.step();
+    landing.impacts += report.impacts, landing.deferred += report.deferred_impacts;
+  }
+  landing.height = world.pose(id).p_WB.z() - kSize - kRadius;
+  return landing;
+}
+
+TEST(ImpactOrder, AGroupIsCutOnlyForABodyThatReboundsOrMayPassThrough) {
+  const Landing lands = landingOf(3.0, 0.0);
+  EXPECT_EQ(lands.impacts, 0u);
+  EXPECT_GE(lands.deferred, 1u);
+  EXPECT_NEAR(lands.height, 0.0, 5e-3);
+  const Landing rebounds = landingOf(3.0, 0.5);
+  EXPECT_GE(rebounds.impacts, 1u);
+  EXPECT_GT(rebounds.height, 0.02);
+  const Landing shot = landingOf(300.0, 0.0);
+  EXPECT_GE(shot.impacts, 1u);
+  EXPECT_GT(shot.height, -0.1);
+}
+
 }  // namespace

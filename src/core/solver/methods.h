@@ -10,8 +10,8 @@ namespace rbs {
 
 /// Islands that are advanced together: all their bodies and all their edges.
 struct IslandBatch {
-  std::vector<Index> bodies;
-  std::vector<Edge> edges;
+  const std::vector<Index>& bodies;
+  const std::vector<Edge>& edges;
 };
 
 namespace flight {

@@ -100,22 +100,25 @@ void advanceTo(Context& context, Island& island, double time) {
 
 void advanceToEnd(Context& context) {
   StepStore& step = context.step;
-  IslandBatch flying, connected;
+  struct Together {
+    std::vector<Index> bodies;
+    std::vector<Edge> edges;
+  } flying, connected;
   for (Island& island : step.islands) {
     if (island.time >= step.t1) continue;
     const bool alone = !island.flies() && (island.exact || isHasty(context, island));
     if (island.time > step.t0 || alone) {
       advanceTo(context, island, step.t1);
     } else {
-      IslandBatch& batch = island.flies() ? flying : connected;
+      Together& batch = island.flies() ? flying : connected;
       append(batch.bodies, island.bodies);
       append(batch.edges, island.edges);
       island.time = step.t1;
     }
   }
   std::sort(connected.edges.begin(), connected.edges.end());
-  advanceBatch(context, flying, false, step.t0, step.t1);
-  advanceBatch(context, connected, false, step.t0, step.t1);
+  advanceBatch(context, {flying.bodies, flying.edges}, false, step.t0, step.t1);
+  advanceBatch(context, {connected.bodies, connected.edges}, false, step.t0, step.t1);
 }
 
 void reportIslands(Context& context) {

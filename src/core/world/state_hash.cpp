@@ -3,6 +3,8 @@
 
 #include "state/scene_fields.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <type_traits>
@@ -11,24 +13,36 @@ namespace rbs {
 
 namespace {
 
+// A word at a time: a multiplication carries a difference up, a shift brings it down. Both can be undone, so states
+// that differ in one word have different hashes. (The factor and the shift are of splitmix64, G. Steele, D. Lea and
+// C. Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.)
 class Hash {
  public:
   template <class Number>
   void add(Number value) {
-    static_assert(std::is_arithmetic_v<Number>);
-    unsigned char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-    for (const unsigned char byte : bytes) value_ = (value_ ^ byte) * 0x100000001b3ull;
+    static_assert(std::is_arithmetic_v<Number> && sizeof(Number) <= sizeof(std::uint64_t));
+    std::uint64_t word = 0;
+    std::memcpy(&word, &value, sizeof value);
+    mix(word);
   }
   void add(const Vec3& v) { add(v.x()), add(v.y()), add(v.z()); }
   void add(const Pose& pose) { add(pose.p_WB), add(Vec3(pose.q_WB.vec())), add(pose.q_WB.w()); }
   void add(const std::string& text) {
-    for (const char c : text) add(c);
+    for (std::size_t k = 0; k < text.size(); k += sizeof(std::uint64_t)) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, text.data() + k, std::min(sizeof word, text.size() - k));
+      mix(word);
+    }
     add(text.size());
   }
   std::uint64_t value() const { return value_; }
 
  private:
+  void mix(std::uint64_t word) {
+    value_ = (value_ ^ word) * 0xbf58476d1ce4e5b9ull;
+    value_ ^= value_ >> 27;
+  }
+
   std::uint64_t value_ = 0xcbf29ce484222325ull;
 };
 

