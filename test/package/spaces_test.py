@@ -53,7 +53,7 @@ class SpacesTest(unittest.TestCase):
         for sourced in (space, BUILD / 'devel'):  # each finds its own launch file, and no other
             self.assertIn('/sim', self.done('source %s/setup.bash; roslaunch --nodes rigid_body_sim sim.launch' % sourced))
         programs = sorted(os.listdir(space / 'lib/rigid_body_sim'))
-        self.assertEqual(programs, ['accuracy_probe', 'explain', 'rbs', 'record', 'replay_node',
+        self.assertEqual(programs, ['accuracy_probe', 'explain', 'rbs', 'record', 'replay_node', 'resimulate',
                                     'rigid_body_sim_accuracy', 'scene_accuracy', 'simulator_node'])
         libraries = self.done('ldd %s/lib/rigid_body_sim/* %s/lib/*.so 2>&1 || true' % (space, space))
         for engine in ('Bullet', 'libode', 'libmujoco', 'libdart'):

@@ -35,7 +35,6 @@ PLAY_GREEN = (0x2e, 0x9e, 0x4f)
 PAUSE_AMBER = (0xd9, 0x8a, 0x00)
 STEP_BLUE = (0x2f, 0x6f, 0xbf)
 RESET_RED = (0xb8, 0x43, 0x3a)
-UNDO_GREY = (0x5f, 0x6b, 0x7a)  # and redo
 
 
 def call(service, kind, *arguments, node='/sim'):
@@ -305,7 +304,8 @@ class GuiTest(unittest.TestCase):
         self.rviz.key('ctrl+shift+z')
         self.wait_for_status(lambda s: 'right' in s.undo, 'the deletion is made again')
         self.assertNotIn('right', call('list_bodies', ListBodies).names)
-        self.press(UNDO_GREY)
+        step = wait_until(lambda: self.rviz.find_color(STEP_BLUE), 'the step button')
+        self.rviz.click((step[0] + 96, step[1]))  # its arrow has the colour of texts
         self.wait_for_status(lambda s: s.hash == before, 'the deletion is undone')
 
     def answer_question(self, *keys):

@@ -16,7 +16,7 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
     const double deep = kDeep * smallerLength(context.scene.bodies, contacts.bodies[block.i].body,
                                               contacts.bodies[block.j].body);
     if (all || std::any_of(points, points + block.size, [&](const SolverPoint& p) { return p.gap < -deep; }))
-      found.push_back(islandOf(context, contacts, block));
+      found.push_back(contacts.islandOf(block));
   }
   for (const SolverBody& s : contacts.bodies)
     if (s.inv_mass > 0.0 && step.isCrowded(s.body)) found.push_back(step.island[s.body]);

@@ -17,11 +17,6 @@ double loadWork(const Context& context, const SolverBody& s) {
   return load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
 }
 
-Index islandOf(const Context& context, const SolverContacts& contacts, const SolverBlock& block) {
-  const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
-  return context.step.island[i.inv_mass > 0.0 ? i.body : j.body];
-}
-
 void IslandEnergies::begin(const Context& context, const SolverContacts& contacts,
                            std::vector<Index> islands) {
   std::sort(islands.begin(), islands.end());

@@ -13,9 +13,6 @@ double kineticEnergy(const Context& context, const SolverBody& s);
 /// Work of its load since the start of the soft step, J.
 double loadWork(const Context& context, const SolverBody& s);
 
-/// The island of the dynamic bodies of a block.
-Index islandOf(const Context& context, const SolverContacts& contacts, const SolverBlock& block);
-
 struct IslandEnergy {
   Index island;
   double energy = 0.0;           ///< kinetic, at the start, J

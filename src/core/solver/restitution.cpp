@@ -30,7 +30,7 @@ double largestShare(double a, double b, double c) {
 void Restitution::begin(const Context& context, const SolverContacts& contacts) {
   std::vector<Index> found;
   for (const SolverBlock& block : contacts.blocks)
-    if (block.pair.e > 0.0) found.push_back(islandOf(context, contacts, block));
+    if (block.pair.e > 0.0) found.push_back(contacts.islandOf(block));
   islands_.begin(context, contacts, std::move(found));
 }
 

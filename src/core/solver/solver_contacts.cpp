@@ -3,7 +3,6 @@
 
 #include "base/algebra.h"
 #include "base/tolerances.h"
-#include "solver/island_energy.h"
 #include "solver/residuals.h"
 
 #include <algorithm>
@@ -290,7 +289,7 @@ void SolverContacts::store(double h, double h_full) {
   context_.step.workers->share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
       storeBlock(blocks[k], h, rest);
-      Island* const island = &context_.step.islands[islandOf(context_, *this, blocks[k])];
+      Island* const island = &context_.step.islands[islandOf(blocks[k])];
       if (parts[part].empty() || parts[part].back().first != island)
         parts[part].emplace_back(island, IslandResiduals());
       residuals::add(parts[part].back().second, residualsOf(blocks[k]));
@@ -298,6 +297,11 @@ void SolverContacts::store(double h, double h_full) {
   });
   for (const Residuals& part : parts)
     for (const auto& [island, solved] : part) residuals::add(island->residuals, solved);
+}
+
+Index SolverContacts::islandOf(const SolverBlock& block) const {
+  const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+  return context_.step.island[i.inv_mass > 0.0 ? i.body : j.body];
 }
 
 void SolverContacts::storeBlock(const SolverBlock& block, double h, double rest) const {

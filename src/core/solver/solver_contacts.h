@@ -91,6 +91,8 @@ class SolverContacts {
     }
     return u;
   }
+  /// The island of the dynamic bodies of a block.
+  Index islandOf(const SolverBlock& block) const;
   /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
   /// `h_full` that of one that nothing cuts short.
   void store(double h, double h_full);

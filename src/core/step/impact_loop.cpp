@@ -101,7 +101,7 @@ class ImpactLoop {
   // Whether soft contacts stop a pair as well as an impact does: it does not rebound, and no sub-step takes one
   // far into the other. A point that is open asks that it does not close faster than it can.
   bool isStoppedByContacts(const PendingImpact& impact) const {
-    constexpr double kMostTravel = 0.25;  // in a sub-step, of the smaller length
+    constexpr double kStoppedTravel = 0.25;  // in a sub-step, of the smaller length
     if (step_.solver.exact || context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
     const Bodies& bodies = context_.scene.bodies;
     const auto speedOf = [&](Index i) {
@@ -109,7 +109,7 @@ class ImpactLoop {
       return bodies.twist[i].v_WB.norm() + (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
     };
     const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / step_.solver.sub_steps;
-    return travel <= kMostTravel * smallerLength(bodies, impact.i, impact.j);
+    return travel <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
   // Brings both islands to the impact if the budget allows it.
