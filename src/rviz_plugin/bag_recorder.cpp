@@ -53,7 +53,7 @@ QString troubleIn(QString line) {
 }  // namespace
 
 BagRecorder::BagRecorder() {
-  connect(&progress_, &QTimer::timeout, this, &BagRecorder::tellProgress);
+  connect(&progress_, &QTimer::timeout, this, &BagRecorder::reportProgress);
 }
 
 // The process closes its bag by itself, and its object goes when it has.
@@ -88,7 +88,7 @@ void BagRecorder::start(const QString& node, const QString& folder) {
   process_->start("rosrun", {"rigid_body_sim", "record", "--simulator", node, "--file", file_});
   setState(State::Recording);
   progress_.start(kProgressPeriod);
-  tellProgress();
+  reportProgress();
 }
 
 void BagRecorder::stop() {
@@ -96,7 +96,7 @@ void BagRecorder::stop() {
   seconds_ = 1e-3 * static_cast<double>(elapsed_.elapsed());
   interrupt(*process_);
   setState(State::Closing);
-  tellProgress();
+  reportProgress();
 }
 
 void BagRecorder::setState(State state) {
@@ -111,9 +111,9 @@ void BagRecorder::readOutput() {
   }
 }
 
-void BagRecorder::tellProgress() {
+void BagRecorder::reportProgress() {
   if (state_ == State::Closing) {
-    Q_EMIT told("Closing " + file_ + " …", false);
+    Q_EMIT reported("Closing " + file_ + " …", false);
     return;
   }
   const double seconds = 1e-3 * static_cast<double>(elapsed_.elapsed());
@@ -122,7 +122,7 @@ void BagRecorder::tellProgress() {
   if (bytes > 0.0)
     text += QString(", %1, %2 a minute").arg(megabytes(bytes), megabytes(60.0 * bytes / seconds));
   if (!trouble_.isEmpty()) text += ". " + trouble_;
-  Q_EMIT told(text, !trouble_.isEmpty());
+  Q_EMIT reported(text, !trouble_.isEmpty());
 }
 
 void BagRecorder::finish(int code, QProcess::ExitStatus status) {
@@ -134,9 +134,9 @@ void BagRecorder::finish(int code, QProcess::ExitStatus status) {
   setState(State::Idle);
   const QFileInfo bag(file_);
   if (bag.exists() && was_stopped && code == 0 && status == QProcess::NormalExit) {
-    Q_EMIT told(QString("Recorded %1 into %2 (%3).")
-                    .arg(clockTime(seconds_), file_, megabytes(static_cast<double>(bag.size()))),
-                false);
+    Q_EMIT reported(QString("Recorded %1 into %2 (%3).")
+                        .arg(clockTime(seconds_), file_, megabytes(static_cast<double>(bag.size()))),
+                    false);
     return;
   }
   QString text = was_stopped ? "The recording has failed" : "The recording has ended by itself";
@@ -144,7 +144,7 @@ void BagRecorder::finish(int code, QProcess::ExitStatus status) {
   if (bag.exists()) text += ". It is in " + file_;
   if (QFileInfo::exists(file_ + ".active"))
     text += QString(". What there is of it is in %1.active").arg(file_);
-  Q_EMIT told(text + ".", true);
+  Q_EMIT reported(text + ".", true);
 }
 
 void BagRecorder::fail(QProcess::ProcessError error) {
@@ -154,7 +154,7 @@ void BagRecorder::fail(QProcess::ProcessError error) {
   process_->deleteLater();
   process_ = nullptr;
   setState(State::Idle);
-  Q_EMIT told(QString("Nothing is recorded: rosrun cannot be started (%1).").arg(why), true);
+  Q_EMIT reported(QString("Nothing is recorded: rosrun cannot be started (%1).").arg(why), true);
 }
 
 }  // namespace rbs

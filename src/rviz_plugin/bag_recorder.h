@@ -31,12 +31,12 @@ class BagRecorder : public QObject {
  Q_SIGNALS:
   void stateChanged();
   /// What to show: the file, time and size of what is recorded; afterwards where it is, or why there is none.
-  void told(const QString& text, bool is_trouble);
+  void reported(const QString& text, bool is_trouble);
 
  private:
   void setState(State state);
   void readOutput();
-  void tellProgress();
+  void reportProgress();
   void finish(int code, QProcess::ExitStatus status);
   void fail(QProcess::ProcessError error);
 

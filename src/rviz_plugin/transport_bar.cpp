@@ -117,7 +117,7 @@ TransportBar::TransportBar(SimulatorClient& simulator)
     menu.exec(record_->mapToGlobal(place));
   });
   connect(&recorder_, &BagRecorder::stateChanged, this, &TransportBar::showRecording);
-  connect(&recorder_, &BagRecorder::told, this, &TransportBar::note);
+  connect(&recorder_, &BagRecorder::reported, this, &TransportBar::note);
   connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
 }
 

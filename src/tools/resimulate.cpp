@@ -245,7 +245,7 @@ class Recording {
         run_.take(entry);
         if (compareBodies(world, entry)) return;
       }
-    } catch (const std::exception&) {  // no recording from there on: the mismatch has been told
+    } catch (const std::exception&) {  // no recording from there on: the mismatch has been reported
     }
     std::printf("No checkpoint of this world follows, so where the bodies are is not known.\n");
   }

@@ -2,6 +2,7 @@
 // What a step allocates goes with the number of bodies: an island's share does not grow with the bodies of
 // others.
 #include "make_scene.h"
+#include "rigid_body_sim/simulator.h"
 
 #include <gtest/gtest.h>
 
@@ -81,6 +82,24 @@ TEST(Memory, IsGivenBackWhenAWorldIsCleared) {
   EXPECT_GT(live, empty + 1000000u);
   world.clear();
   EXPECT_LT(live, empty + 20000u);
+}
+
+// The worlds of the history have none of the memory that their steps took.
+TEST(Memory, OfStepsIsNotKeptForUndo) {
+  SceneDef wall = onFloor(1.0 / 60.0, 0.5);
+  for (int row = 0; row < 20; ++row)
+    for (int k = 0; k < 20 - row; ++k)
+      wall.bodies.push_back(box("box_" + std::to_string(row) + "_" + std::to_string(k), Vec3::Ones(),
+                                Vec3(1.1 * (k + 0.5 * row), 0.0, 0.5 + row)));
+  Simulator simulator(wall, {true, 1.0});
+  simulator.step(3);
+  const std::size_t before = live;
+  constexpr int kLoads = 5;
+  for (int k = 0; k < kLoads; ++k) {
+    simulator.load(wall);
+    simulator.step(3);
+  }
+  EXPECT_LT((live - before) / kLoads, 800000u);
 }
 
 }  // namespace

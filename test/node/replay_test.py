@@ -163,7 +163,7 @@ class ReplayTest(unittest.TestCase):
         self.addCleanup(player.end)
         statuses = StatusListener()
         self.addCleanup(statuses.subscriber.unregister)
-        wait(statuses.all, 'the replay tells its status')
+        wait(statuses.all, 'the replay publishes its status')
         return player, statuses
 
     def listen(self, topic, kind):
@@ -225,7 +225,7 @@ class ReplayTest(unittest.TestCase):
                 got, wanted = ([getattr(messages[topic], field) for field in fields] for messages in (shown, recorded))
                 self.assertEqual(content(*got), content(*wanted), 'at %g s' % time)
             status = wait(lambda: [s for s in heard['status'].all() if abs(s.recording[0] - time) < 1e-8],
-                          'the status tells the time')[0]
+                          'the status has the time')[0]
             self.assertEqual((status.time, status.scene, status.hash),
                              (recorded['status'].time, recorded['status'].scene, recorded['status'].hash), time)
             descriptions = wait(heard['body_descriptions'].all, 'descriptions come')[-1]
@@ -322,14 +322,14 @@ class ReplayTest(unittest.TestCase):
         select = rospy.Publisher('/sim/select_bodies', BodyNames, queue_size=1, latch=True)
         self.addCleanup(select.unregister)
         select.publish(BodyNames(['a', 'b']))
-        wait(lambda: selected.all() and selected.all()[-1].names == ['a', 'b'], 'the selection is told')
+        wait(lambda: selected.all() and selected.all()[-1].names == ['a', 'b'], 'the selection is published')
         selected.clear()
         self.assertTrue(seek(0.3).success)
         self.assertEqual(selected.all(), [])
         mouse = rospy.Publisher('/sim/interactive_bodies/mouse', InteractiveMarkerFeedback, queue_size=1, latch=True)
         self.addCleanup(mouse.unregister)
         mouse.publish(InteractiveMarkerFeedback(marker_name='a', event_type=InteractiveMarkerFeedback.POSE_UPDATE))
-        self.assertIn('nothing can be moved', wait(answers.all, 'the viewer is told')[0].data)
+        self.assertIn('nothing can be moved', wait(answers.all, 'the viewer gets an answer')[0].data)
 
     def refusal(self, path, *parameters):
         """What the node says of a bag that it cannot replay."""

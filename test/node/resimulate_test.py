@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""A session is recorded with rosbag, and run again by resimulate. It tells recordings that differ from those that cannot be
+"""A session is recorded with rosbag, and run again by resimulate. It knows recordings that differ from those that cannot be
 run."""
 import os
 import re

@@ -128,10 +128,10 @@ struct Simulator::Impl {
     std::exchange(request, std::nullopt)->end(by);
   }
 
-  // A world of the history, or the present one for it.
+  // A world of the history, or the present one for it: a copy, which has none of the memory and the threads of its
+  // steps.
   EditHistory::Entry present(std::string what) {
-    world.setThreads(1);
-    return {std::move(what), std::move(world), std::atomic_load(&origin), revision};
+    return {std::move(what), World(world), std::atomic_load(&origin), revision};
   }
 
   void apply(const std::function<std::string(World&)>& edit, std::string& what) {
