@@ -145,7 +145,7 @@ void Player::tick() {
   const double passed = std::chrono::duration<double>(now - ticked_).count();
   ticked_ = now;
   if (!paused_) {
-    const double speed = speed_ == 0.0 ? kFastest : speed_;
+    const double speed = speed_ == 0.0 ? kFastest : std::min(speed_, kFastest);
     const double next = static_cast<double>(position_) + kSecond * speed * passed;
     position_ = next < static_cast<double>(recording_.length()) ? static_cast<Nanoseconds>(next)
                                                                 : recording_.length();
@@ -203,13 +203,15 @@ void Player::show(bool with_selection) {
     const Recording::Channel& channel = recording_.channels()[c];
     const bool is_status = channel.topic == kStatus;
     const Recording::Entry* entry = recording_.last(channel, count_);
-    if (!entry && is_status) entry = &recording_.entries()[channel.entries.front()];
     if (!entry) continue;
     const Outlet* const outlet = outletOf(c);
     const bool holds = outlet && (outlet->says() == Outlet::Says::All ||
                                   (with_selection && outlet->says() == Outlet::Says::Event));
     if (is_status || holds) play(*entry);
   }
+  for (const Recording::Channel& channel : recording_.channels())
+    if (!status_ && channel.topic == kStatus && !channel.entries.empty())
+      play(recording_.entries()[channel.entries.front()]);
   showMarkers();
   sendClock();
   sendStatus();
@@ -260,7 +262,7 @@ void Player::sendStatus() {
   rigid_body_sim::Status status = *status_;
   status.paused = paused_;
   status.requested_speed = speed_;
-  status.achieved_speed = paused_ ? 0.0 : speed_ == 0.0 ? kFastest : speed_;
+  status.achieved_speed = paused_ ? 0.0 : speed_ == 0.0 ? kFastest : std::min(speed_, kFastest);
   status.lost_time = 0.0;
   status.bottleneck.clear();
   status.steps_left = 0;

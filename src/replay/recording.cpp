@@ -18,6 +18,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -153,7 +154,7 @@ void Recording::readIndex(const std::string& file) {
   std::vector<Entry> unsorted;
   std::map<const void*, std::size_t> channels;    // by the header of their connection
   std::map<std::string, Nanoseconds> last_stamp;  // by topic
-  Nanoseconds part = 0, latest = kUnknown;
+  Nanoseconds part = 0, part_begin = std::numeric_limits<Nanoseconds>::min(), latest = kUnknown;
   Bytes bytes;
   const auto is_ours = [&](const rosbag::ConnectionInfo* connection) {
     const std::string& topic = connection->topic;
@@ -175,11 +176,12 @@ void Recording::readIndex(const std::string& file) {
       if (stamp == kUnknown) continue;
       const auto before = last_stamp.find(topic);
       if (before != last_stamp.end() && stamp < before->second) {  // the simulator was started again
-        part = latest + 1 - stamp;
+        part_begin = latest + 1;
+        part = part_begin - stamp;
         last_stamp.clear();
       }
       last_stamp[topic] = stamp;
-      time = stamp + part;
+      time = std::max(stamp + part, part_begin);  // another topic may have begun earlier
       latest = std::max(latest, time);
     }
     unsorted.push_back({time, part, known->second, message});

@@ -75,7 +75,7 @@ void BagRecorder::toggle(const QString& node, const QString& folder) {
 
 void BagRecorder::start(const QString& node, const QString& folder) {
   if (state_ != State::Idle) return;
-  const QString name = node.mid(node.lastIndexOf('/') + 1);
+  const QString name = QString(node.startsWith('/') ? node.mid(1) : node).replace('/', '_');
   const QString date = QDateTime::currentDateTime().toString("yyyy-MM-dd-HH-mm-ss");
   file_ = QDir(folder).filePath(QString("%1_%2.bag").arg(name, date));
   trouble_.clear();
@@ -85,10 +85,10 @@ void BagRecorder::start(const QString& node, const QString& folder) {
   connect(process_, qOverload<int, QProcess::ExitStatus>(&QProcess::finished), this, &BagRecorder::finish);
   connect(process_, &QProcess::errorOccurred, this, &BagRecorder::fail);
   elapsed_.start();
-  process_->start("rosrun", {"rigid_body_sim", "record", "--simulator", node, "--file", file_});
   setState(State::Recording);
   progress_.start(kProgressPeriod);
-  reportProgress();
+  process_->start("rosrun", {"rigid_body_sim", "record", "--simulator", node, "--file", file_});
+  if (state_ == State::Recording) reportProgress();  // start() may fail at once
 }
 
 void BagRecorder::stop() {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rbs {
 namespace {
@@ -61,7 +62,8 @@ void SeekBar::show(const rigid_body_sim::Status& status) {
   setVisible(is_replay);
   if (!is_replay || slider_->isSliderDown() || simulator_.isSeeking()) return;
   const QSignalBlocker quiet(slider_);
-  slider_->setRange(0, static_cast<int>(status.recording[1] / kTick));
+  constexpr double kMost = std::numeric_limits<int>::max();
+  slider_->setRange(0, static_cast<int>(std::min(status.recording[1] / kTick, kMost)));
   slider_->setSingleStep(std::max(1, ticks(status.step)));
   slider_->setPageStep(ticks(1.0));
   slider_->setValue(ticks(status.recording[0]));

@@ -153,6 +153,7 @@ void SpawnTool::takeMeshWhenRead() {
 }
 
 void SpawnTool::showGhost() {
+  if (!ghost_) return;  // another tool is in use
   if (!position_ || !unit_) return ghost_->hide();
   ghost_->show(size_->getFloat(), *position_, toOgre(unit_->q_WB));
 }

@@ -53,7 +53,6 @@ class SpawnTool : public rviz::Tool {
   void take(const Standing& standing);
   void takeMeshWhenRead();
   void showGhost();
-  void showHelp();
   /// Where there is nothing under the mouse, the plane z = 0.
   std::optional<Surface> surfaceUnder(const rviz::ViewportMouseEvent& event);
   void place(const rviz::ViewportMouseEvent& event);

@@ -208,8 +208,12 @@ class Recording {
   std::optional<Mismatch> takeAll() {
     const Progress progress(commands_.size());
     std::size_t n = 0;
+    bool has_begun = false;
     for (auto at = commands_.begin(); at != commands_.end(); ++at, ++n) {
       const Recorded entry = next(*at);
+      // A recorder may hear of entries for others before it gets its own checkpoint.
+      has_begun = has_begun || std::holds_alternative<Recorded::Checkpoint>(entry.what);
+      if (!has_begun) continue;
       const std::optional<Mismatch> found = run_.take(entry);
       if (found) {
         progress.clear();
@@ -219,6 +223,7 @@ class Recording {
       }
       progress.show(n, run_);
     }
+    if (!has_begun) throw std::runtime_error("the bag has no checkpoint to begin with");
     return std::nullopt;
   }
 

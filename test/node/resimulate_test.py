@@ -222,6 +222,13 @@ class ResimulateTest(unittest.TestCase):
         self.assertEqual(code, 2, said)
         self.assertIn('entry %d of the commands is followed by entry %d' % (lost - 1, lost + 1), said)
 
+    def test_entries_before_the_first_checkpoint_are_passed_over(self):
+        first = self.entries()[0]
+        self.assertEqual(first.kind, 'checkpoint')
+        code, said = resimulate(self.changed(
+            lambda topic, message: None if topic == COMMANDS and message.sequence == first.sequence else (topic, message)))
+        self.assertEqual(code, 0, said)
+
     def test_faulty_text_is_no_recording(self):
         def change(topic, message):
             if topic == COMMANDS:

@@ -95,6 +95,7 @@ def prepare(layout):
     panel = next(panel for panel in layout['Panels'] if panel['Class'] == 'rigid_body_sim/SimulationPanel')
     panel['Page'] = 1
     tool = next(tool for tool in layout['Visualization Manager']['Tools'] if tool['Class'] == 'rigid_body_sim/Spawn')
+    tool['Size'] = 0.505  # is read before the tool has been used
     tool['Mesh'] = 'package://rigid_body_sim/scenes/meshes/dodecahedron.obj'
 
 

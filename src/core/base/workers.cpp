@@ -2,6 +2,7 @@
 #include "base/workers.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace rbs {
@@ -37,8 +38,13 @@ void Workers::setCount(unsigned threads) {
   count_ = threads;
 }
 
+// Fewer do as well, where the system has no more.
 void Workers::start() {
-  while (threads_.size() + 1 < count_) threads_.emplace_back([this] { work(); });
+  try {
+    while (threads_.size() + 1 < count_) threads_.emplace_back([this] { work(); });
+  } catch (const std::system_error&) {
+    count_ = static_cast<unsigned>(threads_.size()) + 1;
+  }
 }
 
 void Workers::stop() {
@@ -58,16 +64,16 @@ void Workers::work() {
     while (takePart()) {
     }
     for (int k = 0; k < kSpins && numberOf(left_) == numberOf(seen); ++k) relax();
-    if (numberOf(left_) == numberOf(seen)) sleepUntil(numberOf(seen) + 1);
+    if (numberOf(left_) == numberOf(seen)) sleepAfter(numberOf(seen));
   }
 }
 
-// Who begins a loop looks for sleepers after he has written its number, and who sleeps looks for the number
-// after he has said so: one of the two sees the other.
-void Workers::sleepUntil(std::uint64_t number) {
+// share() looks for sleeping threads after it has written the number of its loop, and a thread looks for the number
+// after it has counted itself as sleeping: one of the two sees the other.
+void Workers::sleepAfter(std::uint64_t number) {
   std::unique_lock<std::mutex> lock(mutex_);
   ++sleeping_;
-  wake_.wait(lock, [&] { return stopping_ || numberOf(left_) >= number; });
+  wake_.wait(lock, [&] { return stopping_ || numberOf(left_) != number; });
   --sleeping_;
 }
 

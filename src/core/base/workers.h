@@ -30,6 +30,7 @@ class Workers {
   /// How many threads share a loop, the calling one included; at least 1, and 1 at first. They are started by
   /// the first loop that they can share. They look for the next loop for some microseconds, and then sleep.
   void setCount(unsigned threads);
+  /// The last value given to setCount(); fewer where the system could not start so many.
   unsigned count() const { return count_; }
 
   /// Number of parts of `length` elements (> 0) that n elements make; the last one may be shorter.
@@ -45,13 +46,13 @@ class Workers {
   void work();
   bool takePart();
   void doPart(std::size_t part);
-  void sleepUntil(std::uint64_t number);
+  void sleepAfter(std::uint64_t number);
 
   unsigned count_ = 1;
   std::vector<std::thread> threads_;
 
-  // The loop. It is written before its number, and not again until all of its parts are done: who has taken a
-  // part of a number has read the loop of that number.
+  // The loop. It is written before its number, and not again until all of its parts are done: a thread that has taken
+  // a part of a loop reads what belongs to it.
   std::atomic<const Body*> body_{nullptr};
   std::atomic<std::size_t> n_{0}, length_{1};
   std::atomic<std::uint32_t> parts_{0};

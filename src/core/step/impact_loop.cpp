@@ -99,14 +99,16 @@ class ImpactLoop {
   }
 
   // Whether soft contacts stop a pair as well as an impact does: it does not rebound, and no sub-step takes one
-  // far into the other. A point that is open asks that it does not close faster than it can.
+  // far into the other. An open point may close no faster than its gap in a sub-step.
   bool isStoppedByContacts(const PendingImpact& impact) const {
     constexpr double kStoppedTravel = 0.25;  // in a sub-step, of the smaller length
     if (step_.solver.exact || context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
     const Bodies& bodies = context_.scene.bodies;
     const auto speedOf = [&](Index i) {
       const double turn = bodies.twist[i].w_WB.norm();
-      return bodies.twist[i].v_WB.norm() + (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
+      const double fall = step_.h() * step_.load[i].a_W.norm();
+      return bodies.twist[i].v_WB.norm() + fall +
+             (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
     };
     const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / step_.solver.sub_steps;
     return travel <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
