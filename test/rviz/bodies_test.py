@@ -263,6 +263,7 @@ class BodiesTest(unittest.TestCase):
         self.fake.move(11, [here])
         with self.open() as rviz:
             self.wait_for_hues(rviz, [(here, 0)], 'the ball is red')
+            rviz.wait_for_rest()
             plain, (x, y) = self.pixel(rviz, here), rviz.pixel_of(here)
             self.screen.xdotool('mousemove', x - 6, y, 'sleep', 0.3, 'mousemove', x - 5, y)
             wait_until(lambda: sum(self.pixel(rviz, here)) > sum(plain) + 20, 'the ball under the mouse is brighter')
@@ -275,7 +276,8 @@ class BodiesTest(unittest.TestCase):
                 self.screen.xdotool('mousemove', x - 5, y - 8 * k, 'sleep', 0.05)
             wait_until(lambda: self.farthest() and self.farthest() > math.dist(VIEW.eye, here) + 1.0, 'it is dragged away')
             self.screen.xdotool('mouseup', 1, 'keyup', 'shift', 'mousemove', 1, 1)
-            self.screen.xdotool('mousemove', rviz.scene.x + 5, rviz.scene.y + 5)
+            self.screen.xdotool('mousemove', rviz.scene.x + 5, rviz.scene.y + 5, 'sleep', 0.3, 'mousemove',
+                                rviz.scene.x + 6, rviz.scene.y + 6)
             wait_until(lambda: self.pixel(rviz, here) == plain, 'the mouse is at nothing')
 
     def farthest(self):
