@@ -29,6 +29,10 @@ namespace {
 
 constexpr Nanoseconds kUnknown = -1;
 const std::string kStates = "/body_states", kMagic = "#ROSBAG V2.0";
+// What a simulator sends from the start on, and how long it takes until a recorder hears all of it.
+const std::set<std::string> kSentFromTheStart = {
+    "body_descriptions", "contacts", "status", "wind", "/tf", "visualization_marker_array"};
+constexpr Nanoseconds kLongestStart = 500'000'000;
 
 [[noreturn]] void refuse(const std::string& file, const std::string& why) {
   throw std::runtime_error(quoted(file, kLongestPath) + " " + why);
@@ -190,8 +194,22 @@ void Recording::readIndex(const std::string& file) {
     return "/" + channels_[entry.channel].topic == kStates;
   });
   if (first == unsorted.end()) refuse(file, "has no state of bodies: it ended before the simulation began");
-  begin_ = first->time;
+  begin_ = beginOf(unsorted, first->time);
   sortByTime(std::move(unsorted));
+}
+
+// A recorder hears one topic after the other. The first state for which all of them have been heard.
+Nanoseconds Recording::beginOf(const std::vector<Entry>& unsorted, Nanoseconds first_state) const {
+  Nanoseconds complete = first_state;
+  std::set<std::size_t> heard;
+  for (const Entry& entry : unsorted) {
+    if (entry.time > first_state + kLongestStart) break;
+    if (heard.insert(entry.channel).second && kSentFromTheStart.count(channels_[entry.channel].topic))
+      complete = std::max(complete, entry.time);
+  }
+  for (const Entry& entry : unsorted)
+    if (entry.time >= complete && "/" + channels_[entry.channel].topic == kStates) return entry.time;
+  return first_state;
 }
 
 void Recording::sortByTime(std::vector<Entry> unsorted) {

@@ -2,8 +2,9 @@
 // Recording: the bag of one simulator, with its messages in the order of its own time.
 //
 // The time of a recording is that of the simulator's stamps: a second of it is a second of the simulation, however slow
-// that ran, and a pause takes none. A message without a stamp has the time of the last one before it. Where the
-// simulator was started again its stamps begin anew, and the recording goes on with a new part.
+// that ran, and a pause takes none. It starts with the first state for which every topic of the simulator has been
+// heard. A message without a stamp has the time of the last one before it. Where the simulator was started again its
+// stamps begin anew, and the recording goes on with a new part.
 #pragma once
 
 #include "marker_history.h"
@@ -23,7 +24,7 @@ using Nanoseconds = std::int64_t;
 class Recording {
  public:
   struct Entry {
-    Nanoseconds time;     ///< from the start of the recording, the first of its states; >= 0
+    Nanoseconds time;     ///< from the start of the recording; 0 also for what came before
     Nanoseconds offset;   ///< from a stamp in the message to the time of the recording
     std::size_t channel;  ///< place in channels()
     rosbag::MessageInstance message;
@@ -41,7 +42,7 @@ class Recording {
 
   const std::string& simulator() const { return simulator_; }  ///< full name of its node
   Nanoseconds length() const { return length_; }               ///< time of the last message
-  Nanoseconds begin() const { return begin_; }                 ///< stamp of the first state
+  Nanoseconds begin() const { return begin_; }                 ///< stamp at the start
   const std::vector<Entry>& entries() const { return entries_; }
   const std::vector<Channel>& channels() const { return channels_; }
   /// Of the topics that carry markers, by channel.
@@ -60,6 +61,7 @@ class Recording {
   void open(const std::string& file);
   void chooseSimulator(const std::string& file, const std::string& wanted);
   void readIndex(const std::string& file);
+  Nanoseconds beginOf(const std::vector<Entry>& unsorted, Nanoseconds first_state) const;
   void sortByTime(std::vector<Entry> unsorted);
   void findMarkers();
 

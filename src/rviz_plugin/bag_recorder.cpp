@@ -118,9 +118,10 @@ void BagRecorder::reportProgress() {
   }
   const double seconds = 1e-3 * static_cast<double>(elapsed_.elapsed());
   const auto bytes = static_cast<double>(QFileInfo(file_ + ".active").size());
-  QString text = QString("%1, %2").arg(QFileInfo(file_).fileName(), clockTime(seconds));
+  QString text = "Recording " + clockTime(seconds);
   if (bytes > 0.0)
     text += QString(", %1, %2 a minute").arg(megabytes(bytes), megabytes(60.0 * bytes / seconds));
+  text += ": " + QFileInfo(file_).fileName();
   if (!trouble_.isEmpty()) text += ". " + trouble_;
   Q_EMIT reported(text, !trouble_.isEmpty());
 }

@@ -50,6 +50,8 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   const QString scene = QString::fromStdString(status.scene);
   if (scene != scene_ && QFileInfo(file_).completeBaseName() != scene) file_.clear();
   scene_ = scene;
+  const bool is_replay = !status.recording.empty();  // which has no catalogue
+  if (is_replay && scenes_->findText(scene) < 0) scenes_->addItem(scene);
   scenes_->setCurrentIndex(scenes_->findText(scene));
 }
 

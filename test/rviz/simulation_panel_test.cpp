@@ -262,7 +262,8 @@ TEST_F(SimulationPanelTest, RecordsByItsButtonAndSaysWhereTheBagIs) {
   ASSERT_TRUE(waitFor([&] { return note.text().contains(" MB a minute") || !bar.isRecording(); }))
       << note.text().toStdString();
   EXPECT_TRUE(bar.isRecording());
-  EXPECT_TRUE(note.text().startsWith("sim_")) << note.text().toStdString();
+  EXPECT_TRUE(note.text().startsWith("Recording 0:") && note.text().contains("sim_"))
+      << note.text().toStdString();
   QTest::mouseClick(&recordButton(bar), Qt::LeftButton);
   ASSERT_TRUE(waitFor([&] { return !bar.isRecording(); }));
   const QStringList bags = QDir(folder.path()).entryList(QDir::Files);
