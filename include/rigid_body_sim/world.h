@@ -240,8 +240,7 @@ class World {
   // --- journal
 
   /// Calls `journal` after each change by a function above, with the Command that makes it again: once for each
-  /// body that releaseAll() releases, and never where nothing has changed. Empty: no journal. A move takes the
-  /// journal along, a copy has none. It must not change the world. Cost: none without it.
+  /// body that releaseAll() releases. Empty: no journal. A move takes the journal along, a copy has none. It must not change the world. Cost: none without it.
   void setJournal(std::function<void(const Command&)> journal);
 
   // --- time

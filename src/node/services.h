@@ -6,13 +6,13 @@
 #pragma once
 
 #include "accuracy_job.h"
+#include "answer.h"
 #include "reference_run.h"
 #include "session.h"
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
-#include <exception>
 #include <functional>
 #include <string>
 #include <vector>
@@ -67,19 +67,8 @@ class Services {
 
 template <class Service>
 void Services::offer(const std::string& name, Handler<Service> handler, ros::CallbackQueue* queue) {
-  using Request = typename Service::Request;
-  using Response = typename Service::Response;
-  const boost::function<bool(Request&, Response&)> answer = [handler](Request& request, Response& response) {
-    try {
-      response.message = handler(request, response);
-      response.success = true;
-    } catch (const std::exception& refusal) {
-      response.message = refusal.what();
-      response.success = false;
-    }
-    return true;
-  };
-  auto service = ros::AdvertiseServiceOptions::create<Service>(name, answer, nullptr, queue);
+  auto service =
+      ros::AdvertiseServiceOptions::create<Service>(name, answerBy<Service>(handler), nullptr, queue);
   servers_.push_back(node_.advertiseService(service));
 }
 

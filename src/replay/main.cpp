@@ -70,7 +70,7 @@ void run() {
   checkNobodyRuns(recording.simulator());
   rbs::Player player(recording, options.player);
   const rbs::ReplayServices services(player, recording.simulator());
-  const rbs::ViewerSelection selection(recording.simulator());
+  const rbs::ViewerSelection selection(player, recording.simulator());
   ROS_INFO("replaying %s from %s: %.1f s, %zu messages", recording.simulator().c_str(), options.bag.c_str(),
            1e-9 * static_cast<double>(recording.length()), recording.entries().size());
   constexpr int kThreads = 2;

@@ -29,6 +29,7 @@ class Outlet {
   };
 
   virtual ~Outlet() = default;
+  /// Publishes a recorded message.
   virtual void send(const rosbag::MessageInstance& message, const Restamp& restamp) = 0;
   /// Of a topic of changes: takes away all that is shown.
   virtual void clear() {}
@@ -38,6 +39,8 @@ class Outlet {
   Says says() const { return says_; }
   /// Whether to read a message at all: somebody listens, or may later.
   bool wanted() const { return is_latched_ || publisher_.getNumSubscribers() > 0; }
+  /// The topic itself, for what a viewer adds to it.
+  const ros::Publisher& publisher() const { return publisher_; }
   /// Whether somebody has subscribed since the last call.
   bool hasNewcomer() { return newcomer_->exchange(false); }
 

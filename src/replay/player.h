@@ -24,20 +24,24 @@ namespace rbs {
 /// Thread-safe. It plays on wall time, in a thread of its own.
 class Player {
  public:
+  /// How it begins.
   struct Options {
-    bool paused = false;
-    double speed = 1.0;  ///< time of the recording over wall time; 0: as fast as possible
-    bool clock = true;   ///< send /clock
+    bool paused = false;  ///< whether it stands still at first
+    double speed = 1.0;   ///< as of setSpeed()
+    bool clock = true;    ///< send /clock
   };
 
+  /// Shows the start of the recording, and plays it where Options say so. `recording` must live on.
   Player(const Recording& recording, const Options& options);
   ~Player();
 
-  void pause();
-  /// From the start again, where it is at the end.
+  void pause();  ///< stands still
+  /// Plays on; from the start again, where it is at the end.
   void resume();
-  void togglePause();
-  void goToStart();
+  void togglePause();  ///< pauses or resumes
+  void goToStart();    ///< shows the start, and plays on or not as before
+  /// Time of the recording over wall time, 0 to 1e6; 0 is as fast as possible: 100, which listeners can take.
+  /// Throws InvalidInput for another one.
   void setSpeed(double speed);
   /// Goes on by n recorded states (0: 1), while paused; returns by how many, which are fewer at the end.
   /// Throws InvalidInput while it plays.
@@ -46,6 +50,10 @@ class Player {
   void seek(double time);
   /// "paused at 2.5 s of 60 s".
   std::string inWords() const;
+  /// The topic of this outlet, such as "selection", for what a viewer adds to it.
+  const ros::Publisher& publisherOf(const std::string& topic) const {
+    return outlets_.at(topic)->publisher();
+  }
   double seconds() const;  ///< where it is, s from the start of the recording
 
  private:

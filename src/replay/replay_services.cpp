@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "replay_services.h"
 
+#include "answer.h"
 #include "words.h"
 
 #include <rigid_body_sim/AccuracyGoal.h>
@@ -55,19 +56,7 @@ ReplayServices::ReplayServices(Player& player, const std::string& simulator)
 // `handler` returns the message of the reply, or throws.
 template <class Service, class Handler>
 void ReplayServices::offer(const std::string& name, Handler handler) {
-  using Request = typename Service::Request;
-  using Response = typename Service::Response;
-  const boost::function<bool(Request&, Response&)> answer = [handler](Request& request, Response& response) {
-    try {
-      response.message = handler(request, response);
-      response.success = true;
-    } catch (const std::exception& refusal) {
-      response.message = refusal.what();
-      response.success = false;
-    }
-    return true;
-  };
-  servers_.push_back(node_.advertiseService(name, answer));
+  servers_.push_back(node_.advertiseService(name, answerBy<Service>(handler)));
 }
 
 template <class Service>

@@ -3,10 +3,11 @@
 
 namespace rbs {
 
-ViewerSelection::ViewerSelection(const std::string& simulator) : node_(simulator) {
+ViewerSelection::ViewerSelection(const Player& player, const std::string& simulator)
+    : node_(simulator),
+      selected_bodies_(player.publisherOf("selected_bodies")),
+      selection_(player.publisherOf("selection")) {
   constexpr std::uint32_t kQueue = 100;
-  selected_bodies_ = node_.advertise<rigid_body_sim::BodyNames>("selected_bodies", 1, true);
-  selection_ = node_.advertise<std_msgs::String>("selection", 1, true);
   answer_ = node_.advertise<std_msgs::String>("interactive_bodies/answer", kQueue);
   subscribers_ = {node_.subscribe("select", kQueue, &ViewerSelection::hearOne, this),
                   node_.subscribe("select_bodies", kQueue, &ViewerSelection::hearMany, this),

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ViewerSelection: the bodies that a viewer of a replay selects, in place of those that were selected when it was
-// recorded; and what he hears who wants to move one.
+// recorded; and the answer to an attempt to move one.
 #pragma once
+
+#include "player.h"
 
 #include <rigid_body_sim/BodyNames.h>
 #include <ros/ros.h>
@@ -15,8 +17,9 @@ namespace rbs {
 
 class ViewerSelection {
  public:
-  /// Listens and publishes under the name of the simulator.
-  explicit ViewerSelection(const std::string& simulator);
+  /// Listens under the name of the simulator. It publishes on the player's topics: a latched topic has the last
+  /// message of each publisher.
+  ViewerSelection(const Player& player, const std::string& simulator);
 
  private:
   void hearOne(const std_msgs::String& name);

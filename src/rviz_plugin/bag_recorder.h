@@ -15,6 +15,7 @@ namespace rbs {
 class BagRecorder : public QObject {
   Q_OBJECT
  public:
+  /// Closing: it writes the index of the bag, after stop().
   enum class State { Idle, Recording, Closing };
 
   BagRecorder();
@@ -24,6 +25,7 @@ class BagRecorder : public QObject {
   void start(const QString& node, const QString& folder);
   /// Ends the recording; the bag is closed some time later.
   void stop();
+  /// start() while idle, else stop().
   void toggle(const QString& node, const QString& folder);
 
   State state() const { return state_; }

@@ -30,7 +30,7 @@ class Ghost {
   /// Draws `size` times the shape with its centre of mass at `position`, in RViz's fixed frame, m. Nothing is
   /// drawn where the graphics driver cannot draw instances.
   void show(double size, const Ogre::Vector3& position, const Ogre::Quaternion& orientation);
-  void hide();
+  void hide();  ///< draws nothing
 
  private:
   Ogre::SceneNode* node_;

@@ -65,7 +65,7 @@ void PlotStack::add(const Quantity& quantity, const QString& body) {
     plots_.push_back(added);
     column_->addWidget(added, 1);
   }
-  tellWanted();
+  reportWanted();
 }
 
 void PlotStack::remove(TimePlot* plot) {
@@ -73,14 +73,14 @@ void PlotStack::remove(TimePlot* plot) {
   column_->removeWidget(plot);
   plot->hide();
   plot->deleteLater();
-  tellWanted();
+  reportWanted();
 }
 
 void PlotStack::removeAll() {
   while (!plots_.empty()) remove(plots_.back());
 }
 
-void PlotStack::tellWanted() {
+void PlotStack::reportWanted() {
   std::vector<Recorder::Wanted> wanted;
   for (const TimePlot* plot : plots_)
     for (const QString& body : plot->bodies()) wanted.push_back({&plot->quantity(), body.toStdString()});

@@ -64,7 +64,7 @@ class PlotStack : public QScrollArea {
   void choose(double from, double to);
   void alignScales();
   void lookAtNewest();
-  void tellWanted();
+  void reportWanted();
 
   Recorder& recorder_;
   std::vector<TimePlot*> plots_;

@@ -68,7 +68,7 @@ void PlotsPanel::makeBaselineMenu() {
   auto* const menu = new QMenu(this);
   menu->addAction("From the last change on", this, [this] {
     if (!plots_->setBaselineAtMark())
-      tell("Nothing has been changed in this run, so there is nothing to compare.");
+      showNote("Nothing has been changed in this run, so there is nothing to compare.");
     showView();
   });
   baseline_->setMenu(menu);
@@ -130,18 +130,18 @@ void PlotsPanel::connectWidgets() {
   connect(plots_, &PlotStack::plotsChanged, this, &PlotsPanel::configChanged);
   connect(plots_, &PlotStack::viewChanged, this, &PlotsPanel::showView);
   connect(plots_, &PlotStack::cursorMoved, this, &PlotsPanel::showCursor);
-  connect(&recorder_, &Recorder::reported, this, &PlotsPanel::tell);
+  connect(&recorder_, &Recorder::reported, this, &PlotsPanel::showNote);
   connect(&recorder_, &Recorder::bodiesChanged, this, [this] {
     if (picker_->isVisible()) picker_->setBodies(recorder_.bodies());
   });
   connect(&simulator_, &SimulatorClient::statusReceived, accuracy_, &AccuracyView::show);
   connect(&simulator_, &SimulatorClient::reported, this, [this](const QString& text) {
-    if (accuracy_->isVisible()) tell(text);
+    if (accuracy_->isVisible()) showNote(text);
   });
   connect(pages_, &QTabWidget::currentChanged, cursor_, &QLabel::clear);
   connect(&recorder_, &Recorder::heardChanged, accuracy_, &QWidget::setEnabled);
   connect(&recorder_, &Recorder::heardChanged, this, [this](bool is_heard) {
-    tell(is_heard ? QString() : QString("No simulator answers at '%1'.").arg(recorder_.node()));
+    showNote(is_heard ? QString() : QString("No simulator answers at '%1'.").arg(recorder_.node()));
   });
 }
 
@@ -191,7 +191,7 @@ void PlotsPanel::save(rviz::Config config) const {
 
 void PlotsPanel::follow(const QString& node) {
   node_->setNode(node);
-  tell(QString("No simulator answers at '%1'.").arg(node));
+  showNote(QString("No simulator answers at '%1'.").arg(node));
   pause_->setChecked(false);
   plots_->restart();
   accuracy_->setEnabled(false);
@@ -230,7 +230,7 @@ void PlotsPanel::exportTo() {
 void PlotsPanel::write(const QString& path) {
   const QString trouble = exportPlots(*plots_, path);
   if (trouble.isEmpty()) folder_ = QFileInfo(path).path();
-  tell(trouble.isEmpty() ? QString("'%1' is written.").arg(path) : trouble);
+  showNote(trouble.isEmpty() ? QString("'%1' is written.").arg(path) : trouble);
 }
 
 void PlotsPanel::showView() {
@@ -242,7 +242,7 @@ void PlotsPanel::showCursor(std::optional<double> time) {
   cursor_->setText(time ? QString("%1 s").arg(*time, 0, 'f', 4) : QString());
 }
 
-void PlotsPanel::tell(const QString& text) {
+void PlotsPanel::showNote(const QString& text) {
   message_->setText(text);
   message_->setVisible(!text.isEmpty());
 }

@@ -41,7 +41,7 @@ class PlotsPanel : public rviz::Panel {
   void write(const QString& path);
   void showView();
   void showCursor(std::optional<double> time);
-  void tell(const QString& text);
+  void showNote(const QString& text);
 
   SimulatorClient simulator_;  ///< for the accuracy
   Recorder recorder_;

@@ -17,6 +17,7 @@ class SeekBar : public QWidget {
  public:
   explicit SeekBar(SimulatorClient& simulator);
 
+  /// Shows the time of a replay; hides where the status is that of a simulation.
   void show(const rigid_body_sim::Status& status);
 
  private:

@@ -39,7 +39,7 @@ void SimulatorClient::follow(const QString& node) {
   node_ = node;
   for (std::unique_ptr<ServiceWorker>* const worker : {&worker_, &stepper_}) {
     *worker = std::make_unique<ServiceWorker>();
-    connect(worker->get(), &ServiceWorker::answered, this, &SimulatorClient::tellAnswer);
+    connect(worker->get(), &ServiceWorker::answered, this, &SimulatorClient::reportAnswer);
   }
   setHeard(false);
   is_seeking_ = false;
@@ -112,7 +112,7 @@ void SimulatorClient::listScenes() {
   });
 }
 
-void SimulatorClient::tellAnswer(const QString& service, bool success, const QString& message) {
+void SimulatorClient::reportAnswer(const QString& service, bool success, const QString& message) {
   if (success && service.endsWith("/list_scenes")) return;  // the user did not ask for it
   if (success && service.endsWith("/seek")) return;         // the slider says it
   Q_EMIT reported(success ? message : QString("%1: %2").arg(service, message), !success);

@@ -101,7 +101,7 @@ class SimulatorClient : public QObject {
   void watch();
   void setHeard(bool is_heard);
   void listScenes();
-  void tellAnswer(const QString& service, bool success, const QString& message);
+  void reportAnswer(const QString& service, bool success, const QString& message);
   template <class Service>
   void call(const char* service, const typename Service::Request& request);
   void callFile(const char* service, const QString& file, void (SimulatorClient::*used)(const QString&));

@@ -34,11 +34,11 @@ class TransportBar : public QWidget {
   bool isRecording() const { return recorder_.state() != BagRecorder::State::Idle; }
   /// Folder of the recordings.
   const QString& folder() const { return folder_; }
-  void setFolder(const QString& folder) { folder_ = folder; }
+  void setFolder(const QString& folder) { folder_ = folder; }  ///< of those begun from now on
 
  Q_SIGNALS:
-  void recordingChanged();
-  void folderChanged();
+  void recordingChanged();  ///< a recording has begun, or is over
+  void folderChanged();     ///< the user has chosen another folder
 
  private:
   void scaleSpeed(double factor);

@@ -134,8 +134,9 @@ class Progress {
   }
   void show(std::size_t entry, const Resimulation& run) const {
     const auto now = std::chrono::steady_clock::now();
-    if (now - told_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000))) return;
-    told_ = now;
+    if (now - shown_ < (terminal_ ? std::chrono::milliseconds(200) : std::chrono::milliseconds(10000)))
+      return;
+    shown_ = now;
     std::fprintf(stderr, "%s%3d %%: %s, %s equal%s", terminal_ ? "\r\033[K" : "",
                  static_cast<int>(100 * entry / std::max<std::size_t>(entries_, 1)),
                  counted(run.steps(), "step").c_str(), counted(run.hashes(), "hash").c_str(),
@@ -145,7 +146,7 @@ class Progress {
  private:
   const std::size_t entries_;
   const bool terminal_ = isatty(STDERR_FILENO) == 1;
-  mutable std::chrono::steady_clock::time_point told_ = std::chrono::steady_clock::now();
+  mutable std::chrono::steady_clock::time_point shown_ = std::chrono::steady_clock::now();
 };
 
 /// The bodies that differ most from the checkpoint, at most five.

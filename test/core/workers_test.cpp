@@ -85,7 +85,7 @@ TEST_P(ThreadsOf, DoNotChangeAWorld) {
   }
 }
 
-TEST(Threads, AreAsManyAsAWorldIsTold) {
+TEST(Threads, AreAsManyAsWereSet) {
   World world(onFloor(1.0 / 60.0, 0.5));
   EXPECT_EQ(world.threads(), 1u);
   world.setThreads(2);

@@ -295,7 +295,7 @@ class ReplayTest(unittest.TestCase):
         self.assertIn('must be paused', ask('step').message)
         call('pause')
         call('reset')
-        self.assertEqual(statuses.fresh().recording[0], 0.0)
+        wait(lambda: statuses.fresh().recording[0] == 0.0, 'the start is shown')
 
     def test_a_seek_out_of_the_recording_names_its_range_and_changes_nothing(self):
         _, statuses = self.replay('_paused:=true')
@@ -335,7 +335,7 @@ class ReplayTest(unittest.TestCase):
             self.assertFalse(answer.success, service)
             self.assertIn('replay of a recording', answer.message)
 
-    def test_the_viewer_selects_and_is_told_that_nothing_moves(self):
+    def test_the_viewer_selects_and_gets_the_answer_that_nothing_moves(self):
         self.replay('_paused:=true')
         selected = self.listen('/sim/selected_bodies', BodyNames)
         answers = self.listen('/sim/interactive_bodies/answer', String)
@@ -343,6 +343,10 @@ class ReplayTest(unittest.TestCase):
         self.addCleanup(select.unregister)
         select.publish(BodyNames(['a', 'b']))
         wait(lambda: selected.all() and selected.all()[-1].names == ['a', 'b'], 'the selection is published')
+        late = self.listen('/sim/selected_bodies', BodyNames)
+        wait(late.all, 'the selection comes to who begins to listen')
+        rospy.rostime.wallsleep(0.5)
+        self.assertEqual([bodies.names for bodies in late.all()], [['a', 'b']])
         selected.clear()
         self.assertTrue(seek(0.3).success)
         self.assertEqual(selected.all(), [])

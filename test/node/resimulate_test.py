@@ -262,7 +262,7 @@ class ResimulateTest(unittest.TestCase):
         self.assertEqual(code, 2, said)
         self.assertIn('/left/sim, /sim', said)
 
-    def test_a_file_that_is_cut_off_and_one_that_is_no_bag_are_told(self):
+    def test_a_file_that_is_cut_off_and_one_that_is_no_bag_are_refused(self):
         path = os.path.join(self.folder.name, 'cut.bag')
         with open(self.bag, 'rb') as whole, open(path, 'wb') as cut:
             cut.write(whole.read()[:os.path.getsize(self.bag) // 2])

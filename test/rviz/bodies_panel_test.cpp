@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The bodies panel, by its keys and its mouse, beside a running simulator; without a screen.
+#include "wait_for.h"
+
 #include "bodies_panel.h"
 
 #include <rigid_body_sim/EditBodies.h>
@@ -15,7 +17,6 @@
 #include <QApplication>
 #include <QColorDialog>
 #include <QDialog>
-#include <QElapsedTimer>
 #include <QInputDialog>
 #include <QSpinBox>
 #include <QTest>
@@ -28,10 +29,9 @@
 #include <string>
 
 using namespace rbs;
+using rbs::test::waitFor;
 
 namespace {
-
-constexpr int kPatience = 30'000;  // ms
 
 template <class Service>
 typename Service::Response call(const char* service, const typename Service::Request& request = {}) {
@@ -57,16 +57,6 @@ std::vector<std::string> names() {
 void run() {
   ros::spinOnce();
   QTest::qWait(5);
-}
-
-bool waitFor(const std::function<bool()>& condition) {
-  QElapsedTimer time;
-  time.start();
-  while (!condition()) {
-    if (time.elapsed() > kPatience) return false;
-    run();
-  }
-  return true;
 }
 
 // Whether it stays so for a while.

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The panel of plots beside a running simulator, by keys and mouse; without a screen.
+#include "wait_for.h"
+
 #include "plots_panel.h"
 
 #include <rigid_body_sim/MeasureAccuracy.h>
@@ -7,29 +9,14 @@
 #include <ros/ros.h>
 
 #include <QApplication>
-#include <QElapsedTimer>
 #include <QTest>
 
 #include <gtest/gtest.h>
 
-#include <functional>
-
 using namespace rbs;
+using rbs::test::waitFor;
 
 namespace {
-
-constexpr int kPatience = 60'000;  // ms
-
-bool waitFor(const std::function<bool()>& condition) {
-  QElapsedTimer time;
-  time.start();
-  while (!condition()) {
-    if (time.elapsed() > kPatience) return false;
-    ros::spinOnce();
-    QTest::qWait(5);
-  }
-  return true;
-}
 
 class PlotsPanelTest : public testing::Test {
  protected:

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The slider of a replay, by mouse and keys, beside a replay of a bag that is made here; without a screen.
+#include "wait_for.h"
+
 #include "seek_bar.h"
 #include "transport_bar.h"
 
@@ -9,7 +11,6 @@
 #include <rosbag/bag.h>
 
 #include <QApplication>
-#include <QElapsedTimer>
 #include <QProcess>
 #include <QTemporaryDir>
 #include <QTest>
@@ -17,15 +18,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 using namespace rbs;
+using rbs::test::waitFor;
 
 namespace {
 
-constexpr int kPatience = 30'000;  // ms
-constexpr double kStep = 0.02;     // s
-constexpr int kStates = 501;       // 10 s of them
+constexpr double kStep = 0.02;  // s
+constexpr int kStates = 501;    // 10 s of them
 
 // A body that moves by 1 m/s along x.
 void writeBag(const std::string& path) {
@@ -72,16 +72,6 @@ class ReplayPanelTest : public testing::Test {
   void TearDown() override {
     player_.terminate();
     player_.waitForFinished();
-  }
-  static bool waitFor(const std::function<bool()>& condition) {
-    QElapsedTimer time;
-    time.start();
-    while (!condition()) {
-      if (time.elapsed() > kPatience) return false;
-      ros::spinOnce();
-      QTest::qWait(5);
-    }
-    return true;
   }
   void receive(const rigid_body_sim::BodyStates& states) { x_ = states.poses.at(0).position.x; }
   QSlider& slider() { return *bar_.findChild<SeekBar*>()->findChild<QSlider*>(); }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pages of the panel of the simulation, by keys and mouse, beside a running simulator; without a screen.
+#include "wait_for.h"
+
 #include "effects_view.h"
 #include "icons.h"
 #include "pipeline_tree.h"
@@ -15,7 +17,6 @@
 
 #include <QApplication>
 #include <QDir>
-#include <QElapsedTimer>
 #include <QFile>
 #include <QFileDialog>
 #include <QImage>
@@ -28,13 +29,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 using namespace rbs;
+using rbs::test::waitFor;
 
 namespace {
-
-constexpr int kPatience = 30'000;  // ms
 
 class SimulationPanelTest : public testing::Test {
  protected:
@@ -52,16 +51,6 @@ class SimulationPanelTest : public testing::Test {
 
   static QString scene() {
     return QString::fromStdString(ros::package::getPath("rigid_body_sim")) + "/test/node/small.yaml";
-  }
-  static bool waitFor(const std::function<bool()>& condition) {
-    QElapsedTimer time;
-    time.start();
-    while (!condition()) {
-      if (time.elapsed() > kPatience) return false;
-      ros::spinOnce();
-      QTest::qWait(5);
-    }
-    return true;
   }
   template <class Widget>
   static Widget& child(QWidget& parent, int k = 0) {

@@ -84,6 +84,7 @@ struct Simulator::Impl {
   }
 
   void publish() {
+    recorder.flush(world);  // what the snapshot shows is an entry by then
     const Clock::time_point start = Clock::now();
     Snapshot snapshot = world.snapshot();
     snapshot.edits += edits_before;
