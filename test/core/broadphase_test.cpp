@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The broad phase against brute force: all pairs whose bounds overlap, whatever moves, grows, comes and goes.
 #include "broadphase/bounds.h"
-#include "broadphase/neighbourhood.h"
-#include "broadphase/sweep_and_prune.h"
+#include "broadphase/bounds_tree.h"
+#include "broadphase/broad_phase.h"
 #include "core/narrowphase_oracles.h"
 #include "make_scene.h"
 #include "rigid_body_sim/scenes.h"
@@ -200,13 +200,13 @@ struct Crowd {
   void add(const BodyDef& def) { scene.bodies.append(BodyId{scene.bodies.size() + 1}, def); }
   void admit() {
     analysis = analyseScene(scene);
-    scene.sweep = {};
-    scene.sweep.order = scene.lists.collidable;
+    scene.pair_search = {};
+    scene.pair_search.order = scene.lists.collidable;
   }
   std::uint64_t run() {
     step.begin(scene, 0.0, 0.01);
     Context context{scene, step, analysis};
-    sweep_and_prune::run(context);
+    broad_phase::run(context);
     return step.report.overlap_tests;
   }
   Pairs pairs() const {
@@ -261,33 +261,134 @@ TEST(BroadPhase, NoPlaneOfCentresMakesItTestAllPairs) {
   }
 }
 
-TEST(BroadPhase, BodiesThatAreMovedAreFoundByTheirNewNeighbours) {
+// --- the tree alone
+
+// Bounds of all sizes, some of which are points or lines, in a box of any shape: a cube, a plate or a rod.
+std::vector<Bounds> anyBounds(Random& random, Index n) {
+  const Bounds::Array4 room(random.uniform(0, 2), random.uniform(0, 2), random.uniform(0, 2), 2.0);
+  const double size = std::pow(10.0, random.uniform(-2, 0.5));
+  std::vector<Bounds> bounds(n);
+  for (Bounds& own : bounds) {
+    const double most = random.below(10) == 0 ? 4.0 : size;
+    own.lo = room * Bounds::Array4::NullaryExpr([&] { return random.uniform(-1, 1); });
+    own.hi =
+        own.lo + Bounds::Array4::NullaryExpr([&] { return std::max(random.uniform(-0.2, 1) * most, 0.0); });
+  }
+  return bounds;
+}
+
+bool areNear(const Bounds& a, const Bounds& b) {
+  return (a.lo <= b.hi).all() && (b.lo <= a.hi).all();
+}
+
+// In any order of the bodies, since only the speed may depend on it.
+std::vector<Index> anyOrder(Random& random, const std::vector<Bounds>& bounds) {
+  std::vector<Index> order(bounds.size());
+  std::iota(order.begin(), order.end(), 0u);
+  if (random.below(4) > 0) sortByPlace(order, bounds);
+  return order;
+}
+
+TEST(BoundsTree, FindsThePairsOfBruteForce) {
+  const std::uint64_t seed = 85;
+  Random random(seed);
+  Workers workers;
+  for (int k = 0; k < 1500; ++k) {
+    const Index n = static_cast<Index>(random.below(k % 50 == 0 ? 700 : 150));
+    const std::vector<Bounds> bounds = anyBounds(random, n);
+    std::vector<Traits> traits(n);
+    for (Traits& t : traits) {
+      t.kind = random.below(3) == 0 ? BodyKind::Static : BodyKind::Dynamic;
+      t.group = 1u << random.below(2);
+      if (random.below(4) == 0) t.mask = static_cast<std::uint32_t>(random.below(4));
+    }
+    const std::vector<Index> order = anyOrder(random, bounds);
+    IndexPairs found, expected;
+    const std::uint64_t tests = BoundsTree(order, bounds).findPairs(traits, workers, found);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = i + 1; j < n; ++j)
+        if (areNear(bounds[i], bounds[j]) && mayCollide(traits[i], traits[j])) expected.emplace_back(i, j);
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found, expected) << "seed " << seed << ", crowd " << k;
+    ASSERT_GE(tests, expected.size());
+  }
+}
+
+TEST(BoundsTree, FindsTheNeighboursOfBodiesThatAreMoved) {
   const std::uint64_t seed = 83;
   Random random(seed);
   for (int k = 0; k < 200; ++k) {
-    const Index n = 1 + static_cast<Index>(random.below(100));
-    const auto anyBounds = [&] {
-      const Bounds::Array4 lo = Bounds::Array4::NullaryExpr([&] { return random.uniform(-2, 2); });
-      return Bounds{lo, lo + Bounds::Array4::NullaryExpr([&] { return random.uniform(0, 1.5); })};
-    };
-    std::vector<Bounds> bounds(n);
-    for (Bounds& own : bounds) own = anyBounds();
-    std::vector<Index> order(n);
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](Index a, Index b) { return bounds[a].lo[3] < bounds[b].lo[3]; });
-    Neighbourhood neighbourhood(order, bounds);
+    const Index n = 1 + static_cast<Index>(random.below(k % 10 == 0 ? 700 : 100));
+    std::vector<Bounds> bounds = anyBounds(random, n);
+    const std::vector<Index> order = anyOrder(random, bounds);
+    BoundsTree tree(order, bounds);
     for (int move = 0; move < 20; ++move) {
       const auto i = static_cast<Index>(random.below(static_cast<int>(n)));
-      const Bounds moved = anyBounds();
-      neighbourhood.move(i, moved);
+      bounds[i] = anyBounds(random, 1).front();
+      tree.move(i, bounds[i]);
       std::vector<Index> expected;
       for (Index j = 0; j < n; ++j)
-        if (j != i && (bounds[j].lo <= moved.hi).all() && (moved.lo <= bounds[j].hi).all())
-          expected.push_back(j);
-      ASSERT_EQ(neighbourhood.of(i), expected) << "seed " << seed << ", crowd " << k << ", move " << move;
+        if (j != i && areNear(bounds[j], bounds[i])) expected.push_back(j);
+      ASSERT_EQ(tree.of(i), expected) << "seed " << seed << ", crowd " << k << ", move " << move;
     }
   }
+}
+
+TEST(BoundsTree, SortsAnyBodiesAndLosesNone) {
+  Random random(86);
+  for (Index n = 0; n < 300; ++n) {
+    const std::vector<Bounds> bounds = anyBounds(random, n);
+    std::vector<Index> order(n), all(n);
+    std::iota(order.begin(), order.end(), 0u);
+    all = order;
+    sortByPlace(order, bounds);
+    std::sort(order.begin(), order.end());
+    EXPECT_EQ(order, all);
+  }
+}
+
+// A gas, a heap on the ground, a wall, and towers far apart: a body has as many neighbours however many there are.
+std::uint64_t testsOfABody(Index n, const Vec3& room, Random& random) {
+  const double scale = std::cbrt(n / room.prod());
+  std::vector<Bounds> bounds(n);
+  for (Bounds& own : bounds) {
+    const Vec3 p =
+        scale * room.cwiseProduct(Vec3(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1)));
+    own.lo << p, p.sum() / std::sqrt(3.0);
+    own.hi = own.lo + 0.7;
+  }
+  std::vector<Index> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  sortByPlace(order, bounds);
+  Workers workers;
+  IndexPairs found;
+  return BoundsTree(order, bounds).findPairs(std::vector<Traits>(n), workers, found) / n;
+}
+
+TEST(BoundsTree, TakesHardlyMoreTestsOfABodyInALargeScene) {
+  Random random(87);
+  for (const Vec3& room : {Vec3(1, 1, 1), Vec3(1, 1, 0.1), Vec3(1, 0.01, 1)}) {
+    const std::uint64_t few = testsOfABody(1000, room, random), many = testsOfABody(64000, room, random);
+    EXPECT_LT(many, 2 * few) << room.transpose();
+    EXPECT_LT(many, 150u) << room.transpose();
+  }
+}
+
+// --- the choice between the two
+
+TEST(BroadPhase, TakesTheTreeWhereASweepTestsManyOfABodyAndSaysSo) {
+  Random random(88);
+  const auto howOf = [&](int n) {
+    Crowd crowd;
+    for (int k = 0; k < n; ++k) crowd.add(ball("", 0.15, random.inCube(0.5 * std::cbrt(n))));
+    crowd.admit();
+    EXPECT_EQ(broad_phase::describe(crowd.scene), "");
+    crowd.run();
+    EXPECT_EQ(crowd.pairs(), crowd.expected()) << n;
+    return broad_phase::describe(crowd.scene);
+  };
+  EXPECT_NE(howOf(100).find("by a sweep along (1, 1, 1): "), std::string::npos);
+  EXPECT_NE(howOf(6000).find("by a tree of bounds: a sweep along "), std::string::npos);
 }
 
 // --- bounds

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace rbs {
 
 using Index = std::uint32_t;
 inline constexpr Index kNone = 0xffffffffu;  ///< no place
+using IndexPairs = std::vector<std::pair<Index, Index>>;
 
 }  // namespace rbs

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sweep and prune on the axis (1, 1, 1): the candidate pairs of a step.
+// Sweep and prune: the pairs of bodies whose bounds overlap, among those whose intervals along one axis do.
 #pragma once
 
+#include "base/workers.h"
 #include "state/context.h"
 
-namespace rbs::sweep_and_prune {
+#include <cstdint>
+#include <vector>
 
-/// Fills step.bounds, and makes scene.contacts those of every pair of bodies whose swept bounds overlap, that
-/// may collide by group and mask, and of which at least one moves.
-void run(Context& context);
+namespace rbs {
 
-/// Whether two bodies may collide at all.
-bool mayCollide(const Traits& a, const Traits& b);
+/// How many tests of bounds a sweep along an axis of Bounds takes: one for each pair of intervals that overlap.
+/// Cost: sorting the ends of n intervals.
+std::uint64_t sweepTests(int axis, const std::vector<Index>& order, const std::vector<Bounds>& bounds);
 
-}  // namespace rbs::sweep_and_prune
+/// Sorts bodies by the lower ends of their intervals along an axis. Ties go by index. Cost: n where they were
+/// nearly sorted, else n log n.
+void sortByLowerEnd(int axis, std::vector<Index>& order, const std::vector<Bounds>& bounds);
+
+/// Appends the pairs that may collide and whose bounds overlap, of bodies that sortByLowerEnd() has sorted, and
+/// returns how many tests of bounds that took.
+std::uint64_t sweepAlong(int axis, const std::vector<Index>& order, const std::vector<Bounds>& bounds,
+                         const std::vector<Traits>& traits, Workers& workers, IndexPairs& found);
+
+}  // namespace rbs

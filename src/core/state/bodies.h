@@ -38,6 +38,13 @@ struct Traits : ShapeTraits {
   double dragCoefficient() const;
 };
 
+/// Whether two bodies may collide at all: at least one moves, and their groups and masks allow it.
+inline bool mayCollide(const Traits& a, const Traits& b) {
+  const bool moving = a.moved_by_forces() || b.moved_by_forces() || (a.asleep && b.is_kinematic()) ||
+                      (b.asleep && a.is_kinematic());
+  return moving && (a.group & b.mask) && (b.group & a.mask);
+}
+
 /// How the last step took a body; see BodyState.
 struct Advance {
   const char* method = "";

@@ -37,7 +37,7 @@ void Contact::beginSolve() {
   solved = true;
 }
 
-void Contacts::update(const Bodies& bodies, const std::vector<std::pair<Index, Index>>& found,
+void Contacts::update(const Bodies& bodies, const IndexPairs& found,
                       const std::function<bool(const Contact&)>& rests) {
   active.swap(last_active_), dormant.swap(last_dormant_);
   for (const auto& [i, j] : found) active.push_back(newContact(bodies, i, j));

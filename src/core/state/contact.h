@@ -106,7 +106,7 @@ struct Contacts {
 
   /// Takes over the pairs of the broad phase, i before j and sorted. A pair that is known keeps its points.
   /// Of those not found the ones that `rests` stay, and those with impulses of this step.
-  void update(const Bodies& bodies, const std::vector<std::pair<Index, Index>>& found,
+  void update(const Bodies& bodies, const IndexPairs& found,
               const std::function<bool(const Contact&)>& rests);
   /// The contact of a pair that is not among the active ones: the dormant one, made where there is none.
   Contact& dormantOf(const Bodies& bodies, Index i, Index j);

@@ -69,12 +69,14 @@ class ActiveEffects {
   std::array<bool, kEffects.size()> on_{};
 };
 
-/// How the broad phase sorts. What it finds does not depend on it, only how fast.
-struct Sweep {
-  std::vector<Index> order;  ///< lists.collidable, as sorted in the last step
-  int axis = 3;              ///< of Bounds: the one that it sorts along
-  std::uint64_t tests = 0;   ///< that it took along this axis when it was chosen
-  bool fresh = true;         ///< the axis has yet to be chosen
+/// How the broad phase searches. What it finds does not depend on it, only how fast.
+struct PairSearch {
+  std::vector<Index> order;       ///< lists.collidable, as sorted in the last step
+  int axis = 3;                   ///< of Bounds: the one along which a sweep takes the fewest tests
+  bool by_tree = false;           ///< a tree of bounds is taken in place of the sweep
+  std::uint64_t sweep_tests = 0;  ///< that the sweep took, or would have taken, when this was chosen
+  std::uint64_t tests = 0;        ///< that the search took then
+  bool fresh = true;              ///< this has yet to be chosen
 };
 
 /// How long a body has been at rest, and which group it sleeps with.
@@ -95,7 +97,7 @@ struct SceneStore {
   std::vector<BodyHold> holds;
   Contacts contacts;
   std::vector<Rest> rest;  ///< by body; empty unless some rest
-  Sweep sweep;             ///< of the broad phase
+  PairSearch pair_search;  ///< of the broad phase
   double time = 0.0;
   std::uint64_t steps = 0;
   bool just_edited = true;  ///< no step has been taken since the last edit
@@ -188,9 +190,9 @@ struct StepStore {
   std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
-  std::vector<std::pair<Index, Index>> met;  ///< pairs of the impacts that have been resolved
+  IndexPairs met;                      ///< pairs of the impacts that have been resolved
   /// Pairs of a body that began the step again and came, on a new course, near one that had not.
-  std::vector<std::pair<Index, Index>> reached;
+  IndexPairs reached;
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
   std::vector<double> row_seconds;  ///< by row of the inner step

@@ -69,7 +69,7 @@ std::string brokenRosters(const SceneStore& scene) {
     if (has(r.kinematic, i) != t.is_kinematic())
       return of(scene.bodies, i, "the list of kinematic bodies is wrong about it");
   }
-  std::vector<Index> order = scene.sweep.order;
+  std::vector<Index> order = scene.pair_search.order;
   std::sort(order.begin(), order.end());
   return order == r.collidable ? "" : "the broad phase does not sort the bodies that may meet";
 }

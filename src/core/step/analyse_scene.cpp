@@ -140,9 +140,9 @@ std::array<bool, kLists> listsOf(const SceneStore& scene, const BodyEffects& bod
   return on;
 }
 
-void startSweep(SceneStore& scene) {
-  scene.sweep = {};
-  scene.sweep.order = scene.lists.collidable;
+void startPairSearch(SceneStore& scene) {
+  scene.pair_search = {};
+  scene.pair_search.order = scene.lists.collidable;
 }
 
 // What a body feels of rotation. Its orientation is the same before and after, bit for bit.
@@ -196,7 +196,7 @@ SceneAnalysis analyseScene(SceneStore& scene) {
     for (std::size_t k = 0; k < kLists; ++k)
       if (on[k]) listAt(scene.lists, k).push_back(i);
   }
-  if (scene.lists.collidable != collidable) startSweep(scene);
+  if (scene.lists.collidable != collidable) startPairSearch(scene);
   c.ballistic = static_cast<Index>(scene.lists.ballistic.size());
   scene.ballistic_until = scene.time;
   return c;
@@ -251,7 +251,7 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
       sorts_others = sorts_others || &list == &scene.lists.collidable;
     }
   }
-  if (sorts_others) startSweep(scene);
+  if (sorts_others) startPairSearch(scene);
   counts.analysis.ballistic = static_cast<Index>(scene.lists.ballistic.size());
   scene.ballistic_until = scene.time;
   return true;
@@ -274,7 +274,7 @@ void removeFromAnalysis(SceneStore& scene, Index i) {
     if (place != list.end() && *place == i) place = list.erase(place);
     for (; place != list.end(); ++place) --*place;
   }
-  startSweep(scene);
+  startPairSearch(scene);
 }
 
 }  // namespace rbs

@@ -2,8 +2,7 @@
 #include "step/impact_loop.h"
 
 #include "broadphase/bounds.h"
-#include "broadphase/neighbourhood.h"
-#include "broadphase/sweep_and_prune.h"
+#include "broadphase/bounds_tree.h"
 #include "solver/contact_preparation.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
@@ -28,7 +27,8 @@ class ImpactLoop {
         step_(context.step),
         contacts_(context.scene.contacts),
         found_(contacts_.active.size()),
-        neighbourhood_(context.scene.sweep.order, step_.bounds),
+        has_edge_(found_, 0),
+        tree_(context.scene.pair_search.order, step_.bounds),
         sets_(islands::candidateSets(context)) {
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -47,6 +47,9 @@ class ImpactLoop {
     // this end: its speed times their distance stays the same, so that it meets them without number.
     query_budget_ = 100'000 + 400ull * context.scene.bodies.size();
     for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
+    for (const Island& island : step_.islands)
+      for (const Edge& edge : island.edges)
+        if (edge.kind == ConstraintKind::Contact) has_edge_[edge.of] = 1;
   }
 
   void run() {
@@ -185,9 +188,10 @@ class ImpactLoop {
     }
     Island& island = step_.islands[a];
     island.touching = island.touching || touches;
-    const Edge edge = islands::edgeOf(contacts_, contact);
-    if (std::find(island.edges.begin(), island.edges.end(), edge) == island.edges.end())
-      island.edges.push_back(edge);
+    has_edge_.resize(contacts_.active.size(), 0);
+    if (has_edge_[contact]) return;
+    has_edge_[contact] = 1;
+    island.edges.push_back(islands::edgeOf(contacts_, contact));
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
@@ -218,8 +222,9 @@ class ImpactLoop {
   void lookAround(Index i) {
     const Bodies& bodies = context_.scene.bodies;
     const double from = step_.timeOf(i);
-    neighbourhood_.move(i, sweptBounds(bodies, step_.load[i], i, step_.t1 - from));
-    for (const Index j : neighbourhood_.of(i)) consider(i, j, from);
+    step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
+    tree_.move(i, step_.bounds[i]);
+    for (const Index j : tree_.of(i)) consider(i, j, from);
     for (const Index j : context_.scene.lists.planes) consider(i, j, from);
   }
 
@@ -232,8 +237,7 @@ class ImpactLoop {
   void charge(std::uint64_t queries) { query_budget_ -= std::min(query_budget_, queries); }
 
   void consider(Index i, Index j, double from) {
-    if (!sweep_and_prune::mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j]))
-      return;
+    if (!mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
     if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::find()
     const Index place = contacts_.find(std::min(i, j), std::max(i, j), found_);
     PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
@@ -267,8 +271,9 @@ class ImpactLoop {
   Context& context_;
   StepStore& step_;
   Contacts& contacts_;
-  std::size_t found_;  // pairs of the broad phase; later ones are not sorted
-  Neighbourhood neighbourhood_;
+  std::size_t found_;           // pairs of the broad phase; later ones are not sorted
+  std::vector<char> has_edge_;  // by contact: it is a constraint of the island of its bodies
+  BoundsTree tree_;
   DisjointSets sets_;                      // of bodies that may meet
   std::vector<std::uint64_t> cut_budget_;  // by body: of its set, where it is the root
   std::uint64_t lossy_budget_, elastic_budget_, query_budget_;

@@ -2,8 +2,7 @@
 #include "step/missed_contacts.h"
 
 #include "broadphase/bounds.h"
-#include "broadphase/neighbourhood.h"
-#include "broadphase/sweep_and_prune.h"
+#include "broadphase/bounds_tree.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
@@ -15,11 +14,9 @@ namespace {
 
 constexpr double kMissed = 1e-7;  // of the smaller length: an overlap below it is none
 
-using Pairs = std::vector<std::pair<Index, Index>>;
-
 // Those that the contact solver has looked at, or is not to look at.
-Pairs knownPairs(const Contacts& contacts) {
-  Pairs known;
+IndexPairs knownPairs(const Contacts& contacts) {
+  IndexPairs known;
   for (const Contact& contact : contacts.active)
     if (contact.state.isSolved() || contact.state.isDepenetrating()) known.emplace_back(contact.i, contact.j);
   std::sort(known.begin(), known.end());
@@ -38,7 +35,7 @@ bool overlap(const Context& context, Index i, Index j) {
 
 }  // namespace
 
-Pairs findMissedContacts(const Context& context) {
+IndexPairs findMissedContacts(const Context& context) {
   const SceneStore& scene = context.scene;
   const StepStore& step = context.step;
   std::vector<Index> pushed;
@@ -46,21 +43,20 @@ Pairs findMissedContacts(const Context& context) {
     if (!island.flies() && island.exact)
       pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
   if (pushed.empty()) return {};
-  std::vector<Bounds> bounds = step.bounds;
-  Neighbourhood neighbourhood(scene.sweep.order, bounds);
-  for (const Index i : pushed) neighbourhood.move(i, sweptBounds(scene.bodies, {}, i, 0.0));
+  BoundsTree tree(scene.pair_search.order, step.bounds);
+  for (const Index i : pushed) tree.move(i, sweptBounds(scene.bodies, {}, i, 0.0));
 
-  const Pairs known = knownPairs(scene.contacts);
-  Pairs found;
+  const IndexPairs known = knownPairs(scene.contacts);
+  IndexPairs found;
   const auto look = [&](Index a, Index b) {
     const Index i = std::min(a, b), j = std::max(a, b);
-    if (!sweep_and_prune::mayCollide(scene.bodies.traits[i], scene.bodies.traits[j])) return;
+    if (!mayCollide(scene.bodies.traits[i], scene.bodies.traits[j])) return;
     if (scene.restitutionOf(i, j) > 0.0 || std::binary_search(known.begin(), known.end(), std::pair(i, j)))
       return;
     if (overlap(context, i, j)) found.emplace_back(i, j);
   };
   for (const Index i : pushed) {
-    for (const Index j : neighbourhood.of(i)) look(i, j);
+    for (const Index j : tree.of(i)) look(i, j);
     for (const Index j : scene.lists.planes) look(i, j);
   }
   std::sort(found.begin(), found.end());

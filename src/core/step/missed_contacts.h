@@ -12,6 +12,6 @@ namespace rbs {
 
 /// Of the bodies that contacts may have pushed, at the end of the step; i < j, in canonical order. Pairs that
 /// rebound are not among them: an impact in the next step gives them the rebound that contact would take.
-std::vector<std::pair<Index, Index>> findMissedContacts(const Context& context);
+IndexPairs findMissedContacts(const Context& context);
 
 }  // namespace rbs

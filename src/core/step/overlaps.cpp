@@ -3,7 +3,6 @@
 
 #include "base/text.h"
 #include "base/tolerances.h"
-#include "broadphase/sweep_and_prune.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
@@ -220,7 +219,7 @@ void part(Context& context) {
   }
   for (const Index plane : context.scene.lists.planes)
     for (const Index i : context.scene.lists.in_islands)
-      if (sweep_and_prune::mayCollide(context.scene.bodies.traits[plane], context.scene.bodies.traits[i]))
+      if (mayCollide(context.scene.bodies.traits[plane], context.scene.bodies.traits[i]))
         liftAbovePlane(context, plane, i);
   if (context.scene.just_edited) warn(context);
   context.scene.just_edited = false;

@@ -8,7 +8,7 @@
 #include "step/pipeline.h"
 
 #include "base/text.h"
-#include "broadphase/sweep_and_prune.h"
+#include "broadphase/broad_phase.h"
 #include "effects/effects.h"
 #include "solver/inner_step.h"
 #include "solver/residuals.h"
@@ -65,6 +65,8 @@ struct Stage {
   Need (*need)(const SceneAnalysis&);
   void (*run)(Context&);
   Items (*items)(const SceneStore&, const StepStore&);
+  std::string (*method)(const SceneStore&) =
+      nullptr;  // how it works, where that varies; empty: not known yet
 };
 
 constexpr std::array kStages{
@@ -86,8 +88,8 @@ constexpr std::array kStages{
             return Items{scene.grabs.size(), "bodies"};
           }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
-    Stage{"broadphase.pairs", needOf<Effect::Collision>, sweep_and_prune::run,
-          bodiesOn<&BodyLists::collidable>},
+    Stage{"broadphase.pairs", needOf<Effect::Collision>, broad_phase::run, bodiesOn<&BodyLists::collidable>,
+          broad_phase::describe},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep"};
@@ -243,6 +245,9 @@ std::vector<StageInfo> Pipeline::describe(const SceneAnalysis& analysis, const S
   };
   for (std::size_t row = 0; row < kStages.size(); ++row) {
     add(kStages[row], seconds_[row], "");
+    if (kStages[row].method && rows.back().active)
+      if (const std::string method = kStages[row].method(scene); !method.empty())
+        rows.back().reason += "; " + method;
     if (kStages[row].run != step_controller::run) continue;
     for (std::size_t part = 0; part < kParts.size(); ++part)
       add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0, kStages[row].name);

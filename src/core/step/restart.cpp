@@ -9,10 +9,8 @@ namespace rbs {
 
 namespace {
 
-using Pairs = std::vector<std::pair<Index, Index>>;
-
 // By body: whether its motion may be another with these pairs among the contacts.
-std::vector<char> concernedBy(const Context& context, const Pairs& pairs) {
+std::vector<char> concernedBy(const Context& context, const IndexPairs& pairs) {
   const StepStore& step = context.step;
   const Index n = context.scene.bodies.size();
   DisjointSets sets = islands::candidateSets(context);
@@ -68,10 +66,10 @@ void Restart::restoreContacts(Context& context, const std::vector<char>& again) 
   }
 }
 
-void Restart::beginAgain(Context& context, const Pairs& pairs, int times) {
+void Restart::beginAgain(Context& context, const IndexPairs& pairs, int times) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  Pairs all = pairs;
+  IndexPairs all = pairs;
   all.insert(all.end(), step.reached.begin(), step.reached.end());
   step.reached.clear();
   const std::vector<char> again = concernedBy(context, all);

@@ -23,7 +23,7 @@ class Restart {
   /// Puts the bodies that these pairs and step.reached concern back to the beginning of the step, and makes
   /// their islands anew with these pairs among the contacts. `times` is how often a step has been taken: all repetitions of an
   /// exact solve together cost no more than one begun anew. Costs n bodies and all contacts.
-  void beginAgain(Context& context, const std::vector<std::pair<Index, Index>>& pairs, int times);
+  void beginAgain(Context& context, const IndexPairs& pairs, int times);
 
  private:
   void restoreContacts(Context& context, const std::vector<char>& again);

@@ -32,7 +32,7 @@ void advanceUntilNoneIsMissed(Context& context) {
     takeImpacts(context);
     advanceToEnd(context);
     if (times == kMostTimes || context.step.solve_budget.isLate()) return;
-    const std::vector<std::pair<Index, Index>> missed = findMissedContacts(context);
+    const IndexPairs missed = findMissedContacts(context);
     if (missed.empty() && context.step.reached.empty()) return;
     restart.beginAgain(context, missed, times);
   }
