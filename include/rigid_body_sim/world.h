@@ -150,11 +150,10 @@ class World {
   // --- bodies
 
   /// Adds a body and returns its handle. Throws InvalidInput for a faulty body or a name that is taken.
-  /// Wakes all. Cost: the names of all n bodies. To add many bodies, addBodies() is faster.
+  /// Wakes all.
   BodyId addBody(const BodyDef& body);
   /// Adds all bodies or none, and returns their handles in the same order. Throws InvalidInput with every
-  /// fault: faulty bodies, and names that are taken or given twice. Wakes all. Cost: the names of all n
-  /// bodies, once.
+  /// fault: faulty bodies, and names that are taken or given twice. Wakes all.
   std::vector<BodyId> addBodies(const std::vector<BodyDef>& bodies);
   /// Removes a body, with its contacts and with the wrenches, grab or hold that act on it. Its handle is
   /// never used again. Wakes all. Cost: n bodies and all contacts.
@@ -165,9 +164,9 @@ class World {
   /// Changes properties of a body. A new pose, shape or mass drops the contact forces that would warm-start
   /// its next step. Throws InvalidInput for mass and density together, for a name that another body has, and
   /// where the changed body would be faulty. Wakes all. Cost: all contacts where the pose, shape or mass
-  /// changes; a search of all n names where the name changes.
+  /// changes.
   void editBody(BodyId id, const BodyEdit& edit);
-  /// The body of this name; no body when there is none. Cost: a search of all n names.
+  /// The body of this name; no body when there is none. Cost: a look into a hash table.
   BodyId find(const std::string& name) const;
   /// The pose of B in W now. Cost: the search for the handle; far less than a snapshot.
   Pose pose(BodyId id) const;

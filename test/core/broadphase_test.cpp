@@ -128,6 +128,9 @@ void edit(World& world, const Case& c, int round, int body) {
     case 2:
       world.removeBody(id);
       return;
+    case 3:
+      world.addBody(anyBody(random));
+      return;
     default:
       return;
   }
@@ -174,7 +177,7 @@ Case shrunk(Case c) {
     if (faultOf(smaller).empty())
       ++k;
     else
-      c = smaller;
+      c = std::move(smaller);
   }
   return c;
 }
@@ -231,6 +234,21 @@ TEST(BroadPhase, FindsEachPairOnceAndNoOther) {
       for (int jumps = 0; jumps < (round == 3 ? 120 : 12); ++jumps)
         crowd.scene.bodies.pose[static_cast<std::size_t>(random.below(120))] = random.pose(kReach);
     }
+  }
+}
+
+// A body that comes or goes does not make it choose its search anew, and finds its pairs all the same.
+TEST(BroadPhase, KeepsItsSearchWhereFewBodiesComeAndGo) {
+  const std::uint64_t seed = 89;
+  Random random(seed);
+  SceneDef scene;
+  for (int k = 0; k < 4000; ++k) scene.bodies.push_back(ball(nameOf(k), 0.15, random.inCube(6.0)));
+  World world(scene);
+  for (int round = 0; round < 12; ++round) {
+    for (int k = 0; k < 20; ++k) world.addBody(ball("", 0.2, random.inCube(6.0)));
+    for (int k = 0; k < 20; ++k) world.removeBody(world.find(nameOf(20 * round + k)));
+    const std::size_t expected = expectedPairs(world.capture());
+    ASSERT_EQ(world.step().pairs, expected) << "seed " << seed << ", round " << round;
   }
 }
 

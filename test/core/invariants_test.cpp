@@ -72,7 +72,8 @@ TEST(Invariants, OfASceneAreFoundBroken) {
        [](auto& s) { s.lists.ballistic = {2}; }},
       {"body 'lift': the list of kinematic bodies is wrong about it",
        [](auto& s) { s.lists.kinematic.clear(); }},
-      {"the broad phase does not sort the bodies that may meet", [](auto& s) { s.pair_search.order.pop_back(); }},
+      {"the broad phase does not sort the bodies that may meet",
+       [](auto& s) { s.pair_search.order.pop_back(); }},
   };
   for (const auto& [words, put] : faults) {
     Stores stores;

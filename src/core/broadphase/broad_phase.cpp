@@ -23,13 +23,14 @@ constexpr std::uint64_t kFewTests = 16, kTestsOfTree = 32;
 // Bodies of which a thread takes the bounds at a time.
 constexpr std::size_t kBodiesOfAPart = 256;
 
-// Chosen anew when other bodies take part, and when the bodies have moved so that the search takes twice the
-// tests.
+// Chosen anew when an eighth of the bodies are others, and when the bodies have moved so that the search takes twice
+// the tests.
 void choose(PairSearch& search, const std::vector<Bounds>& bounds) {
   const std::uint64_t n = search.order.size();
   search.axis = kDiagonal;
   search.sweep_tests = sweepTests(kDiagonal, search.order, bounds);
   search.fresh = false;
+  search.changed = 0;
   if (search.sweep_tests > kFewTests * n) {
     for (const int axis : {0, 1, 2}) {
       const std::uint64_t tests = sweepTests(axis, search.order, bounds);
@@ -103,7 +104,7 @@ void run(Context& context) {
     }
   });
   PairSearch& search = scene.pair_search;
-  const bool chosen = search.fresh;
+  const bool chosen = search.fresh || 8 * search.changed > collidable.size();
   if (chosen) choose(search, step.bounds);
   IndexPairs found;
   const std::uint64_t tests = findPairs(context, found);

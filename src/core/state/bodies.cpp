@@ -18,8 +18,9 @@ Index Bodies::indexOf(BodyId body) const {
 }
 
 Index Bodies::indexOf(const std::string& body) const {
-  const auto it = std::find(name.begin(), name.end(), body);
-  return it != name.end() ? static_cast<Index>(it - name.begin()) : kNone;
+  const BodyId found =
+      by_name_.find(body, [this](BodyId one) -> const std::string& { return name[indexOf(one)]; });
+  return found ? indexOf(found) : kNone;
 }
 
 void Bodies::append(BodyId new_id, const BodyDef& def) {
@@ -42,15 +43,23 @@ void Bodies::append(BodyId new_id, const BodyDef& def) {
   traits.push_back(t);
   inertia.emplace_back();
   name.push_back(def.name);
+  by_name_.insert(def.name, new_id);
   color.push_back(def.color.value_or(defaultColor(new_id, def.kind)));
   advance.emplace_back();
   refresh(size() - 1);
 }
 
 void Bodies::erase(Index i) {
+  by_name_.erase(name[i], id[i]);
   const auto drop = [i](auto& column) { column.erase(column.begin() + i); };
   drop(id), drop(pose), drop(since), drop(twist), drop(inertia), drop(traits), drop(name), drop(color);
   drop(advance);
+}
+
+void Bodies::rename(Index i, const std::string& to) {
+  by_name_.erase(name[i], id[i]);
+  name[i] = to;
+  by_name_.insert(to, id[i]);
 }
 
 void Bodies::refresh(Index i) {

@@ -10,6 +10,7 @@
 #include "dynamics/inertia.h"
 #include "rigid_body_sim/scene.h"
 #include "rigid_body_sim/snapshot.h"
+#include "state/name_table.h"
 
 #include <cstdint>
 #include <string>
@@ -58,7 +59,7 @@ struct Bodies {
   std::vector<Twist> twist;
   std::vector<Inertia> inertia;
   std::vector<Traits> traits;
-  std::vector<std::string> name;
+  std::vector<std::string> name;  ///< rename() changes it
   std::vector<Color> color;
   std::vector<Advance> advance;  ///< of a ballistic body: what was before it became one
 
@@ -68,6 +69,7 @@ struct Bodies {
 
   void append(BodyId new_id, const BodyDef& def);  ///< `def` is sound and has its name
   void erase(Index i);                             ///< keeps the order
+  void rename(Index i, const std::string& to);     ///< a name that no other body has
   void clear() { *this = Bodies{}; }
 
   /// Call it after a change of shape, mass, kind, hold or quarantine of body i, and analyseScene()
@@ -82,6 +84,9 @@ struct Bodies {
   BodyDescription describe(Index i) const;
   BodyDef define(Index i, double time) const;
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+
+ private:
+  NameTable by_name_;
 };
 
 /// The colour of a body that is given none.

@@ -71,11 +71,12 @@ class ActiveEffects {
 
 /// How the broad phase searches. What it finds does not depend on it, only how fast.
 struct PairSearch {
-  std::vector<Index> order;       ///< lists.collidable, as sorted in the last step
+  std::vector<Index> order;       ///< lists.collidable, as sorted in the last step; new ones at its end
   int axis = 3;                   ///< of Bounds: the one along which a sweep takes the fewest tests
   bool by_tree = false;           ///< a tree of bounds is taken in place of the sweep
   std::uint64_t sweep_tests = 0;  ///< that the sweep took, or would have taken, when this was chosen
   std::uint64_t tests = 0;        ///< that the search took then
+  Index changed = 0;              ///< bodies that have come or gone since then
   bool fresh = true;              ///< this has yet to be chosen
 };
 

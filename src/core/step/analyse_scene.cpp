@@ -145,6 +145,16 @@ void startPairSearch(SceneStore& scene) {
   scene.pair_search.order = scene.lists.collidable;
 }
 
+// One body more, or one fewer.
+void joinPairSearch(PairSearch& search, Index i) {
+  search.order.push_back(i);
+  ++search.changed;
+}
+void leavePairSearch(PairSearch& search, Index i) {
+  search.order.erase(std::find(search.order.begin(), search.order.end(), i));
+  ++search.changed;
+}
+
 // What a body feels of rotation. Its orientation is the same before and after, bit for bit.
 void setRotation(SceneStore& scene, const BodyEffects& body, Index i) {
   Bodies& bodies = scene.bodies;
@@ -238,7 +248,6 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
   for (const Effect effect : kEffects)
     if (effects::need(effect, counts.analysis).active != scene.effects[effect]) return false;
 
-  bool sorts_others = false;
   for (const Index i : bodies) {
     setRotation(scene, body, i);
     const auto on = listsOf(scene, body, i);
@@ -248,10 +257,10 @@ bool recount(SceneStore& scene, std::vector<Index> bodies) {
       const bool was_on = place != list.end() && *place == i;
       if (on[k] == was_on) continue;
       on[k] ? void(list.insert(place, i)) : void(list.erase(place));
-      sorts_others = sorts_others || &list == &scene.lists.collidable;
+      if (&list == &scene.lists.collidable)
+        on[k] ? joinPairSearch(scene.pair_search, i) : leavePairSearch(scene.pair_search, i);
     }
   }
-  if (sorts_others) startPairSearch(scene);
   counts.analysis.ballistic = static_cast<Index>(scene.lists.ballistic.size());
   scene.ballistic_until = scene.time;
   return true;
@@ -271,10 +280,14 @@ void removeFromAnalysis(SceneStore& scene, Index i) {
   for (std::size_t k = 0; k < kLists; ++k) {
     std::vector<Index>& list = listAt(scene.lists, k);
     auto place = std::lower_bound(list.begin(), list.end(), i);
-    if (place != list.end() && *place == i) place = list.erase(place);
+    if (place != list.end() && *place == i) {
+      place = list.erase(place);
+      if (&list == &scene.lists.collidable) leavePairSearch(scene.pair_search, i);
+    }
     for (; place != list.end(); ++place) --*place;
   }
-  startPairSearch(scene);
+  for (Index& other : scene.pair_search.order)
+    if (other > i) --other;
 }
 
 }  // namespace rbs

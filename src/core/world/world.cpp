@@ -14,35 +14,32 @@
 
 namespace rbs {
 
-// Keeps the touches of this step's solves as the guesses for the next, and those of bodies asleep as they
-// are, and drops everything else.
 std::string World::Impl::freeName(const Shape& shape, const std::unordered_set<std::string>& taken) {
   const std::string stem = shapeName(shape);
   std::uint64_t& number = next_number[stem];
   std::string name;
   do name = stem + '_' + std::to_string(++number);
-  while (taken.count(name));
+  while (taken.count(name) || scene.bodies.indexOf(name) != kNone);
   return name;
 }
 
 void World::Impl::nameBodies(std::vector<BodyDef>& bodies) {
-  std::unordered_set<std::string> taken(scene.bodies.name.begin(), scene.bodies.name.end());
-  for (const BodyDef& body : bodies) taken.insert(body.name);
-  for (BodyDef& body : bodies) {
-    if (!body.name.empty()) continue;
-    body.name = freeName(body.shape, taken);
-    taken.insert(body.name);
-  }
+  std::unordered_set<std::string> taken;
+  for (const BodyDef& body : bodies)
+    if (!body.name.empty()) taken.insert(body.name);
+  for (BodyDef& body : bodies)
+    if (body.name.empty()) body.name = freeName(body.shape, taken);
 }
 
 namespace {
 
 void checkNames(const Bodies& bodies, const std::vector<BodyDef>& added, std::vector<Problem>& problems) {
-  std::unordered_set<std::string> taken(bodies.name.begin(), bodies.name.end());
+  std::unordered_set<std::string> taken;
   for (std::size_t k = 0; k < added.size(); ++k) {
-    if (added[k].name.empty() || taken.insert(added[k].name).second) continue;
+    const std::string& name = added[k].name;
+    if (name.empty() || (bodies.indexOf(name) == kNone && taken.insert(name).second)) continue;
     const std::string path = added.size() == 1 ? "body.name" : "bodies[" + std::to_string(k) + "].name";
-    problems.push_back({path, quoted(added[k].name), "a name that no other body has"});
+    problems.push_back({path, quoted(name), "a name that no other body has"});
   }
 }
 
@@ -170,7 +167,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   bodies.pose[i] = fresh.pose[0];
   bodies.since[i] = impl_->scene.time;
   bodies.twist[i] = fresh.twist[0];
-  bodies.name[i] = fresh.name[0];
+  if (edit.name) bodies.rename(i, *edit.name);
   bodies.color[i] = fresh.color[0];
   const Traits old = bodies.traits[i];
   bodies.traits[i] = fresh.traits[0];
