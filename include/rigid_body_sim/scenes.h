@@ -16,20 +16,20 @@ struct SceneFile {
   std::optional<SavedState> state;  ///< rest of a saved state; empty: the file is a scene only
 };
 
-/// Reads a scene from text of at most 16 MiB. Throws InvalidInput with every problem: "file:line: path",
+/// Reads a scene from text of at most 64 MiB. Throws InvalidInput with every problem: "file:line: path",
 /// value, allowed. `file` is named in messages, and meshes are looked for beside it. `seed` replaces the seed
 /// of the text when given.
 SceneFile parseScene(const std::string& text, const std::string& file,
                      std::optional<std::uint64_t> seed = std::nullopt);
 
 /// Reads a scene file by parseScene(). A scene without a name of its own gets that of the file. Throws
-/// InvalidInput as parseScene() does, and for a file that is over 16 MiB or cannot be read. Where a faulty
+/// InvalidInput as parseScene() does, and for a file that is over 64 MiB or cannot be read. Where a faulty
 /// file does not even hold the word `bodies`, the message quotes nothing of it. confineFilesTo() is not
 /// checked: see findScene().
 SceneFile readScene(const std::string& file, std::optional<std::uint64_t> seed = std::nullopt);
 
 /// The text of a scene, which parseScene() reads back bit for bit. Throws InvalidInput for a faulty scene,
-/// and for one of more than 100,000 bodies or 16 MiB of text.
+/// and for one of more than 100,000 bodies or 64 MiB of text.
 std::string writeScene(const SceneDef& scene, const std::optional<SavedState>& state = std::nullopt);
 
 /// One scene of a catalogue.

@@ -3,6 +3,7 @@
 // hostile file is refused whole, with every fault at its line.
 #include "base/number_text.h"
 #include "rigid_body_sim/scenes.h"
+#include "rigid_body_sim/world.h"
 #include "scene/scene_limits.h"
 
 #include <gtest/gtest.h>
@@ -640,7 +641,7 @@ TEST(SceneFile, hostileTextIsRefused) {
   EXPECT_NE(firstFault(repeated("{a: ", 100000)), "");
   EXPECT_NE(firstFault(repeated("- ", 100000)), "");
   EXPECT_NE(firstFault(repeated("? ", 100000)), "");
-  EXPECT_EQ(firstFault("bodies: [" + repeated("~,", 2000001) + "]"), "f.yaml:1: bodies[1999997]");
+  EXPECT_EQ(firstFault("bodies: [" + repeated("~,", 5000001) + "]"), "f.yaml:1: bodies[4999997]");
   EXPECT_NE(firstFault("? [a]\n: b"), "");
   EXPECT_NE(firstFault("step: !!float 0.01"), "");
   EXPECT_NE(firstFault("step: 0.01\n---\nstep: 0.02"), "");
@@ -691,9 +692,35 @@ TEST_F(SceneFiles, whatIsNoReadableFileIsRefused) {
   EXPECT_THROW(readScene(""), InvalidInput);
 }
 
-TEST_F(SceneFiles, fileOver16MiBIsRefused) {
+TEST_F(SceneFiles, fileOver64MiBIsRefused) {
   EXPECT_THROW(readScene(write("over.yaml", "step: 0.01\n" + std::string(kMostSceneBytes, '#'))),
                InvalidInput);
+}
+
+TEST(SceneFile, theMostBodiesAreWrittenReadBackAndStepped) {
+  SceneDef scene;
+  for (std::size_t k = 0; k < kMostBodies; ++k) {
+    BodyDef body;
+    body.name = "body_" + std::to_string(k);
+    if (k % 2) body.shape = Box{{0.3, 0.2 + 1e-7 * static_cast<double>(k), 0.1}};
+    body.pose.p_WB = Vec3(static_cast<double>(k % 50), static_cast<double>(k / 50 % 50),
+                          1.0 / 3.0 + static_cast<double>(k / 2500));
+    body.pose.q_WB = Quat(Eigen::AngleAxisd(0.1 * static_cast<double>(k), Vec3(1, 2, 3).normalized()));
+    scene.bodies.push_back(body);
+  }
+  World world(scene), again(parseScene(writeScene(scene), "most.yaml").scene);
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+  world.step(), again.step();
+  EXPECT_EQ(again.stateHash(), world.stateHash());
+
+  scene.bodies.push_back(scene.bodies.front());
+  scene.bodies.back().name = "one_more";
+  try {
+    writeScene(scene);
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_STREQ(error.what(), "bodies: 100001 (allowed: at most 100000 in a scene file)");
+  }
 }
 
 TEST(NumberText, isShortAndReadsBack) {

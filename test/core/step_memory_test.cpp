@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 
 #include <malloc.h>
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
-std::size_t allocated = 0;  // bytes, so far
-std::size_t live = 0;       // bytes, now
+std::atomic<std::size_t> allocated{0};  // bytes, so far
+std::atomic<std::size_t> live{0};       // bytes, now
 }  // namespace
 
 void* operator new(std::size_t size) {

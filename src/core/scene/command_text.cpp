@@ -140,13 +140,13 @@ std::string writeCommand(const Command& command) {
   std::visit([&](const auto& change) { visitFields(change, change, Writer{line}); }, command.change);
   std::string text = std::string(command.name()) + ": " + line.close();
   if (text.size() > kMostSceneBytes)
-    throw InvalidInput({{command.name(), std::to_string(text.size()) + " bytes", "at most 16 MiB"}});
+    throw InvalidInput({{command.name(), std::to_string(text.size()) + " bytes", "at most 64 MiB"}});
   return text;
 }
 
 Command parseCommand(const std::string& text, const std::string& source) {
   if (text.size() > kMostSceneBytes)
-    throw InvalidInput({{printable(source, kLongestPath), "more than 16 MiB", "at most 16 MiB"}});
+    throw InvalidInput({{printable(source, kLongestPath), "more than 64 MiB", "at most 64 MiB"}});
   FileProblems problems(source);
   const YamlNode root = parseYaml(text, problems);
   Fields top(root, "", problems);

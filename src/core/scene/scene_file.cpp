@@ -219,7 +219,7 @@ std::string readText(const std::string& file) {
 }  // namespace
 
 SceneFile parseScene(const std::string& text, const std::string& file, std::optional<std::uint64_t> seed) {
-  if (text.size() > kMostSceneBytes) refuseFile(file, "more than 16 MiB", "at most 16 MiB");
+  if (text.size() > kMostSceneBytes) refuseFile(file, "more than 64 MiB", "at most 64 MiB");
   FileProblems problems(file);
   const YamlNode root = parseYaml(text, problems);
   Fields top(root, "", problems);

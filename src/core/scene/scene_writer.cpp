@@ -249,9 +249,11 @@ std::string writeScene(const SceneDef& scene, const std::optional<SavedState>& s
   std::string result = headText(scene) + (scene.bodies.empty() ? "bodies: []\n" : "bodies:\n");
   for (const BodyDef& body : scene.bodies) result += "  - " + text(body) + "\n";
   if (state) result += stateText(*state);
-  if (result.size() > kMostSceneBytes || scene.bodies.size() > kMostBodies) {
-    throw InvalidInput({{"bodies", std::to_string(scene.bodies.size()), "what fits a scene file of 16 MiB"}});
-  }
+  if (scene.bodies.size() > kMostBodies)
+    throw InvalidInput({{"bodies", std::to_string(scene.bodies.size()),
+                         "at most " + std::to_string(kMostBodies) + " in a scene file"}});
+  if (result.size() > kMostSceneBytes)
+    throw InvalidInput({{"bodies", std::to_string(result.size()) + " bytes of text", "at most 64 MiB"}});
   return result;
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostProblems = 1000;    // more than anyone reads
 constexpr std::size_t kDeepest = 12;           // a scene file nests six deep
 constexpr std::size_t kMostKeys = 64;          // a body has about twenty
-constexpr std::size_t kMostNodes = 2'000'000;  // about 200 MB of tree
+constexpr std::size_t kMostNodes = 5'000'000;  // up to 950 MB while it is read
 
 /// Throws all problems so far and this one.
 [[noreturn]] void refuse(FileProblems& problems, int line, const std::string& path, const std::string& value,

@@ -75,7 +75,7 @@ std::optional<Mismatch> Resimulation::begin(const Recorded& entry) {
   const std::string path = "world " + std::to_string(entry.world);
   if (!checkpoint) throw InvalidInput({{path, "commands before any checkpoint", "a checkpoint first"}});
   if (!*checkpoint)
-    throw InvalidInput({{path, "a first checkpoint without a world", "a world that fits 16 MiB of text"}});
+    throw InvalidInput({{path, "a first checkpoint without a world", "a world that fits 64 MiB of text"}});
   const std::optional<Mismatch> before = world_ ? leaveWorld() : std::nullopt;
   if (!world_) {
     first_ = {entry.world, entry.step};
