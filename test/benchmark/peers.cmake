@@ -55,14 +55,10 @@ if(peer_sources)
   set(peer_objects $<TARGET_OBJECTS:${PROJECT_NAME}_peers>)
 endif()
 
-find_package(Bullet QUIET)
-if(BULLET_FOUND)
-  add_benchmark(beside_bullet_benchmark)
-  target_include_directories(${PROJECT_NAME}_beside_bullet_benchmark SYSTEM PRIVATE ${BULLET_INCLUDE_DIRS})
-  target_link_libraries(${PROJECT_NAME}_beside_bullet_benchmark ${BULLET_LIBRARIES})
-else()
-  missing_peer(Bullet)
-endif()
+# Whole scenes, of our settings and of these engines.
+add_benchmark(scene_benchmark)
+target_sources(${PROJECT_NAME}_scene_benchmark PRIVATE ${PROJECT_SOURCE_DIR}/src/tools/accuracy/ours.cpp ${peer_objects})
+target_link_libraries(${PROJECT_NAME}_scene_benchmark ${peer_libraries} Boost::program_options)
 
 find_package(ccd QUIET)
 find_package(fcl QUIET)

@@ -66,7 +66,7 @@ class SpacesTest(unittest.TestCase):
         self.assertIn('no plugin for RViz', said)
         for target in ('core', 'node', 'explain', 'accuracy_probe_with_peers'):
             self.assertIn('rigid_body_sim_' + target, targets)
-        for target in ('rviz', 'peers', 'beside_bullet_benchmark', 'beside_fcl_benchmark'):
+        for target in ('rviz', 'peers', 'scene_benchmark', 'beside_fcl_benchmark'):
             self.assertNotIn('rigid_body_sim_' + target, targets)
 
 
