@@ -119,7 +119,7 @@ struct Fluid {
 
 /// The quality level of the solver, from fast to exact.
 enum class Fidelity {
-  Preview,  ///< soft contacts, one sub-step: thousands of bodies on a laptop
+  Preview,  ///< soft contacts, four sub-steps: thousands of bodies on a laptop
   /// Soft contacts, eight sub-steps: dragging things in RViz. Small islands that are tall, slender, of large
   /// mass ratio or about to tip or slide go to the exact step while they move little.
   Interactive,

@@ -55,11 +55,11 @@ void addTolerances(Fidelity preset, std::initializer_list<double> tolerances) {
 }
 
 [[maybe_unused]] const bool added = [] {
-  add(Fidelity::Preview, "soft contacts, one sub-step");
+  add(Fidelity::Preview, "soft contacts, four sub-steps");
   add(Fidelity::Interactive, "soft contacts, eight sub-steps; the default");
   add(Fidelity::Accurate, "Coulomb's law to 1e-6, stops of sliding located in time");
   add(Fidelity::Reference, "Coulomb's law to 1e-12, stops of sliding located in time");
-  addSubSteps(Fidelity::Preview, {2, 4, 8});
+  addSubSteps(Fidelity::Preview, {1, 2, 8});
   addSubSteps(Fidelity::Interactive, {2, 4, 16, 32});
   addTolerances(Fidelity::Accurate, {1e-2, 1e-4, 1e-8});
   addTolerances(Fidelity::Reference, {1e-6, 1e-9});
