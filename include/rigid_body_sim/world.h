@@ -280,6 +280,10 @@ class World {
   /// The descriptions of all bodies in canonical order; never null. Cost: a copied pointer, or n descriptions
   /// after an edit that changed one.
   std::shared_ptr<const std::vector<BodyDescription>> bodies() const;
+  /// The states of all bodies, in the order of bodies(): Snapshot::states alone. Cost: n states.
+  std::vector<BodyState> states() const;
+  /// The contact points of the last step: Snapshot::contacts alone. Cost: all contact points.
+  std::vector<ContactPoint> contacts() const;
   /// The world as it is now, all but what a Simulator adds. Cost: n states, all contact points, and the costs
   /// of bodies(), pipeline(), totals() and stateHash().
   Snapshot snapshot() const;

@@ -143,6 +143,13 @@ std::vector<BodyState> statesOf(const SceneStore& scene) {
 
 }  // namespace
 
+std::vector<BodyState> World::states() const {
+  return statesOf(impl_->scene);
+}
+std::vector<ContactPoint> World::contacts() const {
+  return contactPoints(impl_->scene);
+}
+
 Snapshot World::snapshot() const {
   const Impl& w = *impl_;
   Snapshot s;
@@ -153,8 +160,8 @@ Snapshot World::snapshot() const {
   s.edits = w.edits;
   s.description_version = w.description_version;
   s.bodies = this->bodies();
-  s.states = statesOf(w.scene);
-  s.contacts = contactPoints(w.scene);
+  s.states = states();
+  s.contacts = contacts();
   s.pipeline = pipeline();
   s.report = w.step.report;
   s.totals = totals();
