@@ -152,13 +152,13 @@ void bindBody(py::module_& module) {
              "(docs/scenes.md).\n\nNumbers "
              "are checked where the body is used: by World(), add_body() and Scene.validate().");
   type.def(py::init(&makeBody), py::arg("shape") = py::none(),
-           "Body(shape=Box(), **fields): the fields by their names.");
+           Doc("Body(shape=Box(), **fields): the fields by their names."));
   bindRest(type);
   bindPlace(type);
   bindMass(type);
   bindMaterial(type);
   const auto copy = [](const BodyDef& body) { return std::make_shared<BodyDef>(body); };
-  type.def("copy", copy, "Another Body with the same fields.")
+  type.def("copy", copy, Doc("Another Body with the same fields."))
       .def("__copy__", copy)
       .def(
           "__deepcopy__", [copy](const BodyDef& body, py::handle) { return copy(body); }, py::arg("memo"))

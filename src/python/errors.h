@@ -2,6 +2,8 @@
 // Errors: InvalidInput of the core as rigid_body_sim.InvalidInput, a ValueError.
 #pragma once
 
+#include "doc.h"
+
 #include "rigid_body_sim/types.h"
 
 #include <pybind11/pybind11.h>

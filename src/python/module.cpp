@@ -9,6 +9,8 @@
 
 PYBIND11_MODULE(_core, module) {
   using namespace rbs::python;
+  pybind11::options options;
+  options.disable_function_signatures();  // Doc has them
   module.doc() = "The physics: see the package rigid_body_sim, which has all names of this module.";
   bindErrors(module);
   bindShapes(module);

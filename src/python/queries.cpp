@@ -18,7 +18,10 @@ BodyId toBodyId(const Snapshot& snapshot, py::handle body, const std::string& pa
 
 Ray toRay(const Snapshot& snapshot, py::handle origin, py::handle direction, py::handle distance,
           py::handle ignore) {
-  Ray ray{toVec3(origin, "origin"), toVec3(direction, "direction"), toNumber(distance, "max_distance"), {}};
+  Ray ray;
+  ray.origin_W = toVec3(origin, "origin");
+  ray.direction_W = toVec3(direction, "direction");
+  if (!distance.is_none()) ray.max_distance = toNumber(distance, "max_distance");
   if (!py::isinstance<py::iterable>(ignore) || py::isinstance<py::str>(ignore))
     refuse("ignore", textOf(ignore), "a list of handles or names");
   for (const py::handle body : ignore) ray.ignore.push_back(toBodyId(snapshot, body, "ignore"));
@@ -31,13 +34,13 @@ py::object fromHit(const RayHit& hit) {
 
 /// Adds the queries to a class of which `get` gives the snapshot.
 template <class Class, class Get>
-void bind(Class& type, const Get& get) {
+void addQueries(Class& type, const Get& get) {
   using Self = typename Class::type;
   const std::string ray =
-      "origin: (3,) in W, m. direction: (3,) in W, of any length but 0. max_distance: m, above 0.\nignore: "
+      "origin: (3,) in W, m. direction: (3,) in W, of any length but 0. max_distance: m, above 0; None: no "
+      "end.\nignore: "
       "handles or "
       "names of bodies that the ray passes through.";
-  const auto infinity = Ray{}.max_distance;
   type.def(
           "cast_ray",
           [=](Self& self, py::handle origin, py::handle direction, py::handle distance, py::handle ignore) {
@@ -45,9 +48,9 @@ void bind(Class& type, const Get& get) {
             const auto hit = castRay(*snapshot, toRay(*snapshot, origin, direction, distance, ignore));
             return hit ? fromHit(*hit) : py::none();
           },
-          py::arg("origin"), py::arg("direction"), py::arg("max_distance") = infinity,
+          py::arg("origin"), py::arg("direction"), py::arg("max_distance") = py::none(),
           py::arg("ignore") = py::tuple(),
-          ("The first body that the ray hits: a RayHit, or None.\n\n" + ray).c_str())
+          Doc("The first body that the ray hits: a RayHit, or None.\n\n" + ray))
       .def(
           "cast_ray_through",
           [=](Self& self, py::handle origin, py::handle direction, py::handle distance, py::handle ignore) {
@@ -58,9 +61,9 @@ void bind(Class& type, const Get& get) {
               hits.append(fromHit(hit));
             return hits;
           },
-          py::arg("origin"), py::arg("direction"), py::arg("max_distance") = infinity,
+          py::arg("origin"), py::arg("direction"), py::arg("max_distance") = py::none(),
           py::arg("ignore") = py::tuple(),
-          ("All bodies that the ray hits, the nearest first: a list of RayHit.\n\n" + ray).c_str())
+          Doc("All bodies that the ray hits, the nearest first: a list of RayHit.\n\n" + ray))
       .def(
           "closest_points",
           [=](Self& self, py::handle a, py::handle b) {
@@ -71,9 +74,9 @@ void bind(Class& type, const Get& get) {
                                               fromVec3(points.p_WB));
           },
           py::arg("body_a"), py::arg("body_b"),
-          "Where two bodies (handles or names) are nearest to each other, or overlap most deeply: "
-          "ClosestPoints.\n\nRaises "
-          "InvalidInput where both are the same, and where both are planes.")
+          Doc("Where two bodies (handles or names) are nearest to each other, or overlap most deeply: "
+              "ClosestPoints.\n\nRaises "
+              "InvalidInput where both are the same, and where both are planes."))
       .def(
           "overlaps",
           [=](Self& self, py::handle shape, py::handle position, py::handle orientation, py::handle margin) {
@@ -86,16 +89,16 @@ void bind(Class& type, const Get& get) {
           },
           py::arg("shape"), py::arg("position"), py::arg("orientation") = py::make_tuple(0.0, 0.0, 0.0, 1.0),
           py::arg("margin") = 0.0,
-          "The bodies within `margin` (m, 0 to 1e9) of a shape: a list of Neighbour, the oldest "
-          "first.\n\nposition: (3,) "
-          "in W, m. orientation: (4,) [x, y, z, w].");
+          Doc("The bodies within `margin` (m, 0 to 1e9) of a shape: a list of Neighbour, the oldest "
+              "first.\n\nposition: (3,) "
+              "in W, m. orientation: (4,) [x, y, z, w]."));
 }
 
 }  // namespace
 
 void bindQueries(WorldClass& world, py::class_<Snapshot, std::shared_ptr<Snapshot>>& snapshot) {
-  bind(world, [](PyWorld& self) { return self.snapshot(); });
-  bind(snapshot, [](Snapshot& self) -> const Snapshot* { return &self; });
+  addQueries(world, [](PyWorld& self) { return self.snapshot(); });
+  addQueries(snapshot, [](Snapshot& self) -> const Snapshot* { return &self; });
 }
 
 }  // namespace rbs::python

@@ -28,14 +28,6 @@ std::string catalogueFolder() {
   return fs::is_directory(installed, error) ? installed.string() : RBS_SCENE_FOLDER;
 }
 
-/// A path of Python: a text or what os.fspath() takes.
-std::string toPath(py::handle path) {
-  const auto text = py::reinterpret_steal<py::object>(PyOS_FSPath(path.ptr()));
-  if (text && py::isinstance<py::str>(text)) return text.cast<std::string>();
-  PyErr_Clear();
-  refuse("path", textOf(path), "the path of a file");
-}
-
 std::optional<std::uint64_t> toSeed(py::handle seed) {
   return toOptional(seed, "seed",
                     [](py::handle value, const std::string& path) { return toWhole(value, path, 0); });
@@ -102,34 +94,39 @@ using Class = py::class_<Scene>;
 
 void bindMaking(Class& type) {
   type.def(py::init(&makeScene), py::arg("bodies") = py::tuple(),
-           "Scene(bodies=(), **fields): the fields by their names; the others keep the defaults of scene "
-           "files.")
-      .def_static(
-          "load", &load, py::arg("name_or_path"), py::arg("seed") = py::none(),
-          "Reads a scene or a saved state: a name of catalogue(), or the path of a file (with '/', ending in "
-          "'.yaml', or a Path).\n\nseed: replaces that of the file, 0 to 2^64 - 1.\nRaises InvalidInput with "
-          "every fault: 'file:line: path: value (allowed: ...)'.")
+           Doc("Scene(bodies=(), **fields): the fields by their names; the others keep the defaults of scene "
+               "files."))
+      .def_static("load", &load, py::arg("name_or_path"), py::arg("seed") = py::none(),
+                  Doc("Reads a scene or a saved state: a name of catalogue(), or the path of a file (with "
+                      "'/', ending in "
+                      "'.yaml', or a Path).\n\nseed: replaces that of the file, 0 to 2^64 - 1.\nRaises "
+                      "InvalidInput with "
+                      "every fault: 'file:line: path: value (allowed: ...)'."))
       .def_static(
           "parse", &parse, py::arg("text"), py::arg("source") = "text", py::arg("seed") = py::none(),
-          "Reads a scene or a saved state from YAML text of at most 16 MiB.\n\nsource: names the text in "
-          "messages; meshes are looked for beside it.\nRaises InvalidInput with every fault: 'source:line: "
-          "path: "
-          "value (allowed: ...)'.")
+          Doc("Reads a scene or a saved state from YAML text of at most 16 MiB.\n\nsource: names the text in "
+              "messages; meshes are looked for beside it.\nRaises InvalidInput with every fault: "
+              "'source:line: "
+              "path: "
+              "value (allowed: ...)'."))
       .def("to_yaml", &toYaml,
-           "The text of the scene, which parse() reads back bit for bit.\n\nRaises InvalidInput for a faulty "
-           "scene, and "
-           "for one of more than 100,000 bodies or 16 MiB.")
+           Doc("The text of the scene, which parse() reads back bit for bit.\n\nRaises InvalidInput for a "
+               "faulty "
+               "scene, and "
+               "for one of more than 100,000 bodies or 16 MiB."))
       .def(
           "save",
           [](const Scene& scene, const py::object& path, bool overwrite) {
             writeText(path, toYaml(scene), overwrite);
           },
           py::arg("path"), py::arg("overwrite") = false,
-          "Writes to_yaml() to a file, whole or not at all.\n\nRaises InvalidInput for a file that is there "
-          "already, "
-          "unless `overwrite`, and for one that cannot be written.")
-      .def("validate", &problemsOf, "Every fault of the scene: a tuple of Problem, empty for a sound one.")
-      .def("copy", &copy, "Another Scene with bodies of its own.")
+          Doc("Writes to_yaml() to a file, whole or not at all.\n\nRaises InvalidInput for a file that is "
+              "there "
+              "already, "
+              "unless `overwrite`, and for one that cannot be written."))
+      .def("validate", &problemsOf,
+           Doc("Every fault of the scene: a tuple of Problem, empty for a sound one."))
+      .def("copy", &copy, Doc("Another Scene with bodies of its own."))
       .def("__copy__", &copy)
       .def(
           "__deepcopy__", [](const Scene& scene, py::handle) { return copy(scene); }, py::arg("memo"))
@@ -202,7 +199,7 @@ void bindContents(Class& type) {
           "Whether it resumes a run: it then has time, contact forces, wrenches and so on, which name "
           "bodies by their\nplaces in the list.")
       .def(
-          "forget_state", [](Scene& scene) { scene.state.reset(); }, "Makes it a fresh start.");
+          "forget_state", [](Scene& scene) { scene.state.reset(); }, Doc("Makes it a fresh start."));
 }
 
 }  // namespace
@@ -236,7 +233,7 @@ void bindScene(py::module_& module) {
   bindSettings(type);
   bindContents(type);
   module.def("catalogue", &catalogue,
-             "The scenes that load() knows by name: a dictionary of name to what it shows.");
+             Doc("The scenes that load() knows by name: a dictionary of name to what it shows."));
 }
 
 }  // namespace rbs::python

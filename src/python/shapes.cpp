@@ -39,9 +39,10 @@ py::object placedHull(py::handle points) {
   return fromHull(makeHull(toPoints(points, "points"), "points"));
 }
 
-py::object hullOfFile(const std::string& file, py::handle scale) {
-  return fromHull(
-      hullOfMesh(file, std::filesystem::current_path().string(), toNumber(scale, "scale"), "mesh"));
+py::object hullOfFile(const py::object& file, py::handle scale) {
+  const double factor = toNumber(scale, "scale");
+  if (!(factor > 0.0 && factor <= Limits::max_size)) refuse("scale", textOf(scale), "above 0 to 1e6");
+  return fromHull(hullOfMesh(toPath(file), std::filesystem::current_path().string(), factor, "mesh"));
 }
 
 py::array_t<double> verticesOf(const ConvexHull& hull) {
@@ -103,18 +104,20 @@ void bindShapes(py::module_& module) {
       .def(py::pickle(
           [](const ConvexHull& hull) { return py::make_tuple(verticesOf(hull)); },
           [](const py::tuple& state) { return makeHull(toPoints(state[0], "points"), "points").hull; }));
-  module.def("make_hull", &placedHull, py::arg("points"),
-             "The convex hull of points in any frame P, as a PlacedHull.\n\npoints: (n, 3), m; 4 to "
-             "1,000,000 of them. "
-             "Points that lie within the hull do not matter.\nRaises InvalidInput for points on a plane or a "
-             "line, and for "
-             "a hull of more than 4096 vertices.");
-  module.def("hull_of_mesh", &hullOfFile, py::arg("file"), py::arg("scale") = 1.0,
-             "The convex hull of the vertices of a mesh file (.obj, .stl, .ply, .dae, .gltf, .glb), as a "
-             "PlacedHull.\n\n"
-             "scale: multiplies the vertices, above 0.\nRaises InvalidInput for a file that cannot be read "
-             "or is no sound "
-             "mesh, and where make_hull() does.");
+  module.def(
+      "make_hull", &placedHull, py::arg("points"),
+      Doc("The convex hull of points in any frame P, as a PlacedHull.\n\npoints: (n, 3), m; 4 to "
+          "1,000,000 of them. "
+          "Points that lie within the hull do not matter.\nRaises InvalidInput for points on a plane or a "
+          "line, and for "
+          "a hull of more than 4096 vertices."));
+  module.def(
+      "hull_of_mesh", &hullOfFile, py::arg("file"), py::arg("scale") = 1.0,
+      Doc("The convex hull of the vertices of a mesh file (.obj, .stl, .ply, .dae, .gltf, .glb), as a "
+          "PlacedHull.\n\n"
+          "scale: multiplies the vertices, above 0.\nRaises InvalidInput for a file that cannot be read "
+          "or is no sound "
+          "mesh, and where make_hull() does."));
 }
 
 }  // namespace rbs::python

@@ -33,7 +33,7 @@ void bindBodies(Class& type) {
           "The names of the bodies, in the order of the arrays: a new list.")
       .def(
           "bodies", [](const Snapshot& s) { return fromDescriptions(*s.bodies); },
-          "The properties of the bodies, in the order of the arrays: a tuple of BodyDescription.")
+          Doc("The properties of the bodies, in the order of the arrays: a tuple of BodyDescription."))
       .def_property_readonly(
           "methods",
           [](const Snapshot& s) {
@@ -46,8 +46,8 @@ void bindBodies(Class& type) {
           "'asleep', or the method of its island.")
       .def(
           "contacts", [](const Self& self) { return arrayOf(Contacts(self, &self->contacts)); },
-          "The contact points of the last step, as World.contacts() has them: a view that cannot be "
-          "written.");
+          Doc("The contact points of the last step, as World.contacts() has them: a view that cannot be "
+              "written."));
 }
 
 void bindRest(Class& type) {
@@ -59,10 +59,11 @@ void bindRest(Class& type) {
       .def_readonly("report", &Snapshot::report, "The StepReport of the last step.")
       .def_readonly("hash", &Snapshot::hash, "World.state_hash().")
       .def(
-          "totals", [](const Snapshot& s) { return fromTotals(s.totals); }, "Energy and momentum: Totals.")
+          "totals", [](const Snapshot& s) { return fromTotals(s.totals); },
+          Doc("Energy and momentum: Totals."))
       .def(
           "pipeline", [](const Snapshot& s) { return fromPipeline(s.pipeline); },
-          "The stages of the step: a tuple of StageInfo.")
+          Doc("The stages of the step: a tuple of StageInfo."))
       .def_property_readonly(
           "gravity", [](const Snapshot& s) { return fromVec3(s.gravity); }, "(3,) in W, m/s²: a new array.")
       .def_property_readonly(
@@ -78,7 +79,7 @@ void bindRest(Class& type) {
           "effects", [](const Snapshot& s) { return fromEffects(s.effects); },
           "Effects forced on (True) or off (False): a new dictionary.")
       .def("difference", &differenceOf, py::arg("truth"),
-           "How far this run has gone apart from another run of the same bodies: a Difference.");
+           Doc("How far this run has gone apart from another run of the same bodies: a Difference."));
 }
 
 }  // namespace

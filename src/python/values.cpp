@@ -40,6 +40,13 @@ std::string toText(py::handle value, const std::string& path) {
   return value.cast<std::string>();
 }
 
+std::string toPath(py::handle value) {
+  const auto path = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
+  PyErr_Clear();
+  if (!path || !py::isinstance<py::str>(path)) refuse("path", textOf(value), "the path of a file");
+  return path.cast<std::string>();
+}
+
 Vec3 toVec3(py::handle value, const std::string& path) {
   const Numbers numbers = row(value, path, 3, "three numbers [x, y, z]");
   return {numbers.at(0), numbers.at(1), numbers.at(2)};

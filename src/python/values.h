@@ -21,6 +21,8 @@ double toNumber(py::handle value, const std::string& path);
 std::uint64_t toWhole(py::handle value, const std::string& path, std::uint64_t low,
                       std::uint64_t high = kNoLimit);
 std::string toText(py::handle value, const std::string& path);
+/// The path of a file: a text, or what os.fspath() takes.
+std::string toPath(py::handle value);
 Vec3 toVec3(py::handle value, const std::string& path);
 /// Of [x, y, z, w].
 Quat toQuat(py::handle value, const std::string& path);

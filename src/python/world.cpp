@@ -62,33 +62,36 @@ std::unique_ptr<PyWorld> copy(const PyWorld& world) {
 }
 
 void bindLife(WorldClass& type) {
-  type.def(py::init(&makeWorld), py::arg("scene"),
-           "A world of this scene; a saved state resumes its run bit for bit.\n\nRaises InvalidInput with "
-           "every fault.")
+  type.def(
+          py::init(&makeWorld), py::arg("scene"),
+          Doc("A world of this scene; a saved state resumes its run bit for bit.\n\nRaises InvalidInput with "
+              "every fault."))
       .def_static(
           "load",
           [](const py::object& path) {
             return py::type::of<PyWorld>()(py::type::of<Scene>().attr("load")(path));
           },
-          py::arg("path"), "World(Scene.load(path)): resumes what save() wrote.")
+          py::arg("path"), Doc("World(Scene.load(path)): resumes what save() wrote."))
       .def("capture", &capture, py::arg("user_forces") = true,
-           "The world as a Scene that is a saved state: World(scene) has the same state_hash(), and the same "
-           "future, bit "
-           "for bit.\n\nuser_forces: False leaves out grabs, holds and the memory of frozen bodies, as a "
-           "saved state for "
-           "people does.")
+           Doc("The world as a Scene that is a saved state: World(scene) has the same state_hash(), and the "
+               "same "
+               "future, bit "
+               "for bit.\n\nuser_forces: False leaves out grabs, holds and the memory of frozen bodies, as a "
+               "saved state for "
+               "people does."))
       .def(
           "save",
           [](const PyWorld& world, const py::object& path, bool overwrite) {
             writeText(path, toYaml(world), overwrite);
           },
           py::arg("path"), py::arg("overwrite") = false,
-          "Writes capture() to a file, whole or not at all; load() resumes it bit for bit.\n\nRaises "
-          "InvalidInput for a "
-          "file that is there already, unless `overwrite`, for one that cannot be written,\nand for more "
-          "than 100,000 "
-          "bodies or 16 MiB.")
-      .def("copy", &copy, "Another world with the same future, bit for bit, but no journal and one thread.")
+          Doc("Writes capture() to a file, whole or not at all; load() resumes it bit for bit.\n\nRaises "
+              "InvalidInput for a "
+              "file that is there already, unless `overwrite`, for one that cannot be written,\nand for more "
+              "than 100,000 "
+              "bodies or 16 MiB."))
+      .def("copy", &copy,
+           Doc("Another world with the same future, bit for bit, but no journal and one thread."))
       .def("__copy__", &copy)
       .def(
           "__deepcopy__", [](const PyWorld& world, py::handle) { return copy(world); }, py::arg("memo"))
@@ -106,12 +109,15 @@ void bindTime(WorldClass& type) {
   type.def(
           "step", [](PyWorld& world, py::handle n) { return world.step(toWhole(n, "n", 1)); },
           py::arg("n") = 1,
-          "Takes n steps (1 or more) of the scene's length, and returns the StepReport of the last.\n\nOther "
-          "threads of "
-          "Python run meanwhile; the world refuses all their calls with RuntimeError. Trouble never raises: "
-          "it is\nin "
-          "the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` tells how many "
-          "were taken.")
+          Doc("Takes n steps (1 or more) of the scene's length, and returns the StepReport of the "
+              "last.\n\nOther "
+              "threads of "
+              "Python run meanwhile; the world refuses all their calls with RuntimeError. Trouble never "
+              "raises: "
+              "it is\nin "
+              "the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` tells how "
+              "many "
+              "were taken."))
       .def_property(
           "threads", [](const PyWorld& world) { return world.read().threads(); },
           [](PyWorld& world, py::handle n) {
@@ -136,22 +142,22 @@ void bindReading(WorldClass& type) {
           "The names of the bodies, in the order of the arrays: a new list.")
       .def(
           "bodies", [](const PyWorld& world) { return fromDescriptions(*world.read().bodies()); },
-          "The properties of the bodies, in the order of the arrays: a tuple of BodyDescription.")
+          Doc("The properties of the bodies, in the order of the arrays: a tuple of BodyDescription."))
       .def(
           "find",
           [](const PyWorld& world, const std::string& name) -> py::object {
             const BodyId id = world.read().find(name);
             return id ? py::object(py::int_(id.serial)) : py::none();
           },
-          py::arg("name"), "The handle of the body of this name, or None.")
+          py::arg("name"), Doc("The handle of the body of this name, or None."))
       .def(
           "pose",
           [](const PyWorld& world, py::handle body) {
             return fromPose(world.read().pose(toBodyId(world.read(), body, "body")));
           },
           py::arg("body"),
-          "(position, orientation) of a body now: arrays (3,) in W, m, and (4,) [x, y, z, w].\n\nbody: "
-          "handle or name.")
+          Doc("(position, orientation) of a body now: arrays (3,) in W, m, and (4,) [x, y, z, w].\n\nbody: "
+              "handle or name."))
       .def_property_readonly(
           "scene",
           [](const PyWorld& world) {
@@ -160,34 +166,38 @@ void bindReading(WorldClass& type) {
           "The settings as they are now: a new Scene without bodies.")
       .def(
           "contacts", [](PyWorld& world) { return arrayOf(world.contacts()); },
-          "The contact points of the last step: a structured array (m,), which cannot be written.\n\nFields: "
-          "body_a, body_b "
-          "(handles, the older body first), position (m, in W, midway between the surfaces), normal\n(unit, "
-          "in W, from a "
-          "to b), separation (m; negative is penetration), normal_impulse (N s, over the step, >= "
-          "0),\nfriction_impulse "
-          "(on b, in W, N s, over the step). The array is a view of the moment of the call: it never "
-          "changes\nand stays "
-          "valid when the world steps on or is gone.")
+          Doc("The contact points of the last step: a structured array (m,), which cannot be "
+              "written.\n\nFields: "
+              "body_a, body_b "
+              "(handles, the older body first), position (m, in W, midway between the surfaces), "
+              "normal\n(unit, "
+              "in W, from a "
+              "to b), separation (m; negative is penetration), normal_impulse (N s, over the step, >= "
+              "0),\nfriction_impulse "
+              "(on b, in W, N s, over the step). The array is a view of the moment of the call: it never "
+              "changes\nand stays "
+              "valid when the world steps on or is gone."))
       .def(
           "totals", [](const PyWorld& world) { return fromTotals(world.read().totals()); },
-          "Energy and momentum of the dynamic bodies now: Totals.")
+          Doc("Energy and momentum of the dynamic bodies now: Totals."))
       .def(
           "pipeline", [](const PyWorld& world) { return fromPipeline(world.read().pipeline()); },
-          "The stages of the step, whether each runs, why, and its cost: a tuple of StageInfo.")
+          Doc("The stages of the step, whether each runs, why, and its cost: a tuple of StageInfo."))
       .def_property_readonly(
           "report", [](PyWorld& world) { return world.snapshot()->report; },
           "The StepReport of the last step.")
       .def(
           "state_hash", [](const PyWorld& world) { return world.read().stateHash(); },
-          "Hash of what decides the next steps, 0 to 2^64 - 1: equal worlds have equal hashes, in C++ too.")
+          Doc("Hash of what decides the next steps, 0 to 2^64 - 1: equal worlds have equal hashes, in C++ "
+              "too."))
       .def_property_readonly(
           "bodies_analysed", [](const PyWorld& world) { return world.read().bodiesAnalysed(); },
           "Number of analyses of single bodies so far, each for the effects that the body needs.")
       .def(
           "snapshot", [](PyWorld& world) { return std::const_pointer_cast<Snapshot>(world.snapshot()); },
-          "The whole world as it is now: a Snapshot, which never changes. It is the same one until a step or "
-          "an edit.");
+          Doc("The whole world as it is now: a Snapshot, which never changes. It is the same one until a "
+              "step or "
+              "an edit."));
   bindStateArrays<PyWorld*>(
       type, [](PyWorld* world) { return world->states(); },
       "The array cannot be written. It is a view of the moment of the call: it never changes and stays valid "

@@ -14,7 +14,8 @@
 namespace rbs::python {
 namespace {
 
-/// Whether a name is that of a field that Body has and an edit can change, and what changes it.
+/// Sets a field of an edit by its name, which is that of Body. Where a pose or a velocity is given in part, the rest
+/// stays as it is now.
 void setField(BodyEdit& edit, const World& world, BodyId id, const std::string& name, py::handle value) {
   const auto pose = [&]() -> Pose& {
     if (!edit.pose) edit.pose = world.pose(id);
@@ -71,44 +72,56 @@ std::uint64_t addBody(PyWorld& world, py::handle body) {
   return world.change().addBody(body.cast<const BodyDef&>()).serial;
 }
 
+/// The core does not check these arguments.
+py::array_t<double> freePlace(const World& world, const Shape& shape, const Quat& orientation,
+                              double clearance) {
+  BodyDef body;
+  body.shape = shape;
+  body.pose.q_WB = orientation;
+  body.kind = BodyKind::Static;
+  std::vector<Problem> problems = validate(body, "body");
+  if (!(clearance >= 0.0 && clearance <= Limits::max_position))
+    problems.push_back({"clearance", std::to_string(clearance), "0 to 1e9 m"});
+  if (!problems.empty()) throw InvalidInput(std::move(problems));
+  return fromVec3(world.freePlace(shape, orientation.normalized(), clearance));
+}
+
 void bindBodies(WorldClass& type) {
   type.def("add_body", &addBody, py::arg("body"),
-           "Adds a body and returns its handle, 1 or more, which the world never gives again.\n\nRaises "
-           "InvalidInput for a "
-           "faulty body or a name that is taken.")
+           Doc("Adds a body and returns its handle, 1 or more, which the world never gives again.\n\nRaises "
+               "InvalidInput for a "
+               "faulty body or a name that is taken."))
       .def("add_bodies", &addBodies, py::arg("bodies"),
-           "Adds all bodies of a sequence or none, and returns their handles: faster than one by "
-           "one.\n\nRaises "
-           "InvalidInput with every fault.")
+           Doc("Adds all bodies of a sequence or none, and returns their handles: faster than one by "
+               "one.\n\nRaises "
+               "InvalidInput with every fault."))
       .def(
           "remove_body",
           [](PyWorld& world, py::handle body) {
             world.change().removeBody(toBodyId(world.read(), body, "body"));
           },
-          py::arg("body"), "Removes a body with all that acts on it.\n\nbody: handle or name.")
+          py::arg("body"), Doc("Removes a body with all that acts on it.\n\nbody: handle or name."))
       .def(
           "clear", [](PyWorld& world) { world.change().clear(); },
-          "Removes all bodies, contacts, wrenches, grabs and holds. Time, steps and settings stay.")
+          Doc("Removes all bodies, contacts, wrenches, grabs and holds. Time, steps and settings stay."))
       .def("edit_body", &editBody, py::arg("body"),
-           "Changes properties of a body: edit_body('box', friction=0.3, position=[0, 0, 2]). The fields are "
-           "those of "
-           "Body.\n\nbody: handle or name. Raises InvalidInput for a faulty field, mass and density "
-           "together, and a name "
-           "that another body has.")
+           Doc("Changes properties of a body: edit_body('box', friction=0.3, position=[0, 0, 2]). The fields "
+               "are "
+               "those of "
+               "Body.\n\nbody: handle or name. Raises InvalidInput for a faulty field, mass and density "
+               "together, and a name "
+               "that another body has."))
       .def(
           "free_place",
           [](const PyWorld& world, py::handle shape, py::handle orientation, py::handle clearance) {
-            const Quat q = toQuat(orientation, "orientation");
-            if (!(q.norm() > 1e-3 && q.norm() < 1e3))
-              refuse("orientation", textOf(orientation), "a quaternion");
-            return fromVec3(world.read().freePlace(toShape(shape, "shape"), q.normalized(),
-                                                   toNumber(clearance, "clearance")));
+            return freePlace(world.read(), toShape(shape, "shape"), toQuat(orientation, "orientation"),
+                             toNumber(clearance, "clearance"));
           },
           py::arg("shape"), py::arg("orientation") = py::make_tuple(0.0, 0.0, 0.0, 1.0),
           py::arg("clearance") = 0.5,
-          "The lowest free position of the centre of mass above x = y = 0 for this shape: (3,) in W, "
-          "m.\n\nclearance: "
-          "least height of its lowest point above z = 0, m.");
+          Doc("The lowest free position of the centre of mass above x = y = 0 for this shape: (3,) in W, "
+              "m.\n\nclearance: "
+              "least height of its lowest point above z = 0, m, 0 to 1e9."));
 }
 
 void bindForces(WorldClass& type) {
@@ -119,9 +132,10 @@ void bindForces(WorldClass& type) {
             world.change().applyImpulse(toBodyId(world.read(), body, "body"), impulse_W, point_W);
           },
           py::arg("body"), py::arg("impulse"), py::arg("point"),
-          "Changes the velocity of a body at once.\n\nbody: handle or name, of a dynamic body, neither held "
-          "nor frozen. "
-          "impulse: (3,) in W, N s. point: (3,) in W, m.")
+          Doc("Changes the velocity of a body at once.\n\nbody: handle or name, of a dynamic body, neither "
+              "held "
+              "nor frozen. "
+              "impulse: (3,) in W, N s. point: (3,) in W, m."))
       .def(
           "apply_wrench",
           [](PyWorld& world, py::handle body, py::handle force, py::handle torque, py::handle point,
@@ -133,11 +147,13 @@ void bindForces(WorldClass& type) {
                                        seconds);
           },
           py::arg("body"), py::arg("force"), py::arg("torque"), py::arg("point"), py::arg("seconds"),
-          "Applies a force and a torque from now on; they add to those that act already.\n\nbody: handle or "
-          "name, of a "
-          "dynamic body, neither held nor frozen. force: (3,) in W, N. torque: (3,) in W, N m.\npoint: (3,) "
-          "in W, m, where "
-          "the force acts now; it moves with the body. seconds: of physics time, above 0 to 1e9.")
+          Doc("Applies a force and a torque from now on; they add to those that act already.\n\nbody: handle "
+              "or "
+              "name, of a "
+              "dynamic body, neither held nor frozen. force: (3,) in W, N. torque: (3,) in W, N m.\npoint: "
+              "(3,) "
+              "in W, m, where "
+              "the force acts now; it moves with the body. seconds: of physics time, above 0 to 1e9."))
       .def(
           "command_wrench",
           [](PyWorld& world, py::handle body, py::handle force, py::handle torque, py::handle point,
@@ -149,9 +165,9 @@ void bindForces(WorldClass& type) {
                                          seconds);
           },
           py::arg("body"), py::arg("force"), py::arg("torque"), py::arg("point"), py::arg("seconds"),
-          "Replaces the last commanded wrench of a body, as a controller does; apply_wrench() has the "
-          "arguments.\n\n"
-          "seconds: its time-out.")
+          Doc("Replaces the last commanded wrench of a body, as a controller does; apply_wrench() has the "
+              "arguments.\n\n"
+              "seconds: its time-out."))
       .def(
           "grab",
           [](PyWorld& world, py::handle body, py::handle target, py::handle point, py::handle frequency,
@@ -162,11 +178,13 @@ void bindForces(WorldClass& type) {
           },
           py::arg("body"), py::arg("target"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0),
           py::arg("frequency") = Grab{}.frequency, py::arg("max_acceleration") = Grab{}.max_acceleration,
-          "Pulls a body by a critically damped spring until release().\n\nbody: handle or name, of a dynamic "
-          "body. target: "
-          "(3,) in W, m. point: (3,) of the body that the spring holds, in B, m.\nfrequency: Hz, above 0 to "
-          "1e4. "
-          "max_acceleration: cap on the spring's force over the mass, m/s², above 0 to 1e9.")
+          Doc("Pulls a body by a critically damped spring until release().\n\nbody: handle or name, of a "
+              "dynamic "
+              "body. target: "
+              "(3,) in W, m. point: (3,) of the body that the spring holds, in B, m.\nfrequency: Hz, above 0 "
+              "to "
+              "1e4. "
+              "max_acceleration: cap on the spring's force over the mass, m/s², above 0 to 1e9."))
       .def(
           "hold",
           [](PyWorld& world, py::handle body, py::handle position, py::handle orientation) {
@@ -177,73 +195,75 @@ void bindForces(WorldClass& type) {
             world.change().hold(id, target);
           },
           py::arg("body"), py::arg("position"), py::arg("orientation") = py::none(),
-          "Moves a body of any kind to a kinematic target until release(), whatever it meets.\n\nbody: "
-          "handle or name. "
-          "position: (3,) in W, m. orientation: (4,) [x, y, z, w]; None: that of now.")
+          Doc("Moves a body of any kind to a kinematic target until release(), whatever it meets.\n\nbody: "
+              "handle or name. "
+              "position: (3,) in W, m. orientation: (4,) [x, y, z, w]; None: that of now."))
       .def(
           "release",
           [](PyWorld& world, py::handle body) {
             world.change().release(toBodyId(world.read(), body, "body"));
           },
-          py::arg("body"), "Ends the grab or hold of a body.\n\nbody: handle or name.")
+          py::arg("body"), Doc("Ends the grab or hold of a body.\n\nbody: handle or name."))
       .def(
-          "release_all", [](PyWorld& world) { world.change().releaseAll(); }, "Ends all grabs and holds.");
+          "release_all", [](PyWorld& world) { world.change().releaseAll(); },
+          Doc("Ends all grabs and holds."));
 }
 
 void bindSurroundings(WorldClass& type) {
   type.def(
           "set_gravity",
           [](PyWorld& world, py::handle gravity) { world.change().setGravity(toVec3(gravity, "gravity")); },
-          py::arg("gravity"), "gravity: (3,) in W, m/s², at most 1e7; zero is none.")
+          py::arg("gravity"), Doc("gravity: (3,) in W, m/s², at most 1e7; zero is none."))
       .def(
           "set_air",
           [](PyWorld& world, py::handle air) { world.change().setAir(toOptional(air, "air", toAir)); },
-          py::arg("air"), "air: Air, or None, which takes the wind with it.")
+          py::arg("air"), Doc("air: Air, or None, which takes the wind with it."))
       .def(
           "set_wind",
           [](PyWorld& world, py::handle wind) { world.change().setWind(toOptional(wind, "wind", toWind)); },
-          py::arg("wind"), "wind: Wind, which needs air, or None: air at rest.")
+          py::arg("wind"), Doc("wind: Wind, which needs air, or None: air at rest."))
       .def(
           "set_fluid",
           [](PyWorld& world, py::handle fluid) {
             world.change().setFluid(toOptional(fluid, "fluid", toFluid));
           },
-          py::arg("fluid"), "fluid: Fluid, or None.")
+          py::arg("fluid"), Doc("fluid: Fluid, or None."))
       .def(
           "set_fidelity",
           [](PyWorld& world, py::handle setting) {
             world.change().setFidelity(toSetting(setting, "fidelity"));
           },
           py::arg("setting"),
-          "setting: Setting, or the name of a quality level. Bodies keep their state, bit for bit.")
+          Doc("setting: Setting, or the name of a quality level. Bodies keep their state, bit for bit."))
       .def(
           "set_goal",
           [](PyWorld& world, py::handle goal) { world.change().setGoal(toOptional(goal, "goal", toGoal)); },
-          py::arg("goal"), "goal: Goal, or None. A simulator follows it; step() does not.")
+          py::arg("goal"), Doc("goal: Goal, or None. A simulator follows it; step() does not."))
       .def(
           "set_effects",
           [](PyWorld& world, py::handle effects) {
             world.change().setEffects(toEffects(effects, "effects"));
           },
           py::arg("effects"),
-          "Replaces all overrides of effects: a dictionary of name to True or False. Those not in it are "
-          "detected.");
+          Doc("Replaces all overrides of effects: a dictionary of name to True or False. Those not in it are "
+              "detected."));
 }
 
 void bindJournal(WorldClass& type) {
   type.def("set_journal", &PyWorld::setJournal, py::arg("journal"),
-           "Calls journal(text) after each change, with the command that makes it again: one line of "
-           "YAML.\n\njournal: a "
-           "function, which may not use the world, or None.")
+           Doc("Calls journal(text) after each change, with the command that makes it again: one line of "
+               "YAML.\n\njournal: a "
+               "function, which may not use the world, or None."))
       .def(
           "execute",
           [](PyWorld& world, const std::string& command, const std::string& source) {
             execute(world.change(), parseCommand(command, source));
           },
           py::arg("command"), py::arg("source") = "command",
-          "Executes a command, as a journal or ~commands of a simulator has it.\n\nsource: names the text in "
-          "messages. "
-          "Raises InvalidInput with every fault.");
+          Doc("Executes a command, as a journal or ~commands of a simulator has it.\n\nsource: names the "
+              "text in "
+              "messages. "
+              "Raises InvalidInput with every fault."));
 }
 
 }  // namespace

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from numpy import float64, uint64
     from numpy.typing import NDArray
 
     from ._core import ConvexHull
 
-    Vector = tuple[float, float, float] | list[float] | NDArray[float64]
-    Shape = Sphere | Box | Plane | Capsule | Cylinder | Cone | ConvexHull
+    Vector: TypeAlias = tuple[float, float, float] | list[float] | NDArray[float64]
 
 
 class Problem(NamedTuple):
@@ -72,6 +73,10 @@ class Cone:
     """A cone about the z axis of B, with its apex at z = 3/4 of its height and its base at -1/4."""
     radius: float = 0.25  #: radius of the base, m, > 0
     height: float = 0.5  #: distance of the apex from the base, m, > 0
+
+
+if TYPE_CHECKING:
+    Shape: TypeAlias = Sphere | Box | Plane | Capsule | Cylinder | Cone | ConvexHull
 
 
 @dataclass(frozen=True)
