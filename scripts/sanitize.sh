@@ -29,9 +29,10 @@ sanitize_with() {
   export UBSAN_OPTIONS=log_path=$sanitizer_reports/undefined:print_stacktrace=1
   export TSAN_OPTIONS=log_path=$sanitizer_reports/thread:suppressions=$suppressions/threads.txt:ignore_noninstrumented_modules=1
 
-  left_out='nosetests_docs|nosetests_package'
+  left_out='nosetests_docs|nosetests_package|nosetests_python'
   echo "left out: effects_cost_nothing, which counts the instructions of a build without sanitizers; benchmarks"
   echo "left out: the tests of pages and package, which try the usual build and make builds of their own"
+  echo "left out: the tests of the physics for Python, since Python itself has no sanitizer"
   echo "left out: seven of eight hard cases, which take ten times as long"
   if [ "$list" = thread ]; then
     left_out+='|_rviz_'

@@ -32,7 +32,7 @@ py::array idsOf(const States& states);
 /// (m,) structured.
 py::array arrayOf(const Contacts& contacts);
 
-/// Adds to a class the arrays of states that `states(self)` gives; `self` is a pointer of its holder's or any other type.
+/// Adds to a class the arrays of the states that `states(self)` gives. Self is a pointer to the class, or its holder.
 template <class Self, class Class, class Get>
 void bindStateArrays(Class& type, const Get& states, const std::string& moment) {
   const auto add = [&](const char* name, int first, int last, const std::string& what) {

@@ -4,8 +4,6 @@
 #include "shapes.h"
 #include "values.h"
 
-#include <pybind11/stl.h>
-
 namespace rbs::python {
 namespace {
 

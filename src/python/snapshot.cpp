@@ -7,8 +7,6 @@
 
 #include "rigid_body_sim/difference.h"
 
-#include <pybind11/stl.h>
-
 namespace rbs::python {
 namespace {
 

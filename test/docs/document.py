@@ -2,7 +2,8 @@
 """The commands, scenes and files that a page shows.
 
 A fenced block says what it is: ```bash are commands, one a line; ```yaml is a scene; ```text is what something prints;
-code in any other language is a file of this package, named by the comment <!-- PATH --> above the block.
+```python is run by python_blocks_test.py; code in any other language, and Python below the comment <!-- PATH -->, is the
+file of this package that the comment names.
 """
 import re
 
@@ -50,7 +51,7 @@ class Document:
             name = NAMED.search(before)
             if name:
                 self.files[name.group(1)] = body
-            else:
+            elif language != 'python':
                 self.faults.append('%s without the comment <!-- PATH --> above it: %s' % (language, body[:60]))
 
     def add(self, commands):

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What others build on: the devel space, the install space, and a build without RViz and other engines."""
+"""What others build on: the devel space, the install space, and a build without RViz, pybind11 and other engines."""
 import os
 import pathlib
 import re
@@ -55,18 +55,22 @@ class SpacesTest(unittest.TestCase):
         programs = sorted(os.listdir(space / 'lib/rigid_body_sim'))
         self.assertEqual(programs, ['accuracy_probe', 'explain', 'rbs', 'record', 'replay_node', 'resimulate',
                                     'rigid_body_sim_accuracy', 'scene_accuracy', 'simulator_node'])
+        python = '/usr/bin/python3 -c "import rigid_body_sim as rbs; print(rbs.World(rbs.Scene.load(\'tower\')).step(), rbs.__file__)"'
+        self.assertIn(str(space), self.done(python, PYTHONPATH=str(space / 'lib/python3/dist-packages')))
         libraries = self.done('ldd %s/lib/rigid_body_sim/* %s/lib/*.so 2>&1 || true' % (space, space))
         for engine in ('Bullet', 'libode', 'libmujoco', 'libdart'):
             self.assertNotIn(engine, libraries)
 
-    def test_core_and_node_are_built_without_rviz_and_other_engines(self):
-        said = self.done('cmake -S %s -B build -DCMAKE_DISABLE_FIND_PACKAGE_rviz=TRUE -DRBS_PEER_ENGINES=OFF; '
+    def test_core_and_node_are_built_without_rviz_python_and_other_engines(self):
+        said = self.done('cmake -S %s -B build -DCMAKE_DISABLE_FIND_PACKAGE_rviz=TRUE -DRBS_PEER_ENGINES=OFF '
+                         '-DCMAKE_DISABLE_FIND_PACKAGE_pybind11=TRUE; '
                          'cmake --build build --target help' % ROOT)
         targets = re.findall(r'^\.\.\. (\w+)', said, re.MULTILINE)
         self.assertIn('no plugin for RViz', said)
+        self.assertIn('no physics for Python', said)
         for target in ('core', 'node', 'explain', 'accuracy_probe_with_peers'):
             self.assertIn('rigid_body_sim_' + target, targets)
-        for target in ('rviz', 'peers', 'scene_benchmark', 'beside_fcl_benchmark'):
+        for target in ('rviz', 'python', 'peers', 'scene_benchmark', 'beside_fcl_benchmark'):
             self.assertNotIn('rigid_body_sim_' + target, targets)
 
 
