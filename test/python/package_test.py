@@ -60,6 +60,12 @@ class ImportTest(unittest.TestCase):
         self.assertEqual(done.stderr, '')
         self.assertRegex(done.stdout, r'^Status InvalidInput\nthe physics of rigid_body_sim .*pybind11-dev.*python3-numpy\n')
 
+    def test_a_missing_numpy_is_told_with_its_package(self):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, 'numpy.py').write_text('raise ImportError("no NumPy here")\n')
+            done = python('import rigid_body_sim as rbs\nrbs.World\n', folder + ':' + PACKAGES)
+        self.assertRegex(done.stderr, 'ImportError: the physics of .*no NumPy here.*python3-numpy')
+
     def test_every_name_is_there(self):
         for name in rbs.__all__:
             self.assertIsNotNone(getattr(rbs, name))

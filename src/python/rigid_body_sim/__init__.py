@@ -22,6 +22,7 @@ __all__ = [*_VALUES, *_PHYSICS]
 
 def _physics():
     try:
+        importlib.import_module('numpy')
         return importlib.import_module('._core', __name__)
     except ImportError as error:
         raise ImportError('the physics of %s for Python cannot be loaded: %s. It needs the Debian packages pybind11-dev, where '
