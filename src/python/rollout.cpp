@@ -74,7 +74,9 @@ class Runs {
 
  private:
   void work() {
-    for (std::size_t run = next_++; run < scenes_.size() && !stopping_; run = next_++) {
+    while (!stopping_) {
+      const std::size_t run = next_++;
+      if (run >= scenes_.size()) break;
       try {
         this->run(run);
       } catch (const InvalidInput& error) {
@@ -100,7 +102,8 @@ class Runs {
     for (Problem& problem : problems) problem.path = "scenes[" + std::to_string(run) + "]." + problem.path;
     return problems;
   }
-  /// Scenes are taken in order, and each is checked before its first step. So the first faulty one is always found.
+  /// Scenes are taken in order, and each that is taken is checked, also when runs are to end. So the first faulty one is
+  /// always found.
   void fail(std::size_t run, std::exception_ptr error) {
     const std::lock_guard lock(mutex_);
     if (!error_ || run < failed_) failed_ = run, error_ = std::move(error);

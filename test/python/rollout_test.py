@@ -60,6 +60,17 @@ class RolloutTest(unittest.TestCase):
             self.assertEqual([problem.path for problem in caught.exception.problems],
                              ['scenes[5].step', 'scenes[5].bodies[0].material.friction'])
 
+    def test_the_first_is_named_whichever_thread_is_faster(self):
+        def faulty(bodies):
+            """Its fault is found the later the more bodies it has."""
+            scene = rbs.Scene([rbs.Body(position=[3 * k, 0, 0]) for k in range(bodies)])
+            scene.bodies[-1].mass = -1
+            return scene
+
+        for many in [[faulty(30000), faulty(1)], [faulty(10000), faulty(30000)]] * 3:
+            with self.assertRaisesRegex(rbs.InvalidInput, r'^scenes\[0\]'):
+                rbs.rollout(many, 1, threads=2)
+
     def test_what_is_wrong_is_refused(self):
         scene = rbs.Scene()
         for text, call in {
