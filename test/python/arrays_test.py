@@ -65,7 +65,8 @@ class ArraysTest(unittest.TestCase):
         self.assertEqual(rbs.World(scene).orientations.tolist(), [[0, 0, 1, 0]])
 
     def test_contacts_carry_the_weight(self):
-        scene = rbs.Scene([rbs.Body(rbs.Plane(), name='floor', kind='static'), rbs.Body(rbs.Box([1, 1, 1]), mass=3, position=[5, 0, 0.5])])
+        scene = rbs.Scene([rbs.Body(rbs.Plane(), name='floor', kind='static'),
+                           rbs.Body(rbs.Box([1, 1, 1]), mass=3, position=[5, 0, 0.5])])
         world = rbs.World(scene)
         world.step(200)
         contacts = world.contacts()
@@ -84,7 +85,8 @@ class ArraysTest(unittest.TestCase):
         self.assertEqual((snapshot.scene, snapshot.time, snapshot.steps, snapshot.step, snapshot.edits, snapshot.hash),
                          ('tower', world.time, 10, 1 / 60, world.edits, world.state_hash()))
         self.assertEqual((snapshot.names, [body.name for body in snapshot.bodies()]), (world.names, world.names))
-        self.assertEqual((snapshot.report.contacts, snapshot.totals().kinetic_energy), (world.report.contacts, world.totals().kinetic_energy))
+        self.assertEqual((snapshot.report.contacts, snapshot.totals().kinetic_energy),
+                         (world.report.contacts, world.totals().kinetic_energy))
         self.assertEqual([stage.name for stage in snapshot.pipeline()], [stage.name for stage in world.pipeline()])
         self.assertEqual(snapshot.gravity.tolist(), [0, 0, -9.81])
         self.assertEqual((len(snapshot.methods), snapshot.methods[0]), (len(world.names), ''))

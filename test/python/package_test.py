@@ -55,7 +55,8 @@ class ImportTest(unittest.TestCase):
             for file in pathlib.Path(rbs.__file__).parent.iterdir():
                 if not file.name.startswith('_core') and file.name != '__pycache__':
                     (package / file.name).symlink_to(file)
-            done = python('import rigid_body_sim.msg as msg, rigid_body_sim as rbs\nprint(msg.Status.__name__, rbs.InvalidInput.__name__)\n'
+            done = python('import rigid_body_sim.msg as msg, rigid_body_sim as rbs\n'
+                          'print(msg.Status.__name__, rbs.InvalidInput.__name__)\n'
                           'try:\n  from rigid_body_sim import World\nexcept ImportError as error:\n  print(error)\n', folder)
         self.assertEqual(done.stderr, '')
         self.assertRegex(done.stdout, r'^Status InvalidInput\nthe physics of rigid_body_sim .*pybind11-dev.*python3-numpy\n')
@@ -84,7 +85,8 @@ class StubsTest(unittest.TestCase):
         with tempfile.NamedTemporaryFile('w', suffix='.txt') as expected:
             expected.write(EXPECTED)
             expected.flush()
-            done = self.mypy('mypy.stubtest', 'rigid_body_sim._core', '--concise', '--ignore-unused-allowlist', '--allowlist', expected.name)
+            done = self.mypy('mypy.stubtest', 'rigid_body_sim._core', '--concise', '--ignore-unused-allowlist',
+                             '--allowlist', expected.name)
         self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_the_stub_of_the_package_has_its_names(self):
@@ -96,7 +98,8 @@ class StubsTest(unittest.TestCase):
         """What stubtest cannot see, since these take any keyword."""
         stubs = (pathlib.Path(rbs.__file__).parent / '_core.pyi').read_text()
         settable = {owner: {name for name in public(owner) if getattr(getattr(owner, name), 'fset', None)} for owner in CLASSES}
-        for owner, function, others in ((rbs.Body, '__init__', set()), (rbs.Scene, '__init__', {'bodies'}), (rbs.World, 'edit_body', set())):
+        cases = ((rbs.Body, '__init__', set()), (rbs.Scene, '__init__', {'bodies'}), (rbs.World, 'edit_body', set()))
+        for owner, function, others in cases:
             text = stubs[stubs.index('class %s:' % owner.__name__):]
             arguments = re.search(r'def %s\((.*?)\) -> ' % function, text, re.DOTALL).group(1).split('*,')[1]
             names = set(re.findall(r'(\w+): ', arguments)) | others

@@ -77,7 +77,8 @@ class RolloutTest(unittest.TestCase):
                 'scenes: none': lambda: rbs.rollout([], 1), 'scenes: 3': lambda: rbs.rollout(3, 1),
                 r'scenes\[1\]: 3 .*a Scene': lambda: rbs.rollout([scene, 3], 1), 'steps: 0': lambda: rbs.rollout([scene], 0),
                 'steps: -1': lambda: rbs.rollout([scene], -1), 'every: 0': lambda: rbs.rollout([scene], 1, 0),
-                'every: 2 .*1 to 1': lambda: rbs.rollout([scene], 1, 2), 'every: 3 .*a divisor of steps, 10': lambda: rbs.rollout([scene], 10, 3),
+                'every: 2 .*1 to 1': lambda: rbs.rollout([scene], 1, 2),
+                'every: 3 .*a divisor of steps, 10': lambda: rbs.rollout([scene], 10, 3),
                 'threads: 0': lambda: rbs.rollout([scene], 1, 1, 0), 'threads: -1': lambda: rbs.rollout([scene], 1, 1, -1),
                 "threads: 'all'": lambda: rbs.rollout([scene], 1, threads='all')}.items():
             with self.assertRaisesRegex(rbs.InvalidInput, text):
