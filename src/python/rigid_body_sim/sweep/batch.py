@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Engines that take all chunks at once: a Slurm job array, or GNU parallel over ssh. Their workers see the folder of the
+sweep, run `sweep --work FOLDER ROUND CHUNK` and store what they have done in it.
+"""
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+from .carry import Progress, carry_live
+from .engines import SerialEngine
+from .plan import Plan
+from .store import Store, write_whole
+from .tree import Refused
+
+POLL_SECONDS = 1.0
+PATIENCE_SECONDS = 600.0  # that a scheduler may be away
+MOST_ELEMENTS = 1000
+TIME_MARGIN = 3.0  # over the measured time of the runs, for slower machines
+LEAST_MINUTES = 10
+
+
+def needed(program, package):
+    if not shutil.which(program):
+        raise Refused(f'there is no {program} (Debian: {package})')
+
+
+def write_round(store, name, chunks):
+    os.makedirs(store.path('rounds'), exist_ok=True)
+    os.makedirs(store.path('logs'), exist_ok=True)
+    write_whole(store.path('rounds', name + '.json'), lambda file: file.write(json.dumps(chunks).encode()))
+
+
+def work(folder, name, which):
+    """What a worker does: the runs of a chunk. It stores them as it goes, and survives a run that ends its process."""
+    store = Store(folder)
+    with open(store.path('rounds', name + '.json'), encoding='utf-8') as file:
+        numbers = json.load(file)[which]
+    engine = SerialEngine()
+    try:
+        carry_live(Plan.from_text(store.plan_text()), numbers, engine, store, Progress(len(numbers)))
+    finally:
+        engine.close()
+
+
+def worker_command():
+    """How a worker is started on any machine that sees the same files."""
+    package = os.path.dirname(os.path.dirname(os.path.abspath(sys.modules['rigid_body_sim'].__file__)))
+    paths = ':'.join(dict.fromkeys([package, *filter(None, os.environ.get('PYTHONPATH', '').split(':'))]))
+    return f'env PYTHONPATH={shlex.quote(paths)} {shlex.quote(sys.executable)} {shlex.quote(os.path.abspath(sys.argv[0]))} --work'
+
+
+class Parallel:
+    """GNU parallel: the hosts of a file, one a line, as its --sshloginfile takes them; ':' is this machine."""
+
+    name = 'GNU parallel'
+
+    def __init__(self, hosts):
+        needed('parallel', 'parallel')
+        if not os.path.isfile(hosts):
+            raise Refused(f'there is no file {hosts} of hosts')
+        self.hosts, self.process = os.path.abspath(hosts), None
+
+    @staticmethod
+    def pieces(seconds):
+        """Jobs of 5 s where there are few, so that all hosts have one; of a minute where there are many."""
+        return max(1, round(seconds / 60), min(200, round(seconds / 5)))
+
+    def command(self, *options):
+        return ['parallel', '--will-cite', '--plain', '--sshloginfile', self.hosts, *options]
+
+    def begin(self, store):
+        """Every host must see the folder."""
+        plan = shlex.quote(store.path('plan.json'))
+        done = subprocess.run(self.command('--nonall', '--tag', f'test -r {plan} || echo does not see {plan}'), text=True,
+                              capture_output=True, check=False, stdin=subprocess.DEVNULL)
+        said = (done.stdout + done.stderr).strip()
+        if done.returncode or said:
+            raise Refused(f'a host of {self.hosts} cannot work: {said or done.returncode}')
+
+    def run(self, store, name, chunks, seconds, report):
+        write_round(store, name, chunks)
+        template = f'{worker_command()} {shlex.quote(store.folder)} {name} {{}}'
+        with open(store.path('logs', name + '.log'), 'ab') as log:
+            self.process = subprocess.Popen(
+                self.command('--joblog', store.path('logs', name + '.jobs'), '--retries', '2', template), stdin=subprocess.PIPE,
+                stdout=log, stderr=log, start_new_session=True)
+            try:
+                self.process.stdin.write('\n'.join(map(str, range(len(chunks)))).encode())
+                self.process.stdin.close()
+                while self.process.poll() is None:
+                    report()
+                    time.sleep(POLL_SECONDS)
+            finally:
+                self.stop()
+
+    def stop(self):
+        """GNU parallel waits for its jobs at the first signal and ends them at the second."""
+        for _ in range(2):
+            if self.process.poll() is None:
+                self.process.send_signal(signal.SIGTERM)
+                time.sleep(0.2)
+        self.process.wait()
+
+    def farewell(self):
+        return ''
+
+
+class Slurm:
+    """A job array of a partition. What sbatch needs besides comes with its variables, such as SBATCH_ACCOUNT."""
+
+    name = 'Slurm'
+
+    def __init__(self, partition):
+        for program in ('sbatch', 'squeue', 'scontrol'):
+            needed(program, 'slurm-client')
+        if not re.fullmatch(r'[\w.,-]+', partition):
+            raise Refused(f'{partition!r} is no name of a partition')
+        self.partition, self.jobs = partition, []
+        shown = self.ask('scontrol', 'show', 'partition', *([partition] if ',' not in partition else []))
+        if shown.returncode:
+            raise Refused(f'Slurm: {(shown.stdout + shown.stderr).strip()}')
+        most = re.search(r'MaxArraySize\s*=\s*(\d+)', self.ask('scontrol', 'show', 'config').stdout)
+        self.most = min(MOST_ELEMENTS, int(most.group(1)) if most else MOST_ELEMENTS)
+
+    def pieces(self, seconds):
+        """Elements of the array: of 20 s at least, and as many as Slurm takes at most."""
+        return max(1, min(self.most, round(seconds / 20)))
+
+    @staticmethod
+    def ask(*command, **options):
+        return subprocess.run(command, text=True, capture_output=True, check=False, stdin=subprocess.DEVNULL, **options)
+
+    def begin(self, store):
+        """Jobs of a sweep that was left are waited for: they go on storing runs."""
+        try:
+            with open(store.path('jobs.json'), encoding='utf-8') as file:
+                self.jobs = json.load(file)
+        except OSError:
+            self.jobs = []
+        if self.jobs:
+            print(f'waiting for job {", ".join(self.jobs)}, which was submitted before')
+            self.wait(lambda: None)
+
+    def run(self, store, name, chunks, seconds, report):
+        write_round(store, name, chunks)
+        minutes = max(LEAST_MINUTES, round(TIME_MARGIN * seconds / 60))
+        script = store.path('rounds', name + '.sbatch')
+        log = store.path('logs', name + '-%a.log')
+        text = '\n'.join((
+            '#!/bin/bash', f'#SBATCH --partition={self.partition}', f'#SBATCH --array=0-{len(chunks) - 1}',
+            '#SBATCH --job-name=sweep', '#SBATCH --ntasks=1', '#SBATCH --cpus-per-task=1', '#SBATCH --requeue',
+            '#SBATCH --open-mode=append', f'#SBATCH --time={minutes}', f'#SBATCH --output="{log}"',
+            f'exec {worker_command()} {shlex.quote(store.folder)} {name} $SLURM_ARRAY_TASK_ID', ''))
+        write_whole(script, lambda file: file.write(text.encode()))
+        done = self.ask('sbatch', '--parsable', script)
+        if done.returncode:
+            raise Refused(f'sbatch refuses {script}: {done.stderr.strip()}')
+        self.jobs = [done.stdout.strip().split(';')[0]]
+        write_whole(store.path('jobs.json'), lambda file: file.write(json.dumps(self.jobs).encode()))
+        self.wait(report)
+        os.unlink(store.path('jobs.json'))
+
+    def wait(self, report):
+        """Until the queue holds none of the jobs. A controller that does not answer is waited for."""
+        answered = time.monotonic()
+        while True:
+            report()
+            done = self.ask('squeue', '--noheader', '--format=%i', '--jobs=' + ','.join(self.jobs))
+            gone = done.returncode and 'Invalid job id' in done.stderr
+            if gone or (done.returncode == 0 and not done.stdout.strip()):
+                self.jobs = []
+                return
+            if done.returncode == 0:
+                answered = time.monotonic()
+            elif time.monotonic() - answered > PATIENCE_SECONDS:
+                raise Refused(f'Slurm has not answered for {PATIENCE_SECONDS:g} s: {done.stderr.strip()}')
+            time.sleep(POLL_SECONDS)
+
+    def farewell(self):
+        """What somebody who leaves should know."""
+        if not self.jobs:
+            return ''
+        return f'Job {self.jobs[0]} goes on: --resume collects it, `scancel {self.jobs[0]}` ends it.'

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Charts of a metric over one or two parameters: means, with bands of 95 % confidence of the mean."""
+import math
+import statistics
+
+import h5py
+import numpy
+
+from .store import name_in_file
+from .tree import Refused
+
+MOST_VALUES = 60  # of a parameter, above which its values are put together in classes
+CLASSES, CLASSES_OF_LINES, MOST_LINES = 20, 5, 8
+
+
+def student(freedom):
+    """The 97.5 % point of Student's distribution (expansion about the normal one; Abramowitz and Stegun 26.7.5)."""
+    x = statistics.NormalDist().inv_cdf(0.975)
+    exact = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776}
+    if freedom in exact:
+        return exact[freedom]
+    return (x + (x ** 3 + x) / (4 * freedom) + (5 * x ** 5 + 16 * x ** 3 + 3 * x) / (96 * freedom ** 2)
+            + (3 * x ** 7 + 19 * x ** 5 + 17 * x ** 3 - 15 * x) / (384 * freedom ** 3))
+
+
+def mean_and_band(values):
+    """The mean, and half the width of the band about it: NaN of a single value."""
+    mean = float(numpy.mean(values))
+    if len(values) < 2:
+        return mean, math.nan
+    return mean, student(len(values) - 1) * float(numpy.std(values, ddof=1)) / math.sqrt(len(values))
+
+
+def classes(column, most, count):
+    """The runs of each value of a parameter as (value, indices); classes of equal size where there are many values."""
+    values, inverse = numpy.unique(column, return_inverse=True)
+    if len(values) <= most:
+        return [(value, numpy.flatnonzero(inverse == k)) for k, value in enumerate(values)]
+    order = numpy.argsort(column, kind='stable')
+    return [(float(numpy.mean(column[part])), part) for part in numpy.array_split(order, count)]
+
+
+class Table:
+    """The runs of results.h5 that are sound."""
+
+    def __init__(self, path):
+        with h5py.File(path, 'r') as file:
+            self.sound = file['status'].asstr()[()] == 'ok'
+            self.parameters = {values.attrs['path']: (values.asstr() if values.dtype == object else values)[()][self.sound]
+                               for values in file['parameters'].values()}
+            self.metrics = {name: values[()][self.sound] for name, values in file.get('metrics', {}).items() if values.ndim < 3}
+
+    def metric(self, name):
+        """A metric by its name, or one of its numbers: position_2, as results.csv has it."""
+        base, _, index = name.rpartition('_')
+        values = self.metrics.get(name)
+        if values is not None and values.ndim == 1:
+            return values
+        values = self.metrics.get(base)
+        if values is not None and values.ndim == 2 and index.isdigit() and int(index) < values.shape[1]:
+            return values[:, int(index)]
+        known = [n if v.ndim == 1 else f'{n}_0 to {n}_{v.shape[1] - 1}' for n, v in self.metrics.items()]
+        raise Refused(f"no metric '{name}' (there are: {', '.join(known)})")
+
+    def parameter(self, path):
+        if path not in self.parameters:
+            raise Refused(f"no parameter '{path}' (there are: {', '.join(self.parameters)})")
+        return self.parameters[path]
+
+
+def logarithmic(values):
+    """Whether values are spread over more than two powers of ten at equal ratios rather than equal distances."""
+    values = numpy.unique(values)
+    return bool(values[0] > 0 and values[-1] / values[0] > 100 and numpy.median(values) < (values[0] + values[-1]) / 4)
+
+
+def draw(results, target, metric, along, lines=None):
+    """Draws a chart into a file. `lines` names a second parameter, with a line for each of its values."""
+    try:
+        import matplotlib
+    except ImportError:
+        raise Refused('there is no matplotlib (Debian: python3-matplotlib)')
+    matplotlib.use('Agg')
+    from matplotlib import pyplot
+
+    table = Table(results)
+    values, column = table.metric(metric), table.parameter(along)
+    groups = [(None, numpy.arange(len(values)))] if lines is None else classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES)
+    figure, axes = pyplot.subplots(figsize=(8, 5))
+    words = column.dtype == object
+    places = {value: k for k, value in enumerate(numpy.unique(column))} if words else None
+    for k, (of_line, chosen) in enumerate(groups):
+        chosen = chosen[numpy.isfinite(values[chosen])]
+        if not len(chosen):
+            continue
+        points = [(value, *mean_and_band(values[chosen[part]])) for value, part in classes(column[chosen], MOST_VALUES if not words else len(places), CLASSES)]
+        x = [places[value] if words else value for value, _, _ in points]
+        y, half = numpy.array([p[1] for p in points]), numpy.array([p[2] for p in points])
+        colour = pyplot.get_cmap('viridis')(k / max(1, len(groups) - 1) * 0.85)
+        label = None if lines is None else f'{of_line:.4g}' if isinstance(of_line, (float, numpy.floating)) else str(of_line)
+        axes.plot(x, y, marker='o', markersize=3, linewidth=1.4, color=colour, label=label)
+        axes.fill_between(x, y - half, y + half, color=colour, alpha=0.2, linewidth=0)
+    if words:
+        axes.set_xticks(range(len(places)), list(places))
+    elif len(column) and logarithmic(column):
+        axes.set_xscale('log')
+    axes.set_xlabel(along)
+    axes.set_ylabel(metric)
+    axes.set_title(f'{metric}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)
+    axes.grid(alpha=0.3)
+    if lines is not None:
+        axes.legend(title=lines, fontsize=8, title_fontsize=8)
+    figure.tight_layout()
+    figure.savefig(target, dpi=120)
+    pyplot.close(figure)

@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The program `sweep`: runs a scene many times as a file says what varies, how long, and what is measured.
+
+It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
+done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
+interrupted (what is done is kept: --resume).
+"""
+import argparse
+import collections
+import hashlib
+import json
+import os
+import platform
+import re
+import sys
+import time
+
+import h5py
+import numpy
+from rigid_body_sim import InvalidInput, World
+
+from . import batch, charts, engines
+from .carry import Progress, carry_batch, carry_live, duration, pilot
+from .plan import Reader, Task, checked_numbers
+from .run import Run, run_chunk, scene_of
+from .store import AGAIN, Store
+from .tree import Refused, replaced
+
+CANNOT, BAD_FILE, INTERRUPTED = 1, 2, 130
+SHOWN_FAILURES, SHOWN_FAULTS = 10, 20
+RUN_BYTES = 140  # of a run in a part and in results.h5, without its metrics and parameters
+CLOCKED = re.compile(r'"max_solve_ms"')
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog='sweep', description=__doc__.splitlines()[0])
+    parser.add_argument('file', nargs='?', metavar='FILE', help='what to run (docs/batch.md)')
+    parser.add_argument('--output', help='folder of the results (FILE without .yaml, with .sweep)')
+    parser.add_argument('--resume', action='store_true', help='go on with what the folder holds; runs that crashed or exceeded '
+                        'their time are run again')
+    parser.add_argument('--dry-run', action='store_true', help='say how many runs, how long and how much disk; run three of them')
+    parser.add_argument('--only', type=int, metavar='N', help='run this one alone, print what comes of it, and store nothing')
+    parser.add_argument('--chart', nargs='+', metavar=('METRIC', 'PARAMETER'), help='draw a metric of the results over one or two '
+                        'parameters, with bands of 95 %% confidence')
+    engine = parser.add_mutually_exclusive_group()
+    engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
+    engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
+    engine.add_argument('--slurm', metavar='PARTITION', help='run as a job array of Slurm')
+    engine.add_argument('--hosts', metavar='FILE', help='run by GNU parallel over ssh on the hosts of this file, one a line')
+    parser.add_argument('--work', nargs=3, metavar=('FOLDER', 'ROUND', 'CHUNK'), help=argparse.SUPPRESS)  # what engines call
+    options = parser.parse_args()
+    if not options.file and not options.work:
+        parser.error('which FILE?')
+    if options.workers is not None and not 1 <= options.workers <= 1024:
+        parser.error('--workers must be 1 to 1024')
+    if options.chart and len(options.chart) not in (2, 3):
+        parser.error('--chart takes a metric and one or two parameters')
+    return options
+
+
+def package_folder():
+    """Where the scenes and package.xml are: in the source, where this program was started from it, or as installed."""
+    here = os.path.dirname(os.path.realpath(sys.argv[0]))
+    source = os.path.normpath(os.path.join(here, '../..'))
+    return source if os.path.isfile(os.path.join(source, 'package.xml')) else os.path.join(here, '../../share/rigid_body_sim')
+
+
+def versions():
+    """What the results were made with. `build` is a digest of the physics: equal builds make equal hashes."""
+    with open(os.path.join(package_folder(), 'package.xml'), encoding='utf-8') as file:
+        version = re.search(r'<version>(.*?)</version>', file.read()).group(1)
+    with open(sys.modules[World.__module__].__file__, 'rb') as file:
+        build = hashlib.sha256(file.read()).hexdigest()[:16]
+    return {'rigid_body_sim': version, 'build': build, 'python': platform.python_version(), 'numpy': numpy.__version__,
+            'h5py': h5py.__version__, 'system': platform.platform(), 'made': time.strftime('%Y-%m-%dT%H:%M:%S%z')}
+
+
+def find_scene(name):
+    folder = os.path.join(package_folder(), 'scenes')
+    known = sorted(file[:-5] for file in os.listdir(folder) if file.endswith('.yaml'))
+    if name not in known:
+        raise Refused(f"no scene '{name}' in the catalogue (there are: {', '.join(known)})")
+    return os.path.join(folder, name + '.yaml')
+
+
+def culprit(plan, task):
+    """The first of the paths that vary at which the scene of a task goes wrong; None where it does before."""
+    scene = plan.tree['scene']
+    try:
+        scene_of(scene)
+    except Refused:
+        return None
+    for path, value in task.parameters.items():
+        try:
+            scene = replaced(scene, path, value)
+            scene_of(scene)
+        except Refused:
+            return path
+    return None
+
+
+def check(plan, number, path):
+    """Faults of a task that are known before it runs, with the value that brings them."""
+    task = Task(number, *plan.parameters(number), plan.tree['scene'])
+    try:
+        task = plan.task(number)
+        if number == 0:
+            Run(plan, task)
+        else:
+            scene_of(task.scene)
+    except (Refused, InvalidInput) as error:
+        path = path or culprit(plan, task)
+        where = f'vary.{path} = {json.dumps(task.parameters[path])}' if path else 'scene or measure'
+        return [f'{where}: {fault}' for fault in str(error).splitlines()]
+    return []
+
+
+def read_plan(file):
+    """The plan of a file, whose runs can be made as far as that is known before."""
+    plan, faults = Reader(file, find_scene).read(), {}
+    for number, path in checked_numbers(plan).items():
+        faults.update({fault: None for fault in check(plan, number, path)})
+        if number == 0 and faults:
+            break
+    if faults:
+        raise Refused(*(f'{file}: {fault}' for fault in faults))
+    if CLOCKED.search(plan.text()):
+        print('sweep: max_solve_ms cuts solves short by the clock: the results of this sweep do not repeat', file=sys.stderr)
+    return plan
+
+
+def describe(plan):
+    factors = [f'{len(axis.values):,} of {axis.path}' for axis in plan.axes if axis.values is not None]
+    factors += [f'{plan.tree["repeats"]:,} repeats'] if plan.tree['repeats'] > 1 else []
+    drawn = [axis.path for axis in plan.axes if axis.draw]
+    text = f'{plan.count:,} run' + ('s' if plan.count > 1 else '') + (': ' + ' x '.join(factors) if factors else '')
+    return text + (f'; drawn for each: {", ".join(drawn)}' if drawn else '')
+
+
+def dry_run(plan, options):
+    print(describe(plan))
+    engine = engines.SerialEngine()
+    try:
+        records = pilot(plan, range(plan.count), engine)
+    finally:
+        engine.close()
+    seconds = sum(record['seconds'] for record in records) / len(records)
+    numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
+    size = 2 * plan.count * (RUN_BYTES + 8 * numbers)
+    workers = options.workers or engines.cores()
+    print(f'a run takes {duration(seconds)} (mean of {len(records)}): {duration(seconds * plan.count)} of one core')
+    if not (options.dask or options.slurm or options.hosts):
+        print(f'on {workers} worker{"s" if workers > 1 else ""} of this machine: {duration(seconds * plan.count / workers)}')
+    print(f'disk: at most {size / 1e6:.3g} MB')
+    for record in records:
+        if record['status'] != 'ok':
+            print(f'run {record["number"]:,} is {record["status"]}: {record["detail"]}')
+    return 0
+
+
+def run_only(plan, options):
+    if not 0 <= options.only < plan.count:
+        raise Refused(f'--only {options.only}: there are runs 0 to {plan.count - 1:,}')
+    seed, parameters = plan.parameters(options.only)
+    print(f'run {options.only} of {plan.count:,}, seed {seed}')
+    for path, value in parameters.items():
+        print(f'  {path} = {json.dumps(value)}')
+    record = run_chunk(plan.text(), [options.only])[0]
+    for name, value in record['values'].items():
+        print(f'{name}: {numpy.array2string(value, threshold=50)}')
+    print(f'hash {record["hash"]:016x} after {record["steps"]:,} steps ({record["time"]:g} s), in {duration(record["seconds"])}')
+    print(record['status'] + (f', stopped: {record["stopped"]}' if record['stopped'] else '')
+          + (f' ({record["flags"]})' if record['flags'] else '') + (f': {record["detail"]}' if record['detail'] else ''))
+    return 0 if record['status'] == 'ok' else CANNOT
+
+
+def carry(plan, numbers, store, options):
+    """Runs what is missing. Returns whether each has a record, and what is to be said at the end."""
+    progress = Progress(len(numbers))
+    if options.slurm or options.hosts:
+        return carry_by_batch(plan, numbers, store, options, progress)
+    if options.dask:
+        engine, said = engines.DaskEngine(options.dask), ''
+    else:
+        engine, said = engines.local_engine(min(options.workers or engines.cores(), len(numbers)))
+    if said:
+        print(f'sweep: {said}', file=sys.stderr)
+    try:
+        carry_live(plan, numbers, engine, store, progress)
+    finally:
+        progress.end()
+        engine.close()
+
+
+def carry_by_batch(plan, numbers, store, options, progress):
+    engine = batch.Slurm(options.slurm) if options.slurm else batch.Parallel(options.hosts)
+    engine.begin(store)
+    numbers = missing(plan, store)
+    if not numbers:
+        return
+    serial = engines.SerialEngine()
+    try:
+        records = pilot(plan, numbers, serial)
+    finally:
+        serial.close()
+    store.keep(records)
+    done = {record['number'] for record in records}
+    numbers = [number for number in numbers if number not in done]
+    progress.add(len(records), 0)
+    if not numbers:
+        return
+    try:
+        carry_batch(numbers, engine, store, progress, sum(record['seconds'] for record in records) / len(records))
+    except KeyboardInterrupt:
+        print('\n' + engine.farewell(), file=sys.stderr)
+        raise
+    finally:
+        progress.end()
+
+
+def missing(plan, store):
+    known = store.status()
+    return [number for number in range(plan.count) if known.get(number, AGAIN[0]) in AGAIN]
+
+
+def sum_up(plan, known, store, options):
+    """What came of all runs, and how to run a failed one again."""
+    counts = collections.Counter(known.values())
+    print(f'{len(known):,} of {plan.count:,} runs: ' + ', '.join(f'{n:,} {status}' for status, n in counts.most_common()))
+    if store.damaged:
+        print(f'{len(store.damaged):,} damaged parts do not count: {", ".join(sorted(store.damaged)):.300}')
+    failed = [number for number in sorted(known) if known[number] != 'ok']
+    if failed:
+        details = store.details(failed[:SHOWN_FAILURES])
+        for number in failed[:SHOWN_FAILURES]:
+            parameters = ', '.join(f'{path} = {json.dumps(value)}' for path, value in plan.parameters(number)[1].items())
+            print(f'run {number} {known[number]}: {details[number]}\n  {parameters}\n  again: {again(options, number)}')
+        if len(failed) > SHOWN_FAILURES:
+            print(f'and {len(failed) - SHOWN_FAILURES:,} more: `status` in the results')
+    files = [name for name in ('results.h5', 'results.csv') if os.path.exists(store.path(name))]
+    print(f'In {store.folder}: {", ".join(files)}')
+
+
+def again(options, number):
+    return f'rosrun rigid_body_sim sweep {os.path.abspath(options.file)} --only {number}'
+
+
+def chart(options, store):
+    if not os.path.exists(store.results):
+        raise Refused(f'there are no results in {store.folder} to draw')
+    metric, *parameters = options.chart
+    target = store.path(re.sub(r'[^\w.-]+', '_', '-'.join([metric, *parameters])) + '.png')
+    charts.draw(store.results, target, metric, *parameters)
+    print(target)
+    return 0
+
+
+def run(options):
+    if options.work:
+        folder, name, which = options.work
+        batch.work(folder, name, int(which))
+        return 0
+    store = Store(options.output or os.path.splitext(options.file)[0] + '.sweep')
+    if options.chart:
+        return chart(options, store)
+    plan = read_plan(options.file)
+    if options.only is not None:
+        return run_only(plan, options)
+    if options.dry_run:
+        return dry_run(plan, options)
+    if store.has_plan() and not options.resume:
+        raise Refused(f'{store.folder} holds a sweep already: --resume goes on with it, --output takes another folder')
+    if not store.has_plan() and options.resume:
+        raise Refused(f'{store.folder} holds no sweep to go on with')
+    if store.has_plan() and store.fingerprint() != plan.fingerprint():
+        raise Refused(f'{store.folder} holds a sweep of another file or scene: --resume needs the same, --output takes another folder')
+    print(describe(plan))
+    return run_sweep(plan, store, options)
+
+
+def run_sweep(plan, store, options):
+    store.begin(plan)
+    numbers, code = missing(plan, store), 0
+    try:
+        if numbers:
+            carry(plan, numbers, store, options)
+    except KeyboardInterrupt:
+        print('Interrupted. What is done is kept; the same command with --resume goes on.', file=sys.stderr)
+        code = INTERRUPTED
+    known = store.gather(plan, versions())
+    sum_up(plan, known, store, options)
+    return code or (CANNOT if len(known) < plan.count else 0)
+
+
+def main():
+    options = arguments()
+    try:
+        return run(options)
+    except Refused as error:
+        for fault in error.faults[:SHOWN_FAULTS]:
+            print(f'sweep: {fault}', file=sys.stderr)
+        if len(error.faults) > SHOWN_FAULTS:
+            print(f'sweep: and {len(error.faults) - SHOWN_FAULTS} more', file=sys.stderr)
+        return BAD_FILE
+    except OSError as error:
+        print(f'sweep: {error.filename or "the results"}: {error.strerror or error}. What is stored stays: --resume goes on',
+              file=sys.stderr)
+        return CANNOT
+    except KeyboardInterrupt:
+        return INTERRUPTED

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One run, and a chunk of runs. Whatever happens in a run is its result: nothing is raised for it."""
+import ctypes
+import functools
+import json
+import os
+import re
+import socket
+import sys
+import threading
+import time
+
+import numpy
+from rigid_body_sim import InvalidInput, Scene, World
+
+from . import metrics, stops, users_code
+from .plan import Plan
+from .tree import Refused
+
+GRACE_SECONDS = 5.0  # after its time, until the process of a run that cannot be interrupted ends
+
+
+class Overtime(BaseException):
+    """A run has taken longer than it may. A user's `except Exception` does not catch it."""
+
+
+def scene_of(tree):
+    """The scene of a tree. Its faults name places in the scene; there are no lines."""
+    try:
+        return Scene.parse(json.dumps(tree))
+    except InvalidInput as error:
+        raise Refused(*(re.sub(r'^text:\d+: ', '', line) for line in str(error).splitlines()))
+
+
+class Run:
+    """A world and what is measured in it."""
+
+    def __init__(self, plan, task):
+        self.plan, self.task = plan, task
+        self.world = World(scene_of(task.scene))
+        self.metrics = {entry['name']: metrics.made_for(self, entry) for entry in plan.tree['measure']}
+        self.stops = {entry['name']: stops.made_for(self, entry) for entry in plan.tree['stop']}
+        self.flags, self.stopped, self.diverged = set(), '', ''
+
+    @staticmethod
+    def positions_of(scene, steps):
+        """Those of the bodies of another scene after so many steps."""
+        world = World(scene_of(scene))
+        for _ in range(steps):
+            world.step()
+        return numpy.array(world.positions)
+
+    def advance(self):
+        """Steps to the end, or until something stops it."""
+        world, steps = self.world, self.plan.steps(self.task.scene.get('step', 1 / 60))
+        observers = [metric.observe for metric in self.metrics.values() if hasattr(metric, 'observe')]
+        for observe in observers:
+            observe(world, None)
+        for _ in range(steps):
+            report = world.step()
+            if report.warnings:
+                self.note(report.warnings)
+                if self.diverged:
+                    return
+            for observe in observers:
+                observe(world, report)
+            for name, stop in self.stops.items():
+                if stop.holds(world):
+                    self.stopped = name
+                    return
+
+    def note(self, warnings):
+        self.flags.update(warning.kind for warning in warnings)
+        self.diverged = next((warning.text for warning in warnings if warning.kind == 'non_finite'), '')
+
+    def measure(self):
+        """The value of each metric, and what went wrong."""
+        values, faults = {}, []
+        for entry in self.plan.tree['measure']:
+            try:
+                values[entry['name']] = numpy.asarray(self.metrics[entry['name']].value(self.world), dtype=float)
+            except Exception as error:  # pylint: disable=broad-except  # whatever a user's function raises
+                path = entry['argument']['path'] if entry['kind'] == 'python' else None
+                faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
+        return values, '; '.join(faults)
+
+
+def record_of(number, status='ok', detail='', **known):
+    """The result of a run as it is stored."""
+    return {'number': number, 'status': status, 'detail': detail, 'stopped': '', 'flags': '', 'hash': 0, 'steps': 0, 'time': 0.0,
+            'seconds': 0.0, 'cpu_seconds': 0.0, 'host': socket.gethostname(), 'values': {}, **known}
+
+
+def run_task(plan, number):
+    """Runs one task to its record."""
+    begin, cpu, run, values = time.perf_counter(), time.thread_time(), None, {}
+    try:
+        run = Run(plan, plan.task(number))
+        run.advance()
+        if run.diverged:
+            status, detail = 'diverged', run.diverged
+        else:
+            values, detail = run.measure()
+            status = 'failed' if detail else 'ok'
+    except (Refused, InvalidInput) as error:
+        status, detail = 'refused', str(error)
+    except Exception as error:  # pylint: disable=broad-except  # of a user's stop, or want of memory
+        status, detail = 'failed', users_code.said(error)
+    known = {}
+    if run:
+        known = {'stopped': run.stopped, 'flags': ' '.join(sorted(run.flags)), 'hash': run.world.state_hash(),
+                 'steps': run.world.steps, 'time': run.world.time, 'values': values}
+    return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=time.thread_time() - cpu, **known)
+
+
+class Watchdog:
+    """Raises Overtime in the thread that made it where a run takes longer than it may, and ends the process where that
+    does not help. Whoever has started the process notices."""
+
+    def __init__(self, seconds):
+        self.seconds, self.thread = seconds, threading.get_ident()
+        self.deadline, self.raised, self.change = None, False, threading.Condition()
+        threading.Thread(target=self.watch, daemon=True).start()
+
+    def watch(self):
+        with self.change:
+            while True:
+                left = None if self.deadline is None else self.deadline - time.monotonic()
+                if left is None or left > 0:
+                    self.change.wait(left)
+                elif self.raised:
+                    print(f'a run cannot be interrupted after {self.seconds:g} s: its process ends', file=sys.stderr, flush=True)
+                    os._exit(70)
+                else:
+                    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.thread), ctypes.py_object(Overtime))
+                    self.deadline, self.raised = time.monotonic() + GRACE_SECONDS, True
+
+    def begin(self):
+        with self.change:
+            self.deadline, self.raised = time.monotonic() + self.seconds, False
+            self.change.notify()
+
+    def end(self):
+        with self.change:
+            self.deadline = None
+
+
+@functools.lru_cache(maxsize=16)
+def watchdog_of(thread, seconds):
+    """One for each thread that runs chunks."""
+    return Watchdog(seconds)
+
+
+@functools.lru_cache(maxsize=4)
+def plan_of(text):
+    return Plan.from_text(text)
+
+
+def run_chunk(plan_text, numbers):
+    """The records of some tasks, in their order."""
+    plan = plan_of(plan_text)
+    watchdog, records = watchdog_of(threading.get_ident(), plan.max_seconds), []
+    for number in numbers:
+        try:
+            watchdog.begin()
+            record = run_task(plan, number)
+            watchdog.end()
+        except Overtime:
+            record = record_of(number, 'overtime', f'it had not ended after {plan.max_seconds:g} s', seconds=plan.max_seconds)
+        finally:
+            watchdog.end()
+        records.append(record)
+    return records

@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The folder of a sweep: its plan, a part for each chunk of runs that is done, and the results made of them.
+
+A file is written under another name, forced to the disk and renamed, so it is whole or absent. The name of a part holds
+the digest of its bytes, so a part that was damaged later is noticed and its runs are made again. Runs are known by their
+numbers: one that two parts hold counts once.
+"""
+import csv
+import fcntl
+import glob
+import hashlib
+import io
+import json
+import os
+import re
+
+import h5py
+import numpy
+
+from .plan import Plan
+from .tree import Refused
+
+TEXTS = ('status', 'detail', 'stopped', 'flags', 'host')
+NUMBERS = {'number': numpy.int64, 'hash': numpy.uint64, 'steps': numpy.int64, 'time': float, 'seconds': float,
+           'cpu_seconds': float}
+AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
+PART = re.compile(r'part-(\d+)-(\d+)-([0-9a-f]{16})\.h5')
+MOST_CSV_RUNS = 100_000
+CHUNK_BYTES = 1 << 20
+
+
+def write_whole(path, write):
+    """Writes a file by `write(file)`, so that it is whole or absent."""
+    part = f'{path}.{os.getpid()}.tmp'
+    try:
+        with open(part, 'w+b') as file:  # HDF5 reads what it has written
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+        folder = os.open(os.path.dirname(path), os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+    finally:
+        if os.path.exists(part):
+            os.unlink(part)
+
+
+def padded(arrays, shape):
+    """Arrays of several shapes as one, with NaN where one has nothing."""
+    whole = numpy.full((len(arrays), *shape), numpy.nan)
+    for k, array in enumerate(arrays):
+        if array is not None and array.ndim == len(shape):
+            whole[(k, *(slice(0, n) for n in array.shape))] = array
+    return whole
+
+
+def common_shape(shapes):
+    """The smallest shape that holds all; those of fewer dimensions than others are left out."""
+    most = max((len(shape) for shape in shapes), default=0)
+    return tuple(max(lengths) for lengths in zip(*(shape for shape in shapes if len(shape) == most)))
+
+
+def table_of(records):
+    """Records as columns; metrics as one array each."""
+    names = list(dict.fromkeys(name for record in records for name in record['values']))
+    table = {key: numpy.array([record[key] for record in records], kind) for key, kind in NUMBERS.items()}
+    table.update({key: [record[key] for record in records] for key in TEXTS})
+    values = {name: [record['values'].get(name) for record in records] for name in names}
+    table['metrics'] = {name: padded(arrays, common_shape([a.shape for a in arrays if a is not None]))
+                        for name, arrays in values.items()}
+    return table
+
+
+def write_columns(group, table):
+    for key in NUMBERS:
+        group.create_dataset(key, data=table[key])
+    for key in TEXTS:
+        group.create_dataset(key, data=table[key], dtype=h5py.string_dtype())
+    for name, values in table['metrics'].items():
+        group.create_dataset('metrics/' + name, data=values)
+
+
+def read_part(data):
+    with h5py.File(io.BytesIO(data), 'r') as file:
+        table = {key: file[key][()] for key in NUMBERS}
+        table.update({key: file[key].asstr()[()] for key in TEXTS})
+        table['metrics'] = {name: values[()] for name, values in file.get('metrics', {}).items()}
+    return table
+
+
+class Store:
+    """The folder of one sweep."""
+
+    def __init__(self, folder):
+        self.folder = os.path.abspath(folder)
+        self.parts = os.path.join(self.folder, 'parts')
+        self.results = os.path.join(self.folder, 'results.h5')
+        self.lock, self.damaged = None, set()
+
+    def path(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def has_plan(self):
+        return os.path.exists(self.path('plan.json'))
+
+    def plan_text(self):
+        with open(self.path('plan.json'), encoding='utf-8') as file:
+            return file.read()
+
+    def fingerprint(self):
+        return Plan.from_text(self.plan_text()).fingerprint()
+
+    def details(self, numbers):
+        """What is said of some runs in results.h5."""
+        with h5py.File(self.results, 'r') as file:
+            rows = numpy.searchsorted(file['number'][()], numbers)
+            return dict(zip(numbers, file['detail'].asstr()[()][rows]))
+
+    def begin(self, plan):
+        os.makedirs(self.parts, exist_ok=True)
+        self.seize()
+        write_whole(self.path('plan.json'), lambda file: file.write(plan.text().encode()))
+
+    def seize(self):
+        """Two programs never write into one folder."""
+        self.lock = open(self.path('lock'), 'a', encoding='utf-8')  # pylint: disable=consider-using-with
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise Refused(f'another sweep is writing into {self.folder}')
+
+    def keep(self, records):
+        """Writes the runs of a chunk."""
+        data = io.BytesIO()
+        with h5py.File(data, 'w') as file:
+            write_columns(file, table_of(records))
+        digest = hashlib.sha256(data.getbuffer()).hexdigest()[:16]
+        name = f'part-{records[0]["number"]:09d}-{len(records)}-{digest}.h5'
+        write_whole(os.path.join(self.parts, name), lambda file: file.write(data.getbuffer()))
+
+    def part_names(self):
+        return {name for name in os.listdir(self.parts) if PART.fullmatch(name)}
+
+    def whole_parts(self, besides=()):
+        """The tables of all parts that are as they were written, in the order of their names."""
+        for name in sorted(self.part_names().difference(besides)):
+            with open(os.path.join(self.parts, name), 'rb') as file:
+                data = file.read()
+            if hashlib.sha256(data).hexdigest()[:16] == PART.fullmatch(name).group(3):
+                yield read_part(data)
+            else:
+                self.damaged.add(name)
+
+    def status(self, besides=()):
+        """What is known of each run that has a record: its status by its number. A sound record stands above one
+        of a run that may end otherwise on another day."""
+        known = {}
+        for table in self.whole_parts(besides):
+            for number, status in zip(table['number'].tolist(), table['status']):
+                if number not in known or known[number] in AGAIN:
+                    known[number] = status
+        return known
+
+    def count_runs(self):
+        """How many runs the parts hold, by their names alone."""
+        return sum(int(PART.fullmatch(name).group(2)) for name in self.part_names())
+
+    def last_log(self, name):
+        """The end of what the workers of a round have said."""
+        for path in sorted(glob.glob(glob.escape(self.path('logs', name)) + '*.log')):
+            with open(path, encoding='utf-8', errors='replace') as file:
+                said = file.read().strip()
+            if said:
+                return said[-1000:]
+        return 'nothing'
+
+    def gather(self, plan, versions):
+        """Makes results.h5, and results.csv where that is small, of all parts. Returns the status of each run."""
+        known = self.status()
+        if not known:
+            return known
+        numbers = numpy.array(sorted(known), numpy.int64)
+        shapes = {}
+        for table in self.whole_parts():
+            for name, values in table['metrics'].items():
+                shapes.setdefault(name, []).append(values.shape[1:])
+
+        def write(raw):
+            with h5py.File(raw, 'w') as file:
+                self.fill(file, plan, known, numbers, {name: common_shape(found) for name, found in shapes.items()})
+                file.attrs.update({'runs': len(numbers), 'planned': plan.count, 'complete': len(numbers) == plan.count,
+                                   'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
+
+        write_whole(self.results, write)
+        self.write_csv(plan)
+        return known
+
+    def fill(self, file, plan, known, numbers, shapes):
+        """The table of the runs in the order of their numbers."""
+        columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items()}
+        texts = {key: numpy.full(len(numbers), '', object) for key in TEXTS}
+        metrics = {}
+        for entry in plan.tree['measure']:
+            shape = shapes.get(entry['name'], ())
+            metrics[entry['name']] = file.create_dataset('metrics/' + entry['name'], (len(numbers), *shape), float,
+                                                         fillvalue=numpy.nan, **layout((len(numbers), *shape)))
+        taken = set()
+        for table in self.whole_parts():
+            use = [k for k, (number, status) in enumerate(zip(table['number'].tolist(), table['status']))
+                   if number not in taken and known[number] == status]
+            use.sort(key=lambda k, order=table['number']: order[k])
+            if not use:
+                continue
+            taken.update(table['number'][use].tolist())
+            rows = numpy.searchsorted(numbers, table['number'][use])
+            for key in NUMBERS:
+                columns[key][rows] = table[key][use]
+            for key in TEXTS:
+                texts[key][rows] = table[key][use]
+            for name, values in table['metrics'].items():
+                fill_rows(metrics[name], rows, values[use])
+        for key in NUMBERS:
+            file.create_dataset(key, data=columns[key])
+        for key in TEXTS:
+            file.create_dataset(key, data=texts[key], dtype=h5py.string_dtype())
+        self.write_parameters(file, plan, numbers)
+        file.create_dataset('plan', data=plan.text(), dtype=h5py.string_dtype())
+
+    @staticmethod
+    def write_parameters(file, plan, numbers):
+        """A dataset for each path that varies, and the seed of each run. What is no number is JSON."""
+        found = [plan.parameters(number) for number in numbers.tolist()]
+        file.create_dataset('seed', data=numpy.array([seed for seed, _ in found], numpy.uint64))
+        group = file.create_group('parameters')
+        for axis in plan.axes:
+            values = [parameters[axis.path] for _, parameters in found]
+            if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+                column = group.create_dataset(name_in_file(axis.path), data=numpy.array(values, float))
+            else:
+                texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
+                column = group.create_dataset(name_in_file(axis.path), data=texts, dtype=h5py.string_dtype())
+            column.attrs['path'] = axis.path
+
+    def write_csv(self, plan):
+        """results.csv: a line for each run, without metrics that are tables. Left out where it would be large."""
+        path, columns = self.path('results.csv'), {}
+        with h5py.File(self.results, 'r') as file:
+            if len(file['number']) > MOST_CSV_RUNS:
+                if os.path.exists(path):
+                    os.unlink(path)
+                return
+            columns['number'], columns['seed'] = file['number'][()], file['seed'][()]
+            for axis in plan.axes:
+                values = file['parameters'][name_in_file(axis.path)]
+                columns[axis.path] = (values.asstr() if values.dtype == object else values)[()]
+            for entry in plan.tree['measure']:
+                values = file['metrics'][entry['name']]
+                if values.ndim == 1:
+                    columns[entry['name']] = values[()]
+                elif values.ndim == 2:
+                    columns.update({f'{entry["name"]}_{k}': values[:, k] for k in range(values.shape[1])})
+            columns.update({name: file[name].asstr()[()] for name in TEXTS})
+            columns.update({name: file[name][()] for name in NUMBERS if name not in ('number', 'hash')})
+            columns['hash'] = numpy.array([f'{value:016x}' for value in file['hash'][()].tolist()])
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator='\n')
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values())))
+        write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def name_in_file(path):
+    """HDF5 takes '/' for a folder."""
+    return path.replace('/', ':')
+
+
+def layout(shape):
+    """Checksums for all values, and compression for states."""
+    if 0 in shape:
+        return {}
+    rows = CHUNK_BYTES // (8 * int(numpy.prod(shape[1:])))
+    compressed = {'compression': 'gzip', 'compression_opts': 1, 'shuffle': True} if len(shape) > 2 else {}
+    return {'chunks': (max(1, min(shape[0], rows)), *shape[1:]), 'fletcher32': True, **compressed}
+
+
+def fill_rows(dataset, rows, values):
+    """Writes values of a part, which may be smaller than the rows of the whole."""
+    if values.ndim != dataset.ndim:
+        return
+    inner = tuple(slice(0, n) for n in values.shape[1:])
+    if rows[-1] - rows[0] + 1 == len(rows):
+        dataset[(slice(rows[0], rows[-1] + 1), *inner)] = values
+    else:
+        for row, value in zip(rows, values):
+            dataset[(row, *inner)] = value

@@ -1,0 +1,413 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The same sweep by every engine, and what goes wrong on the way: equal results, nothing lost, nothing counted twice."""
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import slurm_cluster  # noqa: E402
+from sweep_file import SweepCase  # noqa: E402
+
+BALLS = '''
+scene: ball_hits_wall
+duration: 1
+repeats: 20
+vary:
+  bodies[ball].restitution: {range: [0, 1], count: 5}
+  bodies[ball].velocity[0]: {normal: [4, 0.5]}
+measure: {end: {final_position: ball}, deepest: penetration}
+'''
+# Something happens in some runs, known by their friction. `mark` is a file by which runs of several processes agree.
+TRAPS = '''
+import os, pathlib, time
+HERE = pathlib.Path(__file__).parent
+
+def once(name):
+    try:
+        (HERE / name).touch(exist_ok=False)
+        return True
+    except FileExistsError:
+        return False
+
+def value(world, parameters):
+    k = round(parameters['bodies[ball].friction'])
+    if k == 3:
+        os.kill(os.getpid(), 9)
+    if k == 5:
+        while True:
+            pass
+    if k == 6:
+        raise ArithmeticError('six')
+    if k == 7:
+        return 'seven'
+    if k == 8 and once('killed'):
+        os.kill(os.getpid(), 9)
+    return k
+
+def slowly(world, parameters):
+    time.sleep(0.05)
+    return 1
+'''
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(('127.0.0.1', 0))
+        return s.getsockname()[1]
+
+
+class Scheduler:
+    """A Dask scheduler and workers on loopback, as an administrator starts them."""
+
+    def __init__(self, folder):
+        self.folder, self.port = folder, free_port()
+        self.address = 'tcp://127.0.0.1:%d' % self.port
+        self.processes = []
+
+    def launch(self, *arguments):
+        with open(self.folder / 'dask.log', 'ab') as log:
+            process = subprocess.Popen(['/usr/bin/python3', '-m', 'distributed.cli.%s' % arguments[0], *arguments[1:]], stdout=log,
+                                       stderr=log, stdin=subprocess.DEVNULL, cwd=self.folder, start_new_session=True)
+        self.processes.append(process)
+        return process
+
+    def start(self):
+        self.scheduler = self.launch('dask_scheduler', '--host', '127.0.0.1', '--port', str(self.port), '--no-dashboard')
+        self.workers()
+
+    def workers(self):
+        self.launch('dask_worker', self.address, '--host', '127.0.0.1', '--nworkers', '2', '--nthreads', '1', '--no-dashboard')
+
+    def stop(self):
+        for process in self.processes:
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+            process.wait()
+        self.processes = []
+
+
+class EnginesTest(SweepCase):
+    def setUp(self):
+        super().setUp()
+        self.write(BALLS)
+
+    def one_process(self):
+        """The hashes that every engine has to give."""
+        self.sound('--workers', '1', '--output', self.folder / 'one')
+        return self.hashes('one')
+
+    def test_two_processes_give_what_one_gives(self):
+        one = self.one_process()
+        self.assertEqual(len(one), 100)
+        self.assertGreater(len(set(one.values())), 90)
+        self.sound('--workers', '2')
+        self.assertEqual(self.hashes(), one)
+        for metric in ('end', 'deepest'):
+            self.assertEqual(self.results()['metrics/' + metric].tolist(), self.results('one')['metrics/' + metric].tolist())
+
+    def test_a_scheduler_of_dask_gives_what_one_process_gives(self):
+        scheduler = Scheduler(self.folder)
+        self.addCleanup(scheduler.stop)
+        scheduler.start()
+        self.sound_when_there(scheduler)
+        self.assertEqual(self.hashes(), self.one_process())
+
+    def sound_when_there(self, scheduler):
+        for _ in range(60):
+            done = self.sweep('--dask', scheduler.address)
+            if 'has no workers' not in done.stderr and 'no Dask scheduler' not in done.stderr:
+                break
+            shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
+            time.sleep(0.5)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_gnu_parallel_gives_what_one_process_gives(self):
+        if not shutil.which('parallel'):
+            self.skipTest('GNU parallel is not installed (Debian: parallel)')
+        hosts = self.write('2/:\n', 'hosts')
+        self.sound('--hosts', hosts)
+        self.assertEqual(self.hashes(), self.one_process())
+
+    def test_a_host_that_does_not_answer_is_named_before(self):
+        if not shutil.which('parallel'):
+            self.skipTest('GNU parallel is not installed (Debian: parallel)')
+        hosts = self.write('ssh -o BatchMode=yes -p 1 127.0.0.1\n', 'hosts')
+        done = self.sweep('--hosts', hosts)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('cannot work', done.stderr)
+
+    def test_without_an_engine_its_package_is_named(self):
+        (self.folder / 'distributed.py').write_text('raise ImportError("none")\n')
+        environment = dict(os.environ, PYTHONPATH='%s:%s' % (self.folder, os.environ.get('PYTHONPATH', '')))
+        done = self.sweep('--dask', 'tcp://127.0.0.1:1', env=environment)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('there is no Dask (Debian: python3-distributed)', done.stderr)
+        shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
+        done = self.sweep('--workers', '2', env=environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn('there is no Dask (Debian: python3-distributed); one process runs all', done.stderr)
+        self.assertEqual(self.hashes(), self.one_process())
+        nothing = dict(os.environ, PATH='/nowhere')
+        for option, package in ((('--slurm', 'test'), 'slurm-client'), (('--hosts', 'hosts'), 'parallel')):
+            done = self.sweep(*option, '--output', self.folder / package, env=nothing)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn('(Debian: %s)' % package, done.stderr)
+
+
+    def test_a_scheduler_of_dask_that_is_restarted_loses_nothing(self):
+        self.write(TRAPS, 'traps.py')
+        self.write(BALLS.replace('measure: {', 'measure: {slow: {python: "traps.py:slowly"}, '))
+        scheduler = Scheduler(self.folder)
+        self.addCleanup(scheduler.stop)
+        scheduler.start()
+        process = None
+        while process is None or (process.poll() is not None and process.returncode == 2):
+            if process:
+                process.communicate()
+            shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
+            process = subprocess.Popen(self.command('--dask', scheduler.address), text=True, stdout=subprocess.PIPE,
+                                       stderr=subprocess.STDOUT)
+            while not self.parts() and process.poll() is None:
+                time.sleep(0.05)
+        scheduler.stop()
+        time.sleep(1)
+        scheduler.start()
+        said, _ = process.communicate(timeout=300)
+        self.assertEqual(process.returncode, 0, said)
+        self.assertEqual(self.hashes(), self.one_process())
+
+
+class SlurmTest(SweepCase):
+    @classmethod
+    def setUpClass(cls):
+        if slurm_cluster.why_not():
+            raise unittest.SkipTest(slurm_cluster.why_not())
+
+    def setUp(self):
+        super().setUp()
+        self.write(BALLS)
+        self.cluster = slurm_cluster.Cluster(self.folder / 'slurm')
+        self.addCleanup(self.cluster.stop)
+        self.cluster.start()
+
+    def test_a_job_array_gives_what_one_process_gives(self):
+        self.sound('--workers', '1', '--output', self.folder / 'one')
+        self.sound('--slurm', 'test', env=self.cluster.environment)
+        self.assertEqual(self.hashes(), self.hashes('one'))
+        done = self.sweep('--slurm', 'nowhere', '--output', self.folder / 'two', env=self.cluster.environment)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('nowhere', done.stderr)
+
+    def test_a_restarted_controller_and_a_cancelled_job_lose_nothing(self):
+        self.write(TRAPS, 'traps.py')
+        self.write(BALLS.replace('measure: {', 'measure: {slow: {python: "traps.py:slowly"}, '))
+        process = subprocess.Popen(self.command('--slurm', 'test'), text=True, env=self.cluster.environment, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT)
+        while not self.cluster.ask('squeue', '--noheader', '--states=RUNNING').strip() and process.poll() is None:
+            time.sleep(0.1)
+        self.cluster.restart_controller()
+        self.cluster.ask('scancel', '--user=root')
+        said, _ = process.communicate(timeout=300)
+        self.assertEqual(process.returncode, 0, said)
+        self.assertIn('go out again', said)
+        self.assertEqual(len(self.hashes()), 100)
+
+
+class TroubleTest(SweepCase):
+    """Runs that go wrong, and sweeps that are cut off."""
+
+    def check_traps(self, *arguments):
+        self.write(TRAPS, 'traps.py')
+        self.write('''
+scene: ball_hits_wall
+steps: 10
+max_seconds: 1
+repeats: 4
+vary: {"bodies[ball].friction": {range: [0, 9], count: 10}}
+measure: {k: {python: "traps.py:value"}}
+''')
+        done = self.sweep(*arguments)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        table = self.results()
+        wanted = {3: 'crashed', 5: 'overtime', 6: 'failed', 7: 'failed'}
+        self.assertEqual(table['number'].tolist(), list(range(40)))
+        self.assertEqual(table['status'].tolist(), [wanted.get(k, 'ok') for k in range(10) for _ in range(4)])
+        sound = [k for k in range(40) if k // 4 not in wanted]
+        self.assertEqual(table['metrics/k'][sound].tolist(), [k // 4 for k in sound])
+        self.assertIn('measure.k: ArithmeticError: six (traps.py, line 20)', table['detail'][24])
+        self.assertIn('again: rosrun rigid_body_sim sweep %s --only 12' % (self.folder / 's.yaml'), done.stdout)
+        self.assertTrue((self.folder / 'killed').exists())
+
+    def test_runs_that_end_their_worker_cost_no_other_by_one_process(self):
+        self.check_traps('--workers', '1')
+
+    def test_runs_that_end_their_worker_cost_no_other_by_dask(self):
+        self.check_traps('--workers', '2')
+
+    def balls(self):
+        """Runs that take a twentieth of a second."""
+        self.write(TRAPS, 'traps.py')
+        self.write(BALLS.replace('measure: {', 'measure: {slow: {python: "traps.py:slowly"}, '))
+
+    def check_balls(self):
+        """All runs are there once, as one sweep without trouble makes them."""
+        hashes = self.hashes()
+        self.assertEqual(sorted(hashes), list(range(100)))
+        if not (self.folder / 'whole').exists():
+            self.write(BALLS)
+            self.sound('--workers', '1', '--output', self.folder / 'whole')
+        self.assertEqual(hashes, self.hashes('whole'))
+
+    def workers_of(self, parent):
+        """Processes below one that run chunks."""
+        found = []
+        for path in pathlib.Path('/proc').glob('[0-9]*'):
+            try:
+                above = int((path / 'stat').read_text().rsplit(')', 1)[1].split()[1])
+                command = (path / 'cmdline').read_bytes()
+            except OSError:
+                continue
+            if above == parent and b'spawn_main' in command:
+                found.append(int(path.name))
+        return found
+
+    def test_a_killed_worker_loses_nothing(self):
+        for workers in ('1', '2'):
+            with self.subTest(workers=workers):
+                shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
+                self.balls()
+                process = subprocess.Popen(self.command('--workers', workers), text=True, stdout=subprocess.PIPE,
+                                           stderr=subprocess.STDOUT)
+                while not self.parts() and process.poll() is None:
+                    time.sleep(0.01)
+                victims = self.workers_of(process.pid)
+                self.assertTrue(victims)
+                os.kill(victims[0], signal.SIGKILL)
+                said, _ = process.communicate(timeout=300)
+                self.assertEqual(process.returncode, 0, said)
+                self.check_balls()
+
+    def test_ctrl_c_keeps_what_is_done_and_resume_goes_on(self):
+        for workers in ('1', '2'):
+            with self.subTest(workers=workers):
+                shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
+                self.balls()
+                code, said = self.interrupted(lambda: len(self.parts()) >= 2, '--workers', workers)
+                self.assertEqual(code, 130, said)
+                self.assertIn('--resume goes on', said)
+                self.assertNotIn('Traceback', said)
+                begun = self.results()
+                self.assertTrue(0 < len(begun['number']) < 100)
+                refused = self.sweep('--workers', workers)
+                self.assertEqual(refused.returncode, 2)
+                self.assertIn('holds a sweep already: --resume goes on with it', refused.stderr)
+                self.sound('--resume', '--workers', workers)
+                again = self.results()
+                for number, seconds in zip(begun['number'], begun['seconds']):  # these were not made again
+                    self.assertEqual(again['seconds'][number], seconds)
+                self.check_balls()
+
+    def test_a_killed_program_loses_only_what_was_running(self):
+        self.balls()
+        process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while len(self.parts()) < 2:
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        (self.folder / 's.sweep/parts/part-000000050-3-0000.h5.99.tmp').write_bytes(b'half')
+        self.sound('--resume', '--workers', '1')
+        self.check_balls()
+
+    def test_a_damaged_part_is_made_again(self):
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        whole = self.hashes()
+        parts = self.parts()
+        data = bytearray(parts[0].read_bytes())
+        data[len(data) // 2] ^= 1
+        parts[0].write_bytes(data)
+        parts[1].write_bytes(parts[1].read_bytes()[:-7])
+        said = self.sound('--resume', '--workers', '1')
+        self.assertIn('2 damaged parts', said)
+        self.assertEqual(self.hashes(), whole)
+
+    def test_runs_that_two_parts_hold_count_once(self):
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        whole = self.hashes()
+        self.sound('--workers', '1', '--output', self.folder / 'two')
+        for part in self.parts('two'):
+            shutil.copy(part, self.folder / 's.sweep/parts')
+        (self.folder / 's.sweep/results.h5').unlink()
+        self.sound('--resume', '--workers', '1')
+        self.assertEqual(self.hashes(), whole)
+
+    def test_a_full_disk_keeps_what_was_stored(self):
+        """The kernel refuses to make any file longer than 40 kB: parts fit at first, later ones do not."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
+
+        self.write(BALLS.replace('measure: {', 'measure: {all: states, '))
+        done = self.sweep('--workers', '1', preexec_fn=limit)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn('--resume goes on', done.stderr)
+        self.assertNotIn('Traceback', done.stderr)
+        kept = len(self.parts())
+        self.assertGreater(kept, 0)
+        self.assertFalse(list(self.folder.glob('s.sweep/**/*.tmp')))
+        self.sound('--resume', '--workers', '1')
+        self.assertGreater(len(self.parts()), kept)
+        self.check_balls()
+
+    def test_a_full_file_system_keeps_what_was_stored(self):
+        if os.geteuid() != 0:
+            self.skipTest('a small file system needs root to mount')
+        small = self.folder / 'small'
+        small.mkdir()
+        if subprocess.run(['mount', '-t', 'tmpfs', '-o', 'size=300k', 'none', str(small)], check=False).returncode:
+            self.skipTest('no small file system can be mounted here')
+        self.addCleanup(subprocess.run, ['umount', str(small)], check=True)
+        self.write(BALLS.replace('measure: {', 'measure: {all: states, '))
+        done = self.sweep('--workers', '2', '--output', small / 'out')
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn('No space left on device', done.stderr)
+        self.assertNotIn('Traceback', done.stderr)
+        self.assertGreater(len(self.parts('small/out')), 0)
+        subprocess.run(['mount', '-o', 'remount,size=20m', str(small)], check=True)
+        self.sound('--resume', '--workers', '2', '--output', small / 'out')
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        self.assertEqual(self.hashes('small/out'), self.hashes())
+
+    def test_two_programs_do_not_write_into_one_folder(self):
+        self.balls()
+        process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.terminate)
+        while not self.parts():
+            time.sleep(0.01)
+        done = self.sweep('--resume', '--workers', '1')
+        self.assertEqual((done.returncode, 'another sweep is writing into' in done.stderr), (2, True), done.stderr)
+
+    def test_a_changed_file_is_not_mixed_with_its_old_results(self):
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        self.write(BALLS.replace('count: 5', 'count: 6'))
+        done = self.sweep('--resume')
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('holds a sweep of another file or scene', done.stderr)
+
+
+if __name__ == '__main__':
+    unittest.main()

@@ -1,0 +1,247 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a run measures, beside closed forms; how it stops; and the program as people call it: refusals, --dry-run, --only,
+charts."""
+import csv
+import json
+import math
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import h5py  # noqa: E402
+from rigid_body_sim import Scene, World  # noqa: E402
+from rigid_body_sim.sweep import charts  # noqa: E402
+from rigid_body_sim.sweep.plan import Reader  # noqa: E402
+from rigid_body_sim.sweep.run import run_task  # noqa: E402
+from sweep_file import SweepCase  # noqa: E402
+
+# A ball falls through empty space: 1 kg, from 100 m, at 3 m/s along x.
+FALL = 'scene: {bodies: [{name: ball, shape: sphere, mass: 1, position: [0, 0, 100], velocity: [3, 0, 0], spin: [0, 0, 1]}]}\n'
+# A box slides over a floor and stops after v/(mu g), and so much further as v^2/(2 mu g).
+SLIDE = '''scene:
+  bodies:
+    - {name: floor, shape: plane, kind: static, friction: 0.5}
+    - {name: box, size: [2, 2, 0.2], position: [0, 0, 0.1], velocity: [2, 0, 0], friction: 0.5}
+  fidelity: accurate
+'''
+TIPPING = '''scene:
+  bodies:
+    - {name: floor, shape: plane, kind: static}
+    - {name: stands, size: [0.5, 0.5, 1], position: [0, 0, 0.5]}
+    - {name: tips, size: [0.2, 0.2, 1], position: [3, 0, 0.52], rotation: {axis: [0, 1, 0], degrees: 20}}
+'''
+
+
+class RunTest(SweepCase):
+    def plan(self, text):
+        return Reader(str(self.write(text)), None).read()
+
+    def record(self, text, number=0):
+        return run_task(self.plan(text), number)
+
+    def values(self, text, number=0):
+        record = self.record(text, number)
+        self.assertEqual((record['status'], record['detail']), ('ok', ''))
+        return record['values']
+
+    def test_free_fall(self):
+        found = self.values(FALL + '''duration: 2
+measure:
+  position: {final_position: ball}
+  pose: {final_pose: ball}
+  velocity: {final_velocity: ball}
+  energy: energy
+  change: energy_change
+  deepest: penetration
+''')
+        for value, wanted in zip(found['position'], (6, 0, 100 - 0.5 * 9.81 * 4)):
+            self.assertAlmostEqual(value, wanted, 9)
+        for value, wanted in zip(found['pose'], (*found['position'], 0, 0, math.sin(1), math.cos(1))):
+            self.assertAlmostEqual(value, wanted, 9)
+        for value, wanted in zip(found['velocity'], (3, 0, -9.81 * 2, 0, 0, 1)):
+            self.assertAlmostEqual(value, wanted, 9)
+        inertia = 0.4 * 0.25 ** 2
+        self.assertAlmostEqual(float(found['energy']), 0.5 * 9 + 0.5 * inertia + 9.81 * 100, 8)
+        self.assertAlmostEqual(float(found['change']), 0, 8)
+        self.assertEqual(float(found['deepest']), 0)
+
+    def test_states_every_so_many_steps(self):
+        states = self.values(FALL + 'steps: 10\nmeasure: {s: {states: {every: 4, bodies: [ball]}}}\n')['s']
+        self.assertEqual(states.shape, (3, 1, 13))
+        for k, row in enumerate(states[:, 0]):
+            self.assertAlmostEqual(row[0], 3 * 4 * k / 60, 12)
+            self.assertAlmostEqual(row[9], -9.81 * 4 * k / 60, 12)
+        whole = self.values(FALL + 'steps: 3\nmeasure: {s: states}\n')['s']
+        self.assertEqual(whole.shape, (4, 1, 13))
+
+    def test_a_box_comes_to_rest(self):
+        found = self.values(SLIDE + 'duration: 2\nmeasure: {rest: {time_to_rest: {speed: 0.02, bodies: box}}, p: {final_position: box}, d: penetration}\n')
+        self.assertAlmostEqual(float(found['rest']), (2 - 0.02) / (0.5 * 9.81), delta=1 / 60)
+        self.assertAlmostEqual(found['p'][0], 4 / (2 * 0.5 * 9.81), delta=1e-3)
+        self.assertLess(float(found['d']), 1e-6)
+        moving = self.values(SLIDE + 'duration: 0.3\nmeasure: {rest: time_to_rest}\n')
+        self.assertTrue(math.isnan(moving['rest']))
+
+    def test_a_run_stops_at_rest(self):
+        record = self.record(SLIDE + 'duration: 9\nstop: {at_rest: 0.02}\nmeasure: {p: {final_position: box}}\n')
+        self.assertEqual((record['status'], record['stopped']), ('ok', 'at_rest'))
+        self.assertAlmostEqual(record['time'], (2 - 0.02) / (0.5 * 9.81) + 0.5, delta=2 / 60)
+
+    def test_what_stands_and_what_falls(self):
+        found = self.values(TIPPING + '''duration: 3
+measure: {stands: {stood: stands}, tips: {stood: tips}, all: stood, low: {stood: {bodies: tips, tilt: 180, drop: 2}}}
+''')
+        self.assertEqual([float(found[name]) for name in ('stands', 'tips', 'all', 'low')], [1, 0, 0, 1])
+        record = self.record(TIPPING + 'duration: 3\nstop: {fell: tips}\n')
+        self.assertEqual(record['stopped'], 'fell')
+        self.assertLess(record['time'], 2)
+
+    def test_distance_to_a_reference(self):
+        text = SLIDE.replace('accurate', 'interactive') + '''duration: 0.2
+vary: {fidelity: [preview, reference]}
+measure: {error: {distance_to_reference: {fidelity: reference}}}
+'''
+        far, near = float(self.values(text, 0)['error']), float(self.values(text, 1)['error'])
+        self.assertEqual(near, 0.0)
+        self.assertTrue(1e-9 < far < 0.1, far)
+        scene = self.plan(text).task(0).scene
+        worlds = [World(Scene.parse(json.dumps({**scene, 'fidelity': level}))) for level in ('preview', 'reference')]
+        for world in worlds:
+            world.step(12)
+        self.assertAlmostEqual(far, math.dist(worlds[0].positions[1], worlds[1].positions[1]), 12)
+        odd = self.record(SLIDE + 'steps: 1\nmeasure: {e: {distance_to_reference: {step: 0.01}}}\n')
+        self.assertEqual(odd['status'], 'failed')
+        self.assertIn('steps of 0.01 s of the reference never end at', odd['detail'])
+
+    def test_functions_of_the_user(self):
+        self.write('def both(world, parameters):\n    return [world.time, parameters["step"]]\n'
+                   'def late(world, parameters):\n    return world.time > 0.5\n', 'f.py')
+        record = self.record(FALL + 'duration: 2\nvary: {step: [0.125]}\nstop: {python: f.py:late}\nmeasure: {b: {python: f.py:both}}\n')
+        self.assertEqual((record['stopped'], record['values']['b'].tolist()), ('python', [0.625, 0.125]))
+        self.write('def f(world, parameters):\n    raise KeyError(3)\n', 'f.py')
+        record = self.record(FALL + 'duration: 2\nmeasure: {a: {python: f.py:f}, e: energy}\n')
+        self.assertEqual((record['status'], record['detail']), ('failed', 'measure.a: KeyError: 3 (f.py, line 2)'))
+        self.assertIn('e', record['values'])
+        record = self.record(FALL + 'duration: 2\nstop: {python: f.py:f}\n')
+        self.assertEqual((record['status'], record['detail']), ('failed', 'KeyError: 3'))
+
+    def test_a_run_that_diverges_says_so(self):
+        record = self.record(FALL + 'duration: 2\nvary: {"bodies[ball].position": [[999999999, 0, 0]]}\nmeasure: {e: energy}\n')
+        self.assertEqual(record['status'], 'diverged', record)
+        self.assertIn('ball', record['detail'])
+        self.assertEqual(record['values'], {})
+        self.assertGreater(record['steps'], 0)
+
+    def test_a_combination_that_is_no_scene_says_so(self):
+        text = FALL + 'duration: 1\nrepeats: 30\nvary: {"bodies[ball].friction": {normal: [0, 1]}}\n'
+        plan = self.plan(text)
+        record = run_task(plan, next(k for k in range(30) if plan.parameters(k)[1]['bodies[ball].friction'] < 0))
+        self.assertEqual(record['status'], 'refused')
+        self.assertIn('friction', record['detail'])
+
+
+class ProgramTest(SweepCase):
+    def refused(self, text, *said, arguments=()):
+        self.write(text)
+        done = self.sweep(*arguments)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        for part in said:
+            self.assertIn(part, done.stderr)
+        self.assertNotIn('Traceback', done.stderr)
+        self.assertFalse((self.folder / 's.sweep').exists())
+
+    def test_bad_files_are_refused_before_the_start(self):
+        ball = 'scene: ball_hits_wall\nduration: 1\n'
+        self.refused(ball + 'vary: {"bodies[bal].mass": [1]}', "no entry is named 'bal' (there are: floor, wall, ball)")
+        self.refused(ball + 'vary: {"bodies[ball].mas": [1]}', 'vary.bodies[ball].mas = 1: bodies[2].mas; unknown key; ', "did you mean 'mass'")
+        self.refused(ball + 'vary: {"bodies[ball].friction": [0.5, -1]}', 'vary.bodies[ball].friction = -1', 'friction: -1 (allowed: 0 to')
+        self.refused(ball + 'vary: {"bodies[ball].friction": []}', 's.yaml:3: vary.bodies[ball].friction: an empty list')
+        self.refused(ball + 'vary: {step: {range: [0.01, 0.02], count: 1000000}, seed: {range: [1, 2], count: 1000000}}',
+                     '1,000,000,000,000 runs (allowed: 10,000,000)')
+        self.refused(ball + 'measure: {e: {final_position: boll}}', "no body is named 'boll' (there are: floor, wall, ball)")
+        self.refused('scene: bal\nduration: 1\n', "no scene 'bal' in the catalogue (there are: ball_hits_wall")
+        self.refused('scene: ./none.yaml\nduration: 1\n', 'none.yaml cannot be read: No such file')
+        self.refused('scene: {bodies: [{mas: 3}]}\nduration: 1\n', "did you mean 'mass'")
+        self.refused('a: [', 's.yaml:1')
+        self.refused('', 'no mapping')
+        self.refused(ball, 'there are runs 0 to 0', arguments=('--only', '1'))
+        self.refused(ball, 'holds no sweep to go on with', arguments=('--resume',))
+        self.refused(ball, 'there are no results', arguments=('--chart', 'e', 'step'))
+        self.assertEqual(self.sweep('--workers', '0').returncode, 2)
+        self.assertEqual(self.sweep('--workers', '1', '--dask', 'x').returncode, 2)
+
+    def test_dry_run_and_only(self):
+        self.write('scene: ball_hits_wall\nduration: 1\nrepeats: 1000\nvary: {"bodies[ball].restitution": [0, 1], seed: run_seed}\n'
+                   'measure: {p: {final_position: ball}}\n')
+        said = self.sound('--dry-run')
+        self.assertIn('2,000 runs: 2 of bodies[ball].restitution x 1,000 repeats; drawn for each: seed', said)
+        for part in ('a run takes', 'of one core', 'of this machine', 'MB'):
+            self.assertIn(part, said)
+        self.assertFalse((self.folder / 's.sweep').exists())
+        said = self.sound('--only', '1500')
+        self.assertIn('run 1500 of 2,000, seed ', said)
+        self.assertIn('bodies[ball].restitution = 1\n', said)
+        self.assertIn('\nok\n', said)
+
+    def test_only_gives_what_the_sweep_gave(self):
+        self.write('scene: bouncing_49\nduration: 0.5\nrepeats: 4\nvary: {seed: run_seed}\nmeasure: {e: energy}\n')
+        self.sound('--workers', '2')
+        self.assertIn('hash %016x' % self.hashes()[3], self.sound('--only', '3'))
+        self.assertEqual(len(set(self.hashes().values())), 4)
+
+    def test_results_hold_all_that_makes_a_run(self):
+        self.write('scene: ball_hits_wall\nduration: 0.5\nrepeats: 2\nseed: 5\n'
+                   'vary: {fidelity: [preview, {preset: accurate, divisions: 2}], "bodies[ball].friction": {uniform: [0, 1]}}\n'
+                   'measure: {p: {final_position: ball}, e: energy, s: {states: {every: 10}}}\n')
+        self.sound('--workers', '1')
+        table = self.results()
+        self.assertEqual(table['parameters/fidelity'].tolist(), ['preview'] * 2 + ['{"preset": "accurate", "divisions": 2}'] * 2)
+        self.assertEqual(table['metrics/p'].shape, (4, 3))
+        self.assertEqual(table['metrics/s'].shape, (4, 4, 3, 13))
+        self.assertEqual(table['steps'].tolist(), [30] * 4)
+        self.assertTrue((table['seconds'] > 0).all() and (table['cpu_seconds'] > 0).all())
+        with h5py.File(self.folder / 's.sweep/results.h5', 'r') as file:
+            self.assertTrue(file.attrs['complete'])
+            self.assertEqual((file.attrs['runs'], file.attrs['planned']), (4, 4))
+            self.assertRegex(json.loads(file.attrs['versions'])['rigid_body_sim'], r'^\d+\.\d+\.\d+$')
+            self.assertRegex(json.loads(file.attrs['versions'])['build'], r'^[0-9a-f]{16}$')
+        with open(self.folder / 's.sweep/results.csv', encoding='utf-8', newline='') as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([int(row['hash'], 16) for row in rows], table['hash'].tolist())
+        self.assertEqual([float(row['p_0']) for row in rows], table['metrics/p'][:, 0].tolist())
+        self.assertEqual([float(row['bodies[ball].friction']) for row in rows], table['parameters/bodies[ball].friction'].tolist())
+        self.assertNotIn('s_0', rows[0])
+
+    def test_charts(self):
+        self.write('scene: ball_hits_wall\nduration: 0.5\nrepeats: 20\n'
+                   'vary: {fidelity: [preview, accurate], "bodies[ball].velocity[0]": {uniform: [3, 5]}}\n'
+                   'measure: {p: {final_position: ball}, e: energy}\n')
+        self.sound('--workers', '1')
+        for arguments in (('e', 'fidelity'), ('p_0', 'bodies[ball].velocity[0]', 'fidelity')):
+            path = self.sound('--chart', *arguments).strip()
+            with open(path, 'rb') as file:
+                self.assertEqual(file.read(8), b'\x89PNG\r\n\x1a\n')
+        for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, p_0 to p_2)"),
+                                (('e', 'mass'), "no parameter 'mass' (there are: bodies[ball].velocity[0], fidelity)"),
+                                (('p', 'fidelity'), "no metric 'p'"), (('p_3', 'fidelity'), "no metric 'p_3'")):
+            done = self.sweep('--chart', *arguments)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(said, done.stderr)
+
+
+class BandTest(unittest.TestCase):
+    def test_points_of_students_distribution(self):
+        for freedom, wanted in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (5, 2.571), (10, 2.228), (30, 2.042), (1000, 1.962)):
+            self.assertAlmostEqual(charts.student(freedom), wanted, delta=3e-3)
+
+    def test_means_with_their_bands(self):
+        mean, half = charts.mean_and_band([1.0, 2.0, 3.0, 4.0, 5.0])
+        self.assertEqual(mean, 3.0)
+        self.assertAlmostEqual(half, 2.776 * math.sqrt(2.5 / 5), delta=5e-3)
+        self.assertTrue(math.isnan(charts.mean_and_band([1.0])[1]))
+
+
+if __name__ == '__main__':
+    unittest.main()
