@@ -15,7 +15,9 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import slurm_cluster  # noqa: E402
-from sweep_file import SweepCase  # noqa: E402
+from rigid_body_sim.sweep import batch  # noqa: E402
+from rigid_body_sim.sweep.store import Store  # noqa: E402
+from sweep_file import PROGRAM, SweepCase  # noqa: E402
 
 BALLS = '''
 scene: ball_hits_wall
@@ -223,6 +225,18 @@ class SlurmTest(SweepCase):
         self.assertIn('go out again', said)
         self.assertEqual(len(self.hashes()), 100)
 
+    def test_who_leaves_finds_the_job_again(self):
+        self.write(TRAPS, 'traps.py')
+        self.write(BALLS.replace('measure: {', 'measure: {slow: {python: "traps.py:slowly"}, '))
+        code, said = self.interrupted(lambda: len(self.parts()) > 1, '--slurm', 'test', env=self.cluster.environment)
+        self.assertEqual(code, 130, said)
+        job = re.search(r'Job (\d+) goes on: --resume collects it, `scancel \1` ends it', said)
+        self.assertTrue(job, said)
+        said = self.sound('--resume', '--slurm', 'test', env=self.cluster.environment)
+        self.assertIn('waiting for job %s, which was submitted before' % job.group(1), said)
+        self.assertEqual(sum(int(part.name.split('-')[2]) for part in self.parts()), 100)  # none was made twice
+        self.assertEqual(len(self.hashes()), 100)
+
 
 class TroubleTest(SweepCase):
     """Runs that go wrong, and sweeps that are cut off."""
@@ -340,6 +354,23 @@ measure: {k: {python: "traps.py:value"}}
         parts[1].write_bytes(parts[1].read_bytes()[:-7])
         said = self.sound('--resume', '--workers', '1')
         self.assertIn('2 damaged parts', said)
+        self.assertEqual(self.hashes(), whole)
+
+    def test_a_worker_that_is_started_again_goes_on_where_it_was(self):
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        whole = self.hashes()
+        store = Store(self.folder / 's.sweep')
+        batch.write_round(store, 'again', [list(range(30)), [*range(30, 60), *range(90, 100)]])
+        self.assertEqual([batch.spans([3, 4, 5, 9]), batch.spans([])], [[[3, 3], [9, 1]], []])
+        for part in self.parts():
+            part.unlink()
+        for _ in range(2):
+            done = subprocess.run(['/usr/bin/python3', str(PROGRAM), '--work', store.folder, 'again', '1'], check=False)
+            self.assertEqual(done.returncode, 0)
+            self.assertEqual(sorted(store.status()), [*range(30, 60), *range(90, 100)])
+            self.assertEqual(store.count_runs(), 40)
+        self.sound('--resume', '--workers', '1')
         self.assertEqual(self.hashes(), whole)
 
     def test_runs_that_two_parts_hold_count_once(self):

@@ -164,7 +164,7 @@ class ProgramTest(SweepCase):
         self.refused('scene: bal\nduration: 1\n', "no scene 'bal' in the catalogue (there are: ball_hits_wall")
         self.refused('scene: ./none.yaml\nduration: 1\n', 'none.yaml cannot be read: No such file')
         self.refused('scene: {bodies: [{mas: 3}]}\nduration: 1\n', "did you mean 'mass'")
-        self.refused('a: [', 's.yaml:1')
+        self.refused('a: [', 's.yaml:2')
         self.refused('', 'no mapping')
         self.refused(ball, 'there are runs 0 to 0', arguments=('--only', '1'))
         self.refused(ball, 'holds no sweep to go on with', arguments=('--resume',))
@@ -219,11 +219,11 @@ class ProgramTest(SweepCase):
                    'vary: {fidelity: [preview, accurate], "bodies[ball].velocity[0]": {uniform: [3, 5]}}\n'
                    'measure: {p: {final_position: ball}, e: energy}\n')
         self.sound('--workers', '1')
-        for arguments in (('e', 'fidelity'), ('p_0', 'bodies[ball].velocity[0]', 'fidelity')):
+        for arguments in (('e', 'fidelity'), ('cpu_seconds', 'fidelity'), ('p_0', 'bodies[ball].velocity[0]', 'fidelity')):
             path = self.sound('--chart', *arguments).strip()
             with open(path, 'rb') as file:
                 self.assertEqual(file.read(8), b'\x89PNG\r\n\x1a\n')
-        for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, p_0 to p_2)"),
+        for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, p_0 to p_2, time, steps, seconds, cpu_seconds)"),
                                 (('e', 'mass'), "no parameter 'mass' (there are: bodies[ball].velocity[0], fidelity)"),
                                 (('p', 'fidelity'), "no metric 'p'"), (('p_3', 'fidelity'), "no metric 'p_3'")):
             done = self.sweep('--chart', *arguments)

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
@@ -41,12 +42,12 @@ class SweepCase(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
-    def interrupted(self, when, *arguments):
-        """A sweep that gets Ctrl-C as soon as `when` holds."""
+    def interrupted(self, when, *arguments, **options):
+        """A sweep that gets Ctrl-C as soon as `when` holds: its exit code, and what it says."""
         process = subprocess.Popen(self.command(*arguments), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                   start_new_session=True)
+                                   start_new_session=True, **options)
         while not when() and process.poll() is None:
-            pass
+            time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         said = ''.join(process.communicate(timeout=PATIENCE))
         return process.returncode, said

@@ -15,12 +15,12 @@ import time
 from .carry import Progress, carry_live
 from .engines import SerialEngine
 from .plan import Plan
-from .store import Store, write_whole
+from .store import AGAIN, Store, write_whole
 from .tree import Refused
 
-POLL_SECONDS = 1.0
+LEAST_POLL_SECONDS, MOST_POLL_SECONDS = 1.0, 30.0
 PATIENCE_SECONDS = 600.0  # that a scheduler may be away
-MOST_ELEMENTS = 1000
+USUAL_ELEMENTS = 1001  # where Slurm does not say how many an array may have
 TIME_MARGIN = 3.0  # over the measured time of the runs, for slower machines
 LEAST_MINUTES = 10
 
@@ -30,22 +30,42 @@ def needed(program, package):
         raise Refused(f'there is no {program} (Debian: {package})')
 
 
+def spans(numbers):
+    """Numbers in their order as [first, count] of those that follow each other."""
+    found = []
+    for number in numbers:
+        if found and number == sum(found[-1]):
+            found[-1][1] += 1
+        else:
+            found.append([number, 1])
+    return found
+
+
 def write_round(store, name, chunks):
     os.makedirs(store.path('rounds'), exist_ok=True)
     os.makedirs(store.path('logs'), exist_ok=True)
-    write_whole(store.path('rounds', name + '.json'), lambda file: file.write(json.dumps(chunks).encode()))
+    text = json.dumps([spans(numbers) for numbers in chunks])
+    write_whole(store.path('rounds', name + '.json'), lambda file: file.write(text.encode()))
 
 
 def work(folder, name, which):
-    """What a worker does: the runs of a chunk. It stores them as it goes, and survives a run that ends its process."""
+    """What a worker does: the runs of a chunk. It stores them as it goes, survives a run that ends its process, and goes on
+    where it was when it is started again."""
     store = Store(folder)
     with open(store.path('rounds', name + '.json'), encoding='utf-8') as file:
-        numbers = json.load(file)[which]
+        numbers = [first + k for first, count in json.load(file)[which] for k in range(count)]
+    known = store.status(store.parts_beginning_in(set(numbers)))
+    numbers = [number for number in numbers if known.get(number, AGAIN[0]) in AGAIN]
     engine = SerialEngine()
     try:
         carry_live(Plan.from_text(store.plan_text()), numbers, engine, store, Progress(len(numbers)))
     finally:
         engine.close()
+
+
+def pause(begin):
+    """Between two looks at a scheduler and at the folder: rarer, the longer the work takes."""
+    time.sleep(min(MOST_POLL_SECONDS, max(LEAST_POLL_SECONDS, (time.monotonic() - begin) / 50)))
 
 
 def worker_command():
@@ -90,12 +110,13 @@ class Parallel:
             self.process = subprocess.Popen(
                 self.command('--joblog', store.path('logs', name + '.jobs'), '--retries', '2', template), stdin=subprocess.PIPE,
                 stdout=log, stderr=log, start_new_session=True)
+            begin = time.monotonic()
             try:
                 self.process.stdin.write('\n'.join(map(str, range(len(chunks)))).encode())
                 self.process.stdin.close()
                 while self.process.poll() is None:
                     report()
-                    time.sleep(POLL_SECONDS)
+                    pause(begin)
             finally:
                 self.stop()
 
@@ -126,7 +147,7 @@ class Slurm:
         if shown.returncode:
             raise Refused(f'Slurm: {(shown.stdout + shown.stderr).strip()}')
         most = re.search(r'MaxArraySize\s*=\s*(\d+)', self.ask('scontrol', 'show', 'config').stdout)
-        self.most = min(MOST_ELEMENTS, int(most.group(1)) if most else MOST_ELEMENTS)
+        self.most = int(most.group(1)) if most else USUAL_ELEMENTS
 
     def pieces(self, seconds):
         """Elements of the array: of 20 s at least, and as many as Slurm takes at most."""
@@ -168,7 +189,7 @@ class Slurm:
 
     def wait(self, report):
         """Until the queue holds none of the jobs. A controller that does not answer is waited for."""
-        answered = time.monotonic()
+        begin = answered = time.monotonic()
         while True:
             report()
             done = self.ask('squeue', '--noheader', '--format=%i', '--jobs=' + ','.join(self.jobs))
@@ -180,7 +201,7 @@ class Slurm:
                 answered = time.monotonic()
             elif time.monotonic() - answered > PATIENCE_SECONDS:
                 raise Refused(f'Slurm has not answered for {PATIENCE_SECONDS:g} s: {done.stderr.strip()}')
-            time.sleep(POLL_SECONDS)
+            pause(begin)
 
     def farewell(self):
         """What somebody who leaves should know."""

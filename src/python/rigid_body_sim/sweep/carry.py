@@ -12,8 +12,8 @@ from .run import record_of
 from .tree import Refused
 
 ATTEMPTS = 3
-LEAST_CHUNK_SECONDS, MOST_CHUNK_SECONDS = 2.0, 60.0
-CHUNKS_PER_SLOT = 200
+LEAST_CHUNK_SECONDS, MOST_CHUNK_SECONDS = 2.0, 300.0
+CHUNKS_PER_SLOT = 50
 LEAST_LAST_SECONDS = 0.2
 QUEUED_PER_SLOT = 2
 PILOTS = 3
@@ -103,7 +103,7 @@ class Pace:
         self.seconds += sum(record['seconds'] for record in records)
 
     def size(self, left):
-        """Runs of a few seconds; fewer before the end, so that no slot waits for another."""
+        """Runs of seconds to minutes; fewer before the end, so that no slot waits for another."""
         if not self.runs:
             return 1
         run = max(self.seconds / self.runs, 1e-6)
@@ -157,7 +157,7 @@ def carry_batch(numbers, engine, store, progress, run_seconds):
         name = f'{time.strftime("%Y%m%d-%H%M%S")}-{attempt}'
         engine.run(store, name, chunks, run_seconds * len(chunks[-1]), report)
         report()
-        known = store.status(besides=earlier)
+        known = store.status(store.part_names() - earlier)
         missing = [number for number in missing if number not in known]
         if not missing:
             break

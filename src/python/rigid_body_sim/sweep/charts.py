@@ -10,13 +10,14 @@ from .store import name_in_file
 from .tree import Refused
 
 MOST_VALUES = 60  # of a parameter, above which its values are put together in classes
+OF_RUNS = ('time', 'steps', 'seconds', 'cpu_seconds')  # columns that may be drawn like metrics
 CLASSES, CLASSES_OF_LINES, MOST_LINES = 20, 5, 8
 
 
 def student(freedom):
     """The 97.5 % point of Student's distribution (expansion about the normal one; Abramowitz and Stegun 26.7.5)."""
     x = statistics.NormalDist().inv_cdf(0.975)
-    exact = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776}
+    exact = {1: 12.706, 2: 4.303, 3: 3.182, 4: 2.776, 5: 2.571}
     if freedom in exact:
         return exact[freedom]
     return (x + (x ** 3 + x) / (4 * freedom) + (5 * x ** 5 + 16 * x ** 3 + 3 * x) / (96 * freedom ** 2)
@@ -33,9 +34,11 @@ def mean_and_band(values):
 
 def classes(column, most, count):
     """The runs of each value of a parameter as (value, indices); classes of equal size where there are many values."""
-    values, inverse = numpy.unique(column, return_inverse=True)
+    values = list(dict.fromkeys(column.tolist())) if column.dtype == object else numpy.unique(column)
     if len(values) <= most:
-        return [(value, numpy.flatnonzero(inverse == k)) for k, value in enumerate(values)]
+        return [(value, numpy.flatnonzero(column == value)) for value in values]
+    if column.dtype == object:
+        raise Refused(f'{len(values)} values that are no numbers are too many for a chart (at most {most})')
     order = numpy.argsort(column, kind='stable')
     return [(float(numpy.mean(column[part])), part) for part in numpy.array_split(order, count)]
 
@@ -49,6 +52,7 @@ class Table:
             self.parameters = {values.attrs['path']: (values.asstr() if values.dtype == object else values)[()][self.sound]
                                for values in file['parameters'].values()}
             self.metrics = {name: values[()][self.sound] for name, values in file.get('metrics', {}).items() if values.ndim < 3}
+            self.metrics.update({name: file[name][()][self.sound] for name in OF_RUNS if name not in self.metrics})
 
     def metric(self, name):
         """A metric by its name, or one of its numbers: position_2, as results.csv has it."""
@@ -88,7 +92,7 @@ def draw(results, target, metric, along, lines=None):
     groups = [(None, numpy.arange(len(values)))] if lines is None else classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES)
     figure, axes = pyplot.subplots(figsize=(8, 5))
     words = column.dtype == object
-    places = {value: k for k, value in enumerate(numpy.unique(column))} if words else None
+    places = {value: k for k, value in enumerate(dict.fromkeys(column.tolist()))} if words else None
     for k, (of_line, chosen) in enumerate(groups):
         chosen = chosen[numpy.isfinite(values[chosen])]
         if not len(chosen):
@@ -104,6 +108,9 @@ def draw(results, target, metric, along, lines=None):
         axes.set_xticks(range(len(places)), list(places))
     elif len(column) and logarithmic(column):
         axes.set_xscale('log')
+    heights = numpy.concatenate([line.get_ydata() for line in axes.get_lines()] or [[]])
+    if len(heights) and min(heights) > 0 and max(heights) > 100 * min(heights):
+        axes.set_yscale('log')
     axes.set_xlabel(along)
     axes.set_ylabel(metric)
     axes.set_title(f'{metric}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)

@@ -12,6 +12,7 @@ import json
 import os
 import platform
 import re
+import statistics
 import sys
 import time
 
@@ -23,12 +24,13 @@ from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Reader, Task, checked_numbers
 from .run import Run, run_chunk, scene_of
-from .store import AGAIN, Store
+from .store import AGAIN, MOST_CSV_RUNS, Store
 from .tree import Refused, replaced
 
 CANNOT, BAD_FILE, INTERRUPTED = 1, 2, 130
 SHOWN_FAILURES, SHOWN_FAULTS = 10, 20
-RUN_BYTES = 140  # of a run in a part and in results.h5, without its metrics and parameters
+FOLDER_BYTES = 200_000
+RUN_BYTES, CSV_BYTES = 240, 100  # of a run in a part and in results.h5, and in results.csv, without metrics and parameters
 CLOCKED = re.compile(r'"max_solve_ms"')
 
 
@@ -137,6 +139,11 @@ def describe(plan):
     return text + (f'; drawn for each: {", ".join(drawn)}' if drawn else '')
 
 
+def median_seconds(records):
+    """The time of a run: the first of a process takes longer than the others."""
+    return statistics.median(record['seconds'] for record in records)
+
+
 def dry_run(plan, options):
     print(describe(plan))
     engine = engines.SerialEngine()
@@ -144,11 +151,11 @@ def dry_run(plan, options):
         records = pilot(plan, range(plan.count), engine)
     finally:
         engine.close()
-    seconds = sum(record['seconds'] for record in records) / len(records)
+    seconds = median_seconds(records)
     numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
-    size = 2 * plan.count * (RUN_BYTES + 8 * numbers)
+    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers) + (CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0))
     workers = options.workers or engines.cores()
-    print(f'a run takes {duration(seconds)} (mean of {len(records)}): {duration(seconds * plan.count)} of one core')
+    print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
     if not (options.dask or options.slurm or options.hosts):
         print(f'on {workers} worker{"s" if workers > 1 else ""} of this machine: {duration(seconds * plan.count / workers)}')
     print(f'disk: at most {size / 1e6:.3g} MB')
@@ -210,7 +217,7 @@ def carry_by_batch(plan, numbers, store, options, progress):
     if not numbers:
         return
     try:
-        carry_batch(numbers, engine, store, progress, sum(record['seconds'] for record in records) / len(records))
+        carry_batch(numbers, engine, store, progress, median_seconds(records))
     except KeyboardInterrupt:
         print('\n' + engine.farewell(), file=sys.stderr)
         raise

@@ -51,12 +51,6 @@ def no_argument(argument):
         raise Refused(f'{argument!r} (allowed: nothing)')
 
 
-def states(world, bodies):
-    """Position, orientation, velocity and angular velocity of bodies: 13 numbers each."""
-    return numpy.concatenate([numpy.asarray(part)[bodies] for part in (
-        world.positions, world.orientations, world.velocities, world.angular_velocities)], axis=1)
-
-
 class Final:
     """Some of the 13 numbers of a body at the end."""
 
@@ -70,7 +64,7 @@ class Final:
         self.bodies, self.columns = bodies_of(run.world, body), columns
 
     def value(self, world):
-        return states(world, self.bodies)[0, self.columns]
+        return world.states[self.bodies[0], self.columns]
 
 
 class Posture:
@@ -94,7 +88,7 @@ class Posture:
 
     def now(self, world):
         """Heights, and the world's vertical in each body's frame."""
-        return numpy.array(world.positions)[self.bodies, 2], vertical_in_body(numpy.asarray(world.orientations)[self.bodies])
+        return world.positions[self.bodies, 2], vertical_in_body(world.orientations[self.bodies])
 
     def value(self, world):
         height, up = self.now(world)
@@ -104,7 +98,7 @@ class Posture:
 
 def vertical_in_body(orientations):
     """The third row of the rotation matrices of unit quaternions."""
-    x, y, z, w = numpy.array(orientations).T
+    x, y, z, w = orientations.T
     return numpy.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=1)
 
 
@@ -240,7 +234,7 @@ class States:
 
     def observe(self, world, report):
         if world.steps % self.every == 0:
-            self.samples.append(states(world, self.bodies))
+            self.samples.append(world.states[self.bodies])
 
     def value(self, world):
         return numpy.array(self.samples)

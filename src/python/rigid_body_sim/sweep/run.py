@@ -48,7 +48,7 @@ class Run:
         world = World(scene_of(scene))
         for _ in range(steps):
             world.step()
-        return numpy.array(world.positions)
+        return world.positions
 
     def advance(self):
         """Steps to the end, or until something stops it."""
@@ -92,11 +92,13 @@ def record_of(number, status='ok', detail='', **known):
 
 
 def run_task(plan, number):
-    """Runs one task to its record."""
-    begin, cpu, run, values = time.perf_counter(), time.thread_time(), None, {}
+    """Runs one task to its record. `seconds` is the wall time of all of it; `cpu_seconds` is without the metrics at its end,
+    which may be reference runs."""
+    begin, cpu_begin, cpu, run, values = time.perf_counter(), time.thread_time(), 0.0, None, {}
     try:
         run = Run(plan, plan.task(number))
         run.advance()
+        cpu = time.thread_time() - cpu_begin
         if run.diverged:
             status, detail = 'diverged', run.diverged
         else:
@@ -110,7 +112,7 @@ def run_task(plan, number):
     if run:
         known = {'stopped': run.stopped, 'flags': ' '.join(sorted(run.flags)), 'hash': run.world.state_hash(),
                  'steps': run.world.steps, 'time': run.world.time, 'values': values}
-    return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=time.thread_time() - cpu, **known)
+    return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=cpu, **known)
 
 
 class Watchdog:

@@ -144,9 +144,13 @@ class Store:
     def part_names(self):
         return {name for name in os.listdir(self.parts) if PART.fullmatch(name)}
 
-    def whole_parts(self, besides=()):
-        """The tables of all parts that are as they were written, in the order of their names."""
-        for name in sorted(self.part_names().difference(besides)):
+    def parts_beginning_in(self, numbers):
+        """The parts whose first run is one of these. What works on its own share of the runs need not read all parts."""
+        return {name for name in self.part_names() if int(PART.fullmatch(name).group(1)) in numbers}
+
+    def whole_parts(self, names=None):
+        """The tables of parts that are as they were written, in the order of their names."""
+        for name in sorted(self.part_names() if names is None else names):
             with open(os.path.join(self.parts, name), 'rb') as file:
                 data = file.read()
             if hashlib.sha256(data).hexdigest()[:16] == PART.fullmatch(name).group(3):
@@ -154,15 +158,21 @@ class Store:
             else:
                 self.damaged.add(name)
 
-    def status(self, besides=()):
-        """What is known of each run that has a record: its status by its number. A sound record stands above one
-        of a run that may end otherwise on another day."""
-        known = {}
-        for table in self.whole_parts(besides):
+    def status(self, names=None):
+        """What is known of each run that has a record: its status by its number."""
+        return self.survey(names)[0]
+
+    def survey(self, names=None):
+        """The status of each run by its number, and the shape that holds all values of each metric. A record that may be
+        another on another day stands back behind any other."""
+        known, shapes = {}, {}
+        for table in self.whole_parts(names):
             for number, status in zip(table['number'].tolist(), table['status']):
                 if number not in known or known[number] in AGAIN:
                     known[number] = status
-        return known
+            for name, values in table['metrics'].items():
+                shapes.setdefault(name, set()).add(values.shape[1:])
+        return known, {name: common_shape(found) for name, found in shapes.items()}
 
     def count_runs(self):
         """How many runs the parts hold, by their names alone."""
@@ -179,18 +189,14 @@ class Store:
 
     def gather(self, plan, versions):
         """Makes results.h5, and results.csv where that is small, of all parts. Returns the status of each run."""
-        known = self.status()
+        known, shapes = self.survey()
         if not known:
             return known
         numbers = numpy.array(sorted(known), numpy.int64)
-        shapes = {}
-        for table in self.whole_parts():
-            for name, values in table['metrics'].items():
-                shapes.setdefault(name, []).append(values.shape[1:])
 
         def write(raw):
             with h5py.File(raw, 'w') as file:
-                self.fill(file, plan, known, numbers, {name: common_shape(found) for name, found in shapes.items()})
+                self.fill(file, plan, known, numbers, shapes)
                 file.attrs.update({'runs': len(numbers), 'planned': plan.count, 'complete': len(numbers) == plan.count,
                                    'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
 
