@@ -42,7 +42,8 @@ class TreeTest(unittest.TestCase):
     def test_paths_that_lead_nowhere_are_refused(self):
         scene = {'bodies': [{'name': 'a'}], 'fidelity': 'accurate'}
         for path, said in (('bodies[b].mass', "no entry is named 'b' (there are: a)"), ('bodies[3].mass', '[3] of a list of 1'),
-                           ('bodies[a].velocity[0]', "there is no list 'velocity'"), ('fidelity.sub_steps', 'follows what has no keys'),
+                           ('bodies[a].velocity[0]', "there is no list 'velocity'"),
+                           ('fidelity.sub_steps', 'follows what has no keys'),
                            ('step[0]', "there is no list 'step'"), ('fidelity[0]', 'follows what is no list'), ('', 'is no path'),
                            ('[0]', 'is no path'), ('a..b', 'is no path'), ('a[', 'is no path')):
             with self.assertRaises(tree.Refused, msg=path) as caught:
@@ -216,7 +217,8 @@ measure:
         self.write('import nothing_of_this_name\n', 'a.py')
         self.write('def f(:\n', 'b.py')
         self.write('x = 1\n', 'c.py')
-        said = self.faults('scene: tower\nsteps: 1\nmeasure: {a: {python: a.py:f}, b: {python: b.py:f}, c: {python: c.py:f}, d: {python: f}}\n')
+        said = self.faults('scene: tower\nsteps: 1\n'
+                           'measure: {a: {python: a.py:f}, b: {python: b.py:f}, c: {python: c.py:f}, d: {python: f}}\n')
         for fault, text in zip(said, ("ModuleNotFoundError: No module named 'nothing_of_this_name' (a.py, line 1)", 'SyntaxError',
                                       "there is no function 'f'", "'f' (allowed: FILE.py:FUNCTION)")):
             self.assertIn(text, fault)

@@ -77,7 +77,9 @@ measure:
         self.assertEqual(whole.shape, (4, 1, 13))
 
     def test_a_box_comes_to_rest(self):
-        found = self.values(SLIDE + 'duration: 2\nmeasure: {rest: {time_to_rest: {speed: 0.02, bodies: box}}, p: {final_position: box}, d: penetration}\n')
+        found = self.values(SLIDE + '''duration: 2
+measure: {rest: {time_to_rest: {speed: 0.02, bodies: box}}, p: {final_position: box}, d: penetration}
+''')
         self.assertAlmostEqual(float(found['rest']), (2 - 0.02) / (0.5 * 9.81), delta=1 / 60)
         self.assertAlmostEqual(found['p'][0], 4 / (2 * 0.5 * 9.81), delta=1e-3)
         self.assertLess(float(found['d']), 1e-6)
@@ -118,7 +120,8 @@ measure: {error: {distance_to_reference: {fidelity: reference}}}
     def test_functions_of_the_user(self):
         self.write('def both(world, parameters):\n    return [world.time, parameters["step"]]\n'
                    'def late(world, parameters):\n    return world.time > 0.5\n', 'f.py')
-        record = self.record(FALL + 'duration: 2\nvary: {step: [0.125]}\nstop: {python: f.py:late}\nmeasure: {b: {python: f.py:both}}\n')
+        record = self.record(FALL + 'duration: 2\nvary: {step: [0.125]}\nstop: {python: f.py:late}\n'
+                             'measure: {b: {python: f.py:both}}\n')
         self.assertEqual((record['stopped'], record['values']['b'].tolist()), ('python', [0.625, 0.125]))
         self.write('def f(world, parameters):\n    raise KeyError(3)\n', 'f.py')
         record = self.record(FALL + 'duration: 2\nmeasure: {a: {python: f.py:f}, e: energy}\n')
@@ -155,8 +158,10 @@ class ProgramTest(SweepCase):
     def test_bad_files_are_refused_before_the_start(self):
         ball = 'scene: ball_hits_wall\nduration: 1\n'
         self.refused(ball + 'vary: {"bodies[bal].mass": [1]}', "no entry is named 'bal' (there are: floor, wall, ball)")
-        self.refused(ball + 'vary: {"bodies[ball].mas": [1]}', 'vary.bodies[ball].mas = 1: bodies[2].mas; unknown key; ', "did you mean 'mass'")
-        self.refused(ball + 'vary: {"bodies[ball].friction": [0.5, -1]}', 'vary.bodies[ball].friction = -1', 'friction: -1 (allowed: 0 to')
+        self.refused(ball + 'vary: {"bodies[ball].mas": [1]}',
+                     'vary.bodies[ball].mas = 1: bodies[2].mas; unknown key; ', "did you mean 'mass'")
+        self.refused(ball + 'vary: {"bodies[ball].friction": [0.5, -1]}',
+                     'vary.bodies[ball].friction = -1', 'friction: -1 (allowed: 0 to')
         self.refused(ball + 'vary: {"bodies[ball].friction": []}', 's.yaml:3: vary.bodies[ball].friction: an empty list')
         self.refused(ball + 'vary: {step: {range: [0.01, 0.02], count: 1000000}, seed: {range: [1, 2], count: 1000000}}',
                      '1,000,000,000,000 runs (allowed: 10,000,000)')
@@ -233,7 +238,8 @@ class ProgramTest(SweepCase):
 
 class BandTest(unittest.TestCase):
     def test_points_of_students_distribution(self):
-        for freedom, wanted in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (5, 2.571), (10, 2.228), (30, 2.042), (1000, 1.962)):
+        for freedom, wanted in ((1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (5, 2.571), (10, 2.228),
+                                (30, 2.042), (1000, 1.962)):
             self.assertAlmostEqual(charts.student(freedom), wanted, delta=3e-3)
 
     def test_means_with_their_bands(self):

@@ -49,7 +49,8 @@ class Progress:
 
 def duration(seconds):
     """A time as people say it."""
-    for limit, unit, name in ((1e-3, 1e-6, 'us'), (1.0, 1e-3, 'ms'), (120.0, 1.0, 's'), (7200.0, 60.0, 'min'), (172800.0, 3600.0, 'h')):
+    units = ((1e-3, 1e-6, 'us'), (1.0, 1e-3, 'ms'), (120.0, 1.0, 's'), (7200.0, 60.0, 'min'), (172800.0, 3600.0, 'h'))
+    for limit, unit, name in units:
         if seconds < limit:
             return f'{seconds / unit:.3g} {name}'
     return f'{seconds / 86400:.3g} days'
@@ -162,6 +163,7 @@ def carry_batch(numbers, engine, store, progress, run_seconds):
         if not missing:
             break
         progress.end()
-        print(f'{len(missing):,} runs have no result yet' + ('' if attempt == ATTEMPTS - 1 else ' and go out again'), file=sys.stderr)
+        last = attempt == ATTEMPTS - 1
+        print(f'{len(missing):,} runs have no result yet' + ('' if last else ' and go out again'), file=sys.stderr)
     if len(missing) == len(numbers):
         raise Refused(f'{engine.name} has done no run; the end of its log: {store.last_log(name)}')

@@ -6,7 +6,6 @@ import statistics
 import h5py
 import numpy
 
-from .store import name_in_file
 from .tree import Refused
 
 MOST_VALUES = 60  # of a parameter, above which its values are put together in classes
@@ -78,45 +77,58 @@ def logarithmic(values):
     return bool(values[0] > 0 and values[-1] / values[0] > 100 and numpy.median(values) < (values[0] + values[-1]) / 4)
 
 
-def draw(results, target, metric, along, lines=None):
-    """Draws a chart into a file. `lines` names a second parameter, with a line for each of its values."""
+def pyplot():
     try:
         import matplotlib
     except ImportError:
         raise Refused('there is no matplotlib (Debian: python3-matplotlib)')
     matplotlib.use('Agg')
-    from matplotlib import pyplot
+    from matplotlib import pyplot as plot
+    return plot
 
-    table = Table(results)
-    values, column = table.metric(metric), table.parameter(along)
-    groups = [(None, numpy.arange(len(values)))] if lines is None else classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES)
-    figure, axes = pyplot.subplots(figsize=(8, 5))
-    words = column.dtype == object
-    places = {value: k for k, value in enumerate(dict.fromkeys(column.tolist()))} if words else None
-    for k, (of_line, chosen) in enumerate(groups):
-        chosen = chosen[numpy.isfinite(values[chosen])]
-        if not len(chosen):
-            continue
-        points = [(value, *mean_and_band(values[chosen[part]])) for value, part in classes(column[chosen], MOST_VALUES if not words else len(places), CLASSES)]
-        x = [places[value] if words else value for value, _, _ in points]
-        y, half = numpy.array([p[1] for p in points]), numpy.array([p[2] for p in points])
-        colour = pyplot.get_cmap('viridis')(k / max(1, len(groups) - 1) * 0.85)
-        label = None if lines is None else f'{of_line:.4g}' if isinstance(of_line, (float, numpy.floating)) else str(of_line)
-        axes.plot(x, y, marker='o', markersize=3, linewidth=1.4, color=colour, label=label)
-        axes.fill_between(x, y - half, y + half, color=colour, alpha=0.2, linewidth=0)
-    if words:
-        axes.set_xticks(range(len(places)), list(places))
-    elif len(column) and logarithmic(column):
-        axes.set_xscale('log')
-    heights = numpy.concatenate([line.get_ydata() for line in axes.get_lines()] or [[]])
+
+def draw_line(axes, column, values, places, **style):
+    """The means of values over a parameter, with their bands. `places` has those of values that are words."""
+    known = numpy.isfinite(values)
+    column, values = column[known], values[known]
+    points = [(places[value] if places else value, *mean_and_band(values[part]))
+              for value, part in classes(column, len(places) if places else MOST_VALUES, CLASSES)]
+    x, mean, half = numpy.array(sorted(points)).reshape(-1, 3).T
+    axes.plot(x, mean, marker='o', markersize=3, linewidth=1.4, **style)
+    axes.fill_between(x, mean - half, mean + half, color=style['color'], alpha=0.2, linewidth=0)
+
+
+def set_scales(axes, column, places):
+    heights = numpy.concatenate([line.get_ydata() for line in axes.get_lines()])
     if len(heights) and min(heights) > 0 and max(heights) > 100 * min(heights):
         axes.set_yscale('log')
+    if places:
+        axes.set_xticks(list(places.values()), list(places))
+    elif len(column) and logarithmic(column):
+        axes.set_xscale('log')
+
+
+def said(value):
+    return f'{value:.4g}' if isinstance(value, float) else str(value)
+
+
+def draw(results, target, metric, along, lines=None):
+    """Draws a chart into a file. `lines` names a second parameter, with a line for each of its values."""
+    plot, table = pyplot(), Table(results)
+    values, column = table.metric(metric), table.parameter(along)
+    groups = classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES) if lines else [(None, slice(None))]
+    places = {word: k for k, word in enumerate(dict.fromkeys(column.tolist()))} if column.dtype == object else None
+    figure, axes = plot.subplots(figsize=(8, 5))
+    for k, (value, chosen) in enumerate(groups):
+        colour = plot.get_cmap('viridis')(0.85 * k / max(1, len(groups) - 1))
+        draw_line(axes, column[chosen], values[chosen], places, color=colour, label=said(value))
+    set_scales(axes, column, places)
     axes.set_xlabel(along)
     axes.set_ylabel(metric)
     axes.set_title(f'{metric}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)
     axes.grid(alpha=0.3)
-    if lines is not None:
+    if lines:
         axes.legend(title=lines, fontsize=8, title_fontsize=8)
     figure.tight_layout()
     figure.savefig(target, dpi=120)
-    pyplot.close(figure)
+    plot.close(figure)

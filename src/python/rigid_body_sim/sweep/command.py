@@ -42,8 +42,8 @@ def arguments():
                         'their time are run again')
     parser.add_argument('--dry-run', action='store_true', help='say how many runs, how long and how much disk; run three of them')
     parser.add_argument('--only', type=int, metavar='N', help='run this one alone, print what comes of it, and store nothing')
-    parser.add_argument('--chart', nargs='+', metavar=('METRIC', 'PARAMETER'), help='draw a metric of the results over one or two '
-                        'parameters, with bands of 95 %% confidence')
+    parser.add_argument('--chart', nargs='+', metavar=('METRIC', 'PARAMETER'), help='draw a metric of the results over one or '
+                        'two parameters, with bands of 95 %% confidence')
     engine = parser.add_mutually_exclusive_group()
     engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
     engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
@@ -153,7 +153,8 @@ def dry_run(plan, options):
         engine.close()
     seconds = median_seconds(records)
     numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
-    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers) + (CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0))
+    csv_bytes = CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0
+    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers) + csv_bytes)
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
     if not (options.dask or options.slurm or options.hosts):
@@ -182,10 +183,11 @@ def run_only(plan, options):
 
 
 def carry(plan, numbers, store, options):
-    """Runs what is missing. Returns whether each has a record, and what is to be said at the end."""
+    """Runs what is missing."""
     progress = Progress(len(numbers))
     if options.slurm or options.hosts:
-        return carry_by_batch(plan, numbers, store, options, progress)
+        carry_by_batch(plan, store, options, progress)
+        return
     if options.dask:
         engine, said = engines.DaskEngine(options.dask), ''
     else:
@@ -199,7 +201,7 @@ def carry(plan, numbers, store, options):
         engine.close()
 
 
-def carry_by_batch(plan, numbers, store, options, progress):
+def carry_by_batch(plan, store, options, progress):
     engine = batch.Slurm(options.slurm) if options.slurm else batch.Parallel(options.hosts)
     engine.begin(store)
     numbers = missing(plan, store)
@@ -275,12 +277,13 @@ def run(options):
         return run_only(plan, options)
     if options.dry_run:
         return dry_run(plan, options)
-    if store.has_plan() and not options.resume:
+    if store.begun() and not options.resume:
         raise Refused(f'{store.folder} holds a sweep already: --resume goes on with it, --output takes another folder')
     if not store.has_plan() and options.resume:
         raise Refused(f'{store.folder} holds no sweep to go on with')
-    if store.has_plan() and store.fingerprint() != plan.fingerprint():
-        raise Refused(f'{store.folder} holds a sweep of another file or scene: --resume needs the same, --output takes another folder')
+    if store.begun() and store.fingerprint() != plan.fingerprint():
+        raise Refused(f'{store.folder} holds a sweep of another file or scene: --resume needs the same, --output takes another '
+                      'folder')
     print(describe(plan))
     return run_sweep(plan, store, options)
 

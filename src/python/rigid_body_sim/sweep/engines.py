@@ -58,7 +58,7 @@ class SerialEngine:
 
     def close(self):
         if self.pool:
-            processes = list((self.pool._processes or {}).values())  # pylint: disable=protected-access
+            processes = list((self.pool._processes or {}).values())
             self.pool.shutdown(wait=False, cancel_futures=True)
             for process in processes:
                 process.kill()
@@ -93,7 +93,8 @@ class DaskEngine:
         # Workers never see Ctrl-C: this process alone decides.
         handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
-            return self.distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None, silence_logs='CRITICAL')
+            return self.distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None,
+                                                 silence_logs='CRITICAL')
         finally:
             signal.signal(signal.SIGINT, handler)
 

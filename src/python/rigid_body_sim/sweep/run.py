@@ -79,7 +79,7 @@ class Run:
         for entry in self.plan.tree['measure']:
             try:
                 values[entry['name']] = numpy.asarray(self.metrics[entry['name']].value(self.world), dtype=float)
-            except Exception as error:  # pylint: disable=broad-except  # whatever a user's function raises
+            except Exception as error:  # whatever a user's function raises
                 path = entry['argument']['path'] if entry['kind'] == 'python' else None
                 faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
         return values, '; '.join(faults)
@@ -106,7 +106,7 @@ def run_task(plan, number):
             status = 'failed' if detail else 'ok'
     except (Refused, InvalidInput) as error:
         status, detail = 'refused', str(error)
-    except Exception as error:  # pylint: disable=broad-except  # of a user's stop, or want of memory
+    except Exception as error:  # of a user's stop, or want of memory
         status, detail = 'failed', users_code.said(error)
     known = {}
     if run:

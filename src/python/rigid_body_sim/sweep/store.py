@@ -106,6 +106,10 @@ class Store:
     def has_plan(self):
         return os.path.exists(self.path('plan.json'))
 
+    def begun(self):
+        """Whether runs of a sweep are here, or on their way."""
+        return self.has_plan() and bool(self.part_names() or os.path.exists(self.path('jobs.json')))
+
     def plan_text(self):
         with open(self.path('plan.json'), encoding='utf-8') as file:
             return file.read()
@@ -126,7 +130,7 @@ class Store:
 
     def seize(self):
         """Two programs never write into one folder."""
-        self.lock = open(self.path('lock'), 'a', encoding='utf-8')  # pylint: disable=consider-using-with
+        self.lock = open(self.path('lock'), 'a', encoding='utf-8')
         try:
             fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
