@@ -50,11 +50,13 @@ class SpacesTest(unittest.TestCase):
         self.done('cmake --install %s' % BUILD)
         self.check_downstream(space)
         self.assertIn('forces.gravity', self.done('source %s/setup.bash; rosrun rigid_body_sim explain harbour' % space))
+        self.assertIn('10,000 runs: ', self.done('source %s/setup.bash; rosrun rigid_body_sim sweep %s/share/rigid_body_sim/sweeps/rebound.yaml '
+                                                 '--dry-run' % (space, space)))
         for sourced in (space, BUILD / 'devel'):  # each finds its own launch file, and no other
             self.assertIn('/sim', self.done('source %s/setup.bash; roslaunch --nodes rigid_body_sim sim.launch' % sourced))
         programs = sorted(os.listdir(space / 'lib/rigid_body_sim'))
         self.assertEqual(programs, ['accuracy_probe', 'explain', 'rbs', 'record', 'replay_node', 'resimulate',
-                                    'rigid_body_sim_accuracy', 'scene_accuracy', 'simulator_node'])
+                                    'rigid_body_sim_accuracy', 'scene_accuracy', 'simulator_node', 'sweep'])
         python = '/usr/bin/python3 -c "import rigid_body_sim as rbs; print(rbs.World(rbs.Scene.load(\'tower\')).step(), rbs.__file__)"'
         self.assertIn(str(space), self.done(python, PYTHONPATH=str(space / 'lib/python3/dist-packages')))
         libraries = self.done('ldd %s/lib/rigid_body_sim/* %s/lib/*.so 2>&1 || true' % (space, space))

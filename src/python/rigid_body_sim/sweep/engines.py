@@ -105,6 +105,9 @@ class DaskEngine:
             raise Refused(f'no Dask scheduler answers at {self.address}: {error}')
 
     def submit(self, plan_text, numbers):
+        if self.client.status == 'closed':  # the scheduler has gone: wait() reconnects
+            self.pending[object()] = numbers
+            return
         future = self.client.submit(run_chunk, plan_text, numbers, pure=False)
         self.pending[future] = numbers
         future.add_done_callback(self.ended.put)
@@ -119,20 +122,17 @@ class DaskEngine:
         numbers = self.pending.pop(future, None)
         if numbers is None:
             return
-        if future.status == 'finished':
-            yield numbers, self.fetched(future), ''
-        elif future.status == 'error':
-            yield numbers, None, self.blame(future.exception())
-        else:  # the scheduler has lost it
-            yield numbers, None, ''
+        yield numbers, *self.outcome(future)
         future.release()
 
-    def fetched(self, future):
-        """The records; none where the worker that holds them has ended since."""
+    def outcome(self, future):
+        """The records, or why there are none. Records on a worker or a scheduler that has ended since are lost."""
         try:
-            return future.result()
-        except (self.distributed.KilledWorker, concurrent.futures.CancelledError):
-            return None
+            if future.status == 'error':
+                return None, self.blame(future.exception())
+            return future.result(), ''
+        except (self.distributed.KilledWorker, concurrent.futures.CancelledError, OSError):
+            return None, ''
 
     def blame(self, error):
         if isinstance(error, self.distributed.KilledWorker):
@@ -148,7 +148,7 @@ class DaskEngine:
                 if self.client.nthreads():
                     break
                 self.client.close()
-            except Refused:
+            except (Refused, OSError):
                 pass
             if time.monotonic() > deadline:
                 raise Refused(f'the scheduler at {self.address} has been away for {PATIENCE_SECONDS:g} s')
