@@ -85,6 +85,13 @@ measure: {rest: {time_to_rest: {speed: 0.02, bodies: box}}, p: {final_position: 
         self.assertLess(float(found['d']), 1e-6)
         moving = self.values(SLIDE + 'duration: 0.3\nmeasure: {rest: time_to_rest}\n')
         self.assertTrue(math.isnan(moving['rest']))
+        thrown = FALL.replace('[3, 0, 0]', '[0, 0, 10]')  # slower than 5 m/s from 0.51 s to 1.53 s alone
+        for seconds, wanted in ((1, 5 / 9.81), (3, math.nan)):
+            found = float(self.values(thrown + f'duration: {seconds}\nmeasure: {{rest: {{time_to_rest: 5}}}}\n')['rest'])
+            if math.isnan(wanted):
+                self.assertTrue(math.isnan(found))
+            else:
+                self.assertAlmostEqual(found, wanted, delta=1 / 60)
 
     def test_a_run_stops_at_rest(self):
         record = self.record(SLIDE + 'duration: 9\nstop: {at_rest: 0.02}\nmeasure: {p: {final_position: box}}\n')
@@ -93,9 +100,11 @@ measure: {rest: {time_to_rest: {speed: 0.02, bodies: box}}, p: {final_position: 
 
     def test_what_stands_and_what_falls(self):
         found = self.values(TIPPING + '''duration: 3
-measure: {stands: {stood: stands}, tips: {stood: tips}, all: stood, low: {stood: {bodies: tips, tilt: 180, drop: 2}}}
+measure: {stands: {stood: stands}, tips: {stood: tips}, all: stood, low: {stood: {bodies: tips, tilt: 180, drop: 2}},
+          tilted: {stood: {bodies: tips, drop: 2}}}
 ''')
-        self.assertEqual([float(found[name]) for name in ('stands', 'tips', 'all', 'low')], [1, 0, 0, 1])
+        self.assertEqual([float(found[name]) for name in ('stands', 'tips', 'all', 'low', 'tilted')],
+                         [1, 0, 0, 1, 0])
         record = self.record(TIPPING + 'duration: 3\nstop: {fell: tips}\n')
         self.assertEqual(record['stopped'], 'fell')
         self.assertLess(record['time'], 2)

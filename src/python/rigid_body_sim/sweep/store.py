@@ -217,14 +217,12 @@ class Store:
             shape = shapes.get(entry['name'], ())
             metrics[entry['name']] = file.create_dataset('metrics/' + entry['name'], (len(numbers), *shape), float,
                                                          fillvalue=numpy.nan, **layout((len(numbers), *shape)))
-        taken = set()
         for table in self.whole_parts():
             use = [k for k, (number, status) in enumerate(zip(table['number'].tolist(), table['status']))
-                   if number not in taken and known[number] == status]
+                   if known[number] == status]
             use.sort(key=lambda k, order=table['number']: order[k])
             if not use:
                 continue
-            taken.update(table['number'][use].tolist())
             rows = numpy.searchsorted(numbers, table['number'][use])
             for key in NUMBERS:
                 columns[key][rows] = table[key][use]
