@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The program `sweep`: runs a scene many times as a file says what varies, how long, and what is measured.
+"""Runs a scene many times: a file says what varies, how long a run is, and what is measured.
 
 It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
 done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
@@ -7,6 +7,7 @@ interrupted (what is done is kept: --resume).
 """
 import argparse
 import collections
+import functools
 import hashlib
 import json
 import os
@@ -60,16 +61,16 @@ def arguments():
     return options
 
 
-def package_folder():
-    """Where the scenes and package.xml are: in the source, where this program was started from it, or as installed."""
-    here = os.path.dirname(os.path.realpath(sys.argv[0]))
+def package_folder(program):
+    """Where the scenes and package.xml are: in the source, where the program is a file of it, or as installed."""
+    here = os.path.dirname(os.path.realpath(program))
     source = os.path.normpath(os.path.join(here, '../..'))
     return source if os.path.isfile(os.path.join(source, 'package.xml')) else os.path.join(here, '../../share/rigid_body_sim')
 
 
-def versions():
+def versions(folder):
     """What the results were made with. `build` is a digest of the physics: equal builds make equal hashes."""
-    with open(os.path.join(package_folder(), 'package.xml'), encoding='utf-8') as file:
+    with open(os.path.join(folder, 'package.xml'), encoding='utf-8') as file:
         version = re.search(r'<version>(.*?)</version>', file.read()).group(1)
     with open(sys.modules[World.__module__].__file__, 'rb') as file:
         build = hashlib.sha256(file.read()).hexdigest()[:16]
@@ -77,12 +78,11 @@ def versions():
             'h5py': h5py.__version__, 'system': platform.platform(), 'made': time.strftime('%Y-%m-%dT%H:%M:%S%z')}
 
 
-def find_scene(name):
-    folder = os.path.join(package_folder(), 'scenes')
-    known = sorted(file[:-5] for file in os.listdir(folder) if file.endswith('.yaml'))
+def find_scene(folder, name):
+    known = sorted(file[:-5] for file in os.listdir(os.path.join(folder, 'scenes')) if file.endswith('.yaml'))
     if name not in known:
         raise Refused(f"no scene '{name}' in the catalogue (there are: {', '.join(known)})")
-    return os.path.join(folder, name + '.yaml')
+    return os.path.join(folder, 'scenes', name + '.yaml')
 
 
 def culprit(plan, task):
@@ -117,9 +117,9 @@ def check(plan, number, path):
     return []
 
 
-def read_plan(file):
+def read_plan(file, folder):
     """The plan of a file, whose runs can be made as far as that is known before."""
-    plan, faults = Reader(file, find_scene).read(), {}
+    plan, faults = Reader(file, functools.partial(find_scene, folder)).read(), {}
     for number, path in checked_numbers(plan).items():
         faults.update({fault: None for fault in check(plan, number, path)})
         if number == 0 and faults:
@@ -272,7 +272,7 @@ def run(options):
     store = Store(options.output or os.path.splitext(options.file)[0] + '.sweep')
     if options.chart:
         return chart(options, store)
-    plan = read_plan(options.file)
+    plan = read_plan(options.file, options.folder)
     if options.only is not None:
         return run_only(plan, options)
     if options.dry_run:
@@ -297,13 +297,15 @@ def run_sweep(plan, store, options):
     except KeyboardInterrupt:
         print('Interrupted. What is done is kept; the same command with --resume goes on.', file=sys.stderr)
         code = INTERRUPTED
-    known = store.gather(plan, versions())
+    known = store.gather(plan, versions(options.folder))
     sum_up(plan, known, store, options)
     return code or (CANNOT if len(known) < plan.count else 0)
 
 
-def main():
+def main(program):
+    """`program` is the path of the file that calls it."""
     options = arguments()
+    options.folder = package_folder(program)
     try:
         return run(options)
     except Refused as error:
