@@ -70,15 +70,15 @@ def free_port():
 class Scheduler:
     """A Dask scheduler and workers on loopback, as an administrator starts them."""
 
-    def __init__(self, folder):
-        self.folder, self.port = folder, free_port()
+    def __init__(self, folder, environment=None):
+        self.folder, self.port, self.environment = folder, free_port(), environment
         self.address = 'tcp://127.0.0.1:%d' % self.port
         self.processes = []
 
     def launch(self, *arguments):
         with open(self.folder / 'dask.log', 'ab') as log:
             process = subprocess.Popen(['/usr/bin/python3', '-m', 'distributed.cli.%s' % arguments[0], *arguments[1:]], stdout=log,
-                                       stderr=log, stdin=subprocess.DEVNULL, cwd=self.folder, start_new_session=True)
+                                       env=self.environment, stderr=log, stdin=subprocess.DEVNULL, cwd=self.folder, start_new_session=True)
         self.processes.append(process)
         return process
 
@@ -122,17 +122,27 @@ class EnginesTest(SweepCase):
         scheduler = Scheduler(self.folder)
         self.addCleanup(scheduler.stop)
         scheduler.start()
-        self.sound_when_there(scheduler)
+        done = self.when_there(scheduler)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual(self.hashes(), self.one_process())
 
-    def sound_when_there(self, scheduler):
-        for _ in range(60):
+    def when_there(self, scheduler):
+        """A sweep on a scheduler, as soon as that has workers."""
+        for _ in range(120):
             done = self.sweep('--dask', scheduler.address)
             if 'has no workers' not in done.stderr and 'no Dask scheduler' not in done.stderr:
                 break
-            shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
             time.sleep(0.5)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done
+
+    def test_workers_of_dask_without_our_module_are_told(self):
+        environment = {name: value for name, value in os.environ.items() if name != 'PYTHONPATH'}
+        scheduler = Scheduler(self.folder, environment)
+        self.addCleanup(scheduler.stop)
+        scheduler.start()
+        done = self.when_there(scheduler)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cannot run a chunk: ModuleNotFoundError: No module named 'rigid_body_sim'", done.stderr)
 
     def test_gnu_parallel_gives_what_one_process_gives(self):
         if not shutil.which('parallel'):
