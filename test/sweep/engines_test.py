@@ -345,7 +345,7 @@ measure: {k: {python: "traps.py:value"}}
     def test_a_killed_program_loses_only_what_was_running(self):
         self.balls()
         process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        while len(self.parts()) < 2:
+        while len(self.parts()) < 2 and process.poll() is None:
             time.sleep(0.01)
         process.kill()
         process.wait()
@@ -436,7 +436,7 @@ measure: {k: {python: "traps.py:value"}}
         process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(process.wait)
         self.addCleanup(process.terminate)
-        while not self.parts():
+        while not self.parts() and process.poll() is None:
             time.sleep(0.01)
         done = self.sweep('--resume', '--workers', '1')
         self.assertEqual((done.returncode, 'another sweep is writing into' in done.stderr), (2, True), done.stderr)
