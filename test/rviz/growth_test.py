@@ -3,6 +3,7 @@
 """RViz with the saved layout, while one scene after another is opened: its memory must not grow."""
 import os
 import sys
+import time
 import unittest
 
 import rospy
@@ -38,7 +39,7 @@ class GrowthTest(unittest.TestCase):
                 for scene in scenes:
                     call('load_scene', LoadScene, scene)
                     rospy.wait_for_message('/sim/body_states', BodyStates, rviz_driver.PATIENCE)
-                    rospy.sleep(SECONDS)
+                    time.sleep(SECONDS)
                 sizes.append(memory_of(rviz.process))
                 print('RViz after %d scenes: %.0f MB' % (len(sizes) * len(scenes), sizes[-1]), flush=True)
         self.assertGreater(len(scenes), 10)
