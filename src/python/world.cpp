@@ -115,7 +115,7 @@ void bindTime(WorldClass& type) {
               "Python run meanwhile; the world refuses all their calls with RuntimeError. Trouble never "
               "raises: "
               "it is\nin "
-              "the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` tells how "
+              "the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` is how "
               "many "
               "were taken."))
       .def_property(

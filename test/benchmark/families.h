@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenes of any size to time engines on, and what tells how wrong a run of one has gone.
+// Scenes of any size to time engines on, and the error of a run of each.
 #pragma once
 
 #include "base/random.h"

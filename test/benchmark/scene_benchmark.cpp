@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The time of a step of whole scenes, of this simulator and of other engines in one run, with what tells how wrong each
-// has gone. The engines take turns of a few steps, so that a noisy machine is noisy for all of them. Steps of 1/60 s,
+// The time of a step of whole scenes, of this simulator and of other engines in one run, with the error of each. The engines take turns of a few steps, so that a noisy machine is noisy for all of them. Steps of 1/60 s,
 // one thread, nobody asleep. The overlap is found by our narrow phase on the poses of any engine.
 //
 // A row for each run goes to standard output as CSV: the median, the 99th percentile and the mean processor time of a

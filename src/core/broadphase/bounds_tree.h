@@ -9,7 +9,7 @@
 // The order comes from halving the bodies by their centres, along the longest side of the box around these, until
 // eight are left: a k-d tree (J. L. Bentley, "Multidimensional binary search trees used for associative
 // searching", Comm. ACM 18, 1975). It stays good while bodies move little, and only its speed depends on it.
-// With bodies of any one size, spread in any way, n bodies take n log n.
+// Where a body overlaps few others, finding all pairs of n bodies takes a time of n log n.
 #pragma once
 
 #include "base/workers.h"

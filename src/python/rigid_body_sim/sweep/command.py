@@ -68,13 +68,23 @@ def package_folder(program):
     return source if os.path.isfile(os.path.join(source, 'package.xml')) else os.path.join(here, '../../share/rigid_body_sim')
 
 
+def build_of_physics():
+    """A digest of the code of the physics: of the extension, and of the library of the core that it has loaded."""
+    extension = sys.modules[World.__module__].__file__
+    with open('/proc/self/maps', encoding='utf-8') as maps:
+        core = {line.split(maxsplit=5)[5].strip().removesuffix(' (deleted)') for line in maps if 'librigid_body_sim_core' in line}
+    digest = hashlib.sha256()
+    for path in (extension, *sorted(core)):
+        with open(path, 'rb') as file:
+            digest.update(file.read())
+    return digest.hexdigest()[:16]
+
+
 def versions(folder):
-    """What the results were made with. `build` is a digest of the physics: equal builds make equal hashes."""
+    """What the results were made with. Equal builds make equal hashes on the same kind of processor."""
     with open(os.path.join(folder, 'package.xml'), encoding='utf-8') as file:
         version = re.search(r'<version>(.*?)</version>', file.read()).group(1)
-    with open(sys.modules[World.__module__].__file__, 'rb') as file:
-        build = hashlib.sha256(file.read()).hexdigest()[:16]
-    return {'rigid_body_sim': version, 'build': build, 'python': platform.python_version(), 'numpy': numpy.__version__,
+    return {'rigid_body_sim': version, 'build': build_of_physics(), 'python': platform.python_version(), 'numpy': numpy.__version__,
             'h5py': h5py.__version__, 'system': platform.platform(), 'made': time.strftime('%Y-%m-%dT%H:%M:%S%z')}
 
 
