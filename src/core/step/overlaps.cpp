@@ -25,6 +25,8 @@ constexpr Index kFew = 3;
 constexpr Index kFewToSolve = 32;
 // Share of its smallest extent by which a body may go through a plane.
 constexpr double kThroughPlane = 0.5;
+// The feature of the impulse by which a plane stops a body: no pair of features has it.
+constexpr std::uint32_t kLifted = 0xffffffffu;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
 
@@ -132,9 +134,20 @@ double depthBelow(const Traits& body, const Pose& X_WB, const Pose& X_WP) {
   return reach(body.shape, X_WB.q_WB.conjugate() * -up_W) - height;
 }
 
+// What is known of a plane and a body. The two may have been too far apart for a contact when the step began.
+Contact& contactOf(Context& context, Index plane, Index i) {
+  Contacts& contacts = context.scene.contacts;
+  const auto [first, second] = std::minmax(plane, i);
+  const auto isOfBoth = [first = first, second = second](const Contact& c) {
+    return c.i == first && c.j == second;
+  };
+  const auto known = std::find_if(contacts.active.begin(), contacts.active.end(), isOfBoth);
+  return known != contacts.active.end() ? *known : contacts.dormantOf(context.scene.bodies, first, second);
+}
+
 // A light body between a heavy fast one and a plane leaves the two with more speed than a step can follow. So
 // the plane itself stops a body at half of its smallest extent, or where it was at the start of the step: it
-// is lifted up to there, and goes no deeper.
+// is lifted up to there, and goes no deeper. That is an impulse of the plane at the foot of the body's centre.
 void liftAbovePlane(Context& context, Index plane, Index i) {
   Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
@@ -148,7 +161,15 @@ void liftAbovePlane(Context& context, Index plane, Index i) {
   const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
   bodies.pose[i].p_WB += lift * up_W;
   Vec3& v_W = bodies.twist[i].v_WB;
-  v_W += std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W)) * up_W;
+  const double gained = std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W));
+  v_W += gained * up_W;
+  SolvedPoint point;
+  point.feature = kLifted;
+  point.p_W = bodies.pose[i].p_WB - up_W.dot(bodies.pose[i].p_WB - X_WP.p_WB) * up_W;
+  point.n_W = plane < i ? up_W : Vec3(-up_W);
+  point.separation = lift - below;
+  point.normal_impulse = body.mass * gained;
+  contactOf(context, plane, i).addEarlier(point);
 }
 
 void warn(Context& context) {
