@@ -136,6 +136,8 @@ class ImpactLoop {
     if (!bringBoth(impact) || isCollapsing(impact)) {
       ++islandOf(impact).deferred_impacts;
       connect(impact.i, impact.j);
+      for (const Index i : {impact.i, impact.j})
+        if (step_.island[i] != kNone) openPairsOf(i);
       return;
     }
     const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
@@ -202,6 +204,17 @@ class ImpactLoop {
     } else {
       connect(i, j, false);
     }
+  }
+
+  // Contacts will push body i off its predicted motion: what that motion would not have met it may meet now.
+  void openPairsOf(Index i) {
+    const auto open = [&](Index j) {
+      const Index known = contacts_.find(std::min(i, j), std::max(i, j), found_);
+      if (known != kNone && contacts_.active[known].state.isSeparated())
+        connect(std::min(i, j), std::max(i, j), false);
+    };
+    for (const Index j : tree_.of(i)) open(j);
+    for (const Index j : context_.scene.lists.planes) open(j);
   }
 
   // The place of a contact; it is added where it is not there.
