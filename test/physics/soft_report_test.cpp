@@ -92,6 +92,7 @@ TEST(SoftResiduals, OfFrictionAreTheSlipThatItLeaves) {
     scene.bodies.back().material.friction = 0.5;
   }
   scene.fidelity = Fidelity::Preview;
+  scene.fidelity.sub_steps = 1;
   World world(ordered(scene));
   advance(world, 0.5);
   world.applyImpulse(world.find("box_5"), Vec3(100.0, 30.0, 0.0), stateOf(world, "box_5").pose.p_WB);
