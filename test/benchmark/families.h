@@ -87,7 +87,8 @@ inline SceneDef towers(int bodies) {
   return scene;
 }
 
-/// Balls and cubes of 0.5 m that fall in layers into a pen that they fill a few layers deep, or many.
+/// Balls and cubes of 0.5 m that fall in layers into a pen that they fill a few layers deep, or many. The corners of
+/// cubes overlap by up to 144 mm at first.
 inline SceneDef fallInto(int bodies, int layers) {
   SceneDef scene = empty();
   const int side = std::max(2, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(bodies) / layers))));
