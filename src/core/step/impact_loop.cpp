@@ -70,6 +70,7 @@ class ImpactLoop {
     for (Index k = 0; k < contacts_.active.size(); ++k)
       if (contacts_.active[k].state.awaitsImpact())
         dismiss(contacts_.active[k].i, contacts_.active[k].j, false);
+    if (!step_.solver.exact) watchSeparated();
   }
 
  private:
@@ -136,7 +137,6 @@ class ImpactLoop {
     if (!bringBoth(impact) || isCollapsing(impact)) {
       ++islandOf(impact).deferred_impacts;
       connect(impact.i, impact.j);
-      if (!step_.solver.exact) openPairsOf(impact.i), openPairsOf(impact.j);
       return;
     }
     const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
@@ -205,17 +205,18 @@ class ImpactLoop {
     }
   }
 
-  // Contacts will push body i off its predicted motion: what that motion would not have met it may meet now. The exact
-  // settings look for that afterwards (missed_contacts.h).
-  void openPairsOf(Index i) {
-    if (step_.island[i] == kNone) return;
-    const auto open = [&](Index j) {
-      const Index known = contacts_.find(std::min(i, j), std::max(i, j), found_);
-      if (known != kNone && contacts_.active[known].state.isSeparated())
-        connect(std::min(i, j), std::max(i, j), false);
-    };
-    for (const Index j : tree_.of(i)) open(j);
-    for (const Index j : context_.scene.lists.planes) open(j);
+  // Contacts may push every body of a set in which something touches off its predicted motion. So what that motion
+  // would not have met is left to the contact solver as well. The exact settings look for it afterwards
+  // (missed_contacts.h).
+  void watchSeparated() {
+    std::vector<char> touches(step_.island.size(), 0);  // by root of a set
+    for (const Island& island : step_.islands)
+      if (island.touching && !island.bodies.empty()) touches[sets_.root(island.bodies.front())] = 1;
+    for (Index k = 0; k < contacts_.active.size(); ++k) {
+      const Contact& contact = contacts_.active[k];
+      const Index i = contact.i, j = contact.j;
+      if (contact.state.isSeparated() && touches[sets_.root(movedOf(i, j))]) connect(i, j, false);
+    }
   }
 
   // The place of a contact; it is added where it is not there.
