@@ -24,8 +24,7 @@ void bindPlace(Class& type) {
           "orientation", [](const py::object& self) { return viewOf(self.cast<BodyDef&>().pose.q_WB, self); },
           [](BodyDef& body, py::handle value) { body.pose.q_WB = toQuat(value, "orientation"); },
           "(4,) quaternion [x, y, z, w] that rotates vectors from B to W; it is normalised on use. A view, "
-          "which can "
-          "be written.")
+          "which can be written.")
       .def_property(
           "velocity", [](const py::object& self) { return viewOf(self.cast<BodyDef&>().twist.v_WB, self); },
           [](BodyDef& body, py::handle value) { body.twist.v_WB = toVec3(value, "velocity"); },
@@ -97,8 +96,7 @@ void bindRest(Class& type) {
           "mask", [](const BodyDef& body) { return body.mask; },
           [](BodyDef& body, py::handle value) { body.mask = toBits(value, "mask"); },
           "Groups that the body may collide with, one a bit. Two bodies collide where each one's group "
-          "shares a bit\n"
-          "with the other's mask.");
+          "shares a bit\nwith the other's mask.");
 }
 
 std::shared_ptr<BodyDef> makeBody(py::handle shape, const py::kwargs& fields) {
@@ -149,8 +147,8 @@ py::list fromBodies(std::vector<BodyDef> bodies) {
 void bindBody(py::module_& module) {
   Class type(module, "Body",
              "The definition of a body. Its fields have the names of the keys of scene files "
-             "(docs/scenes.md).\n\nNumbers "
-             "are checked where the body is used: by World(), add_body() and Scene.validate().");
+             "(docs/scenes.md).\n\nNumbers are checked where the body is used: by World(), add_body() and "
+             "Scene.validate().");
   type.def(py::init(&makeBody), py::arg("shape") = py::none(),
            Doc("Body(shape=Box(), **fields): the fields by their names."));
   bindRest(type);

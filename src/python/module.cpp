@@ -24,10 +24,9 @@ PYBIND11_MODULE(_core, module) {
   WorldClass world(
       module, "World",
       "A simulated world: bodies, surroundings, solver settings and the state of motion.\n\nOne thread uses "
-      "it at a time. A verb does all that it was asked, or raises InvalidInput and changes nothing. A "
-      "body is\nnamed by its name or by its handle, a number of this world: the handle of another world is "
-      "refused, or "
-      "names another body.\nEqual worlds under equal verbs stay equal, bit for bit.");
+      "it at a time. A verb does all that it was asked, or raises InvalidInput and changes nothing. A body "
+      "is\nnamed by its name or by its handle, a number of this world: the handle of another world is "
+      "refused, or names another body.\nEqual worlds under equal verbs stay equal, bit for bit.");
   bindSnapshot(snapshot);
   bindWorld(world);
   bindQueries(world, snapshot);

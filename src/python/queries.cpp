@@ -38,9 +38,7 @@ void addQueries(Class& type, const Get& get) {
   using Self = typename Class::type;
   const std::string ray =
       "origin: (3,) in W, m. direction: (3,) in W, of any length but 0. max_distance: m, above 0; None: no "
-      "end.\nignore: "
-      "handles or "
-      "names of bodies that the ray passes through.";
+      "end.\nignore: handles or names of bodies that the ray passes through.";
   type.def(
           "cast_ray",
           [=](Self& self, py::handle origin, py::handle direction, py::handle distance, py::handle ignore) {
@@ -75,8 +73,7 @@ void addQueries(Class& type, const Get& get) {
           },
           py::arg("body_a"), py::arg("body_b"),
           Doc("Where two bodies (handles or names) are nearest to each other, or overlap most deeply: "
-              "ClosestPoints.\n\nRaises "
-              "InvalidInput where both are the same, and where both are planes."))
+              "ClosestPoints.\n\nRaises InvalidInput where both are the same, and where both are planes."))
       .def(
           "overlaps",
           [=](Self& self, py::handle shape, py::handle position, py::handle orientation, py::handle margin) {
@@ -90,8 +87,7 @@ void addQueries(Class& type, const Get& get) {
           py::arg("shape"), py::arg("position"), py::arg("orientation") = py::make_tuple(0.0, 0.0, 0.0, 1.0),
           py::arg("margin") = 0.0,
           Doc("The bodies within `margin` (m, 0 to 1e9) of a shape: a list of Neighbour, the oldest "
-              "first.\n\nposition: (3,) "
-              "in W, m. orientation: (4,) [x, y, z, w]."));
+              "first.\n\nposition: (3,) in W, m. orientation: (4,) [x, y, z, w]."));
 }
 
 }  // namespace

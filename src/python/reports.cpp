@@ -62,10 +62,9 @@ py::list namesOf(const std::vector<BodyDescription>& bodies) {
 }
 
 void bindReports(py::module_& module) {
-  py::class_<StepReport>(
-      module, "StepReport",
-      "What a step did. Where it has several divisions, times, tests, impacts and warnings are those of "
-      "all together, and\nthe rest is that of the last one.")
+  py::class_<StepReport>(module, "StepReport",
+                         "What a step did. Where it has several divisions, times, tests, impacts and "
+                         "warnings are those of all together, and\nthe rest is that of the last one.")
       .def_readonly("seconds", &StepReport::seconds, "Wall time of the step, s.")
       .def_readonly("pairs", &StepReport::pairs, "Candidate pairs of the broad phase.")
       .def_readonly("overlap_tests", &StepReport::overlap_tests,

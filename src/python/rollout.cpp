@@ -173,23 +173,14 @@ void bindRollout(py::module_& module) {
   module.def(
       "rollout", &rollout, py::arg("scenes"), py::arg("steps"), py::arg("every") = 1, py::arg("threads") = 1,
       Doc("Runs many scenes on threads, without the lock of the interpreter, and returns a Rollout: (states, "
-          "times, "
-          "hashes).\n\nscenes: Scene objects, one or more, each a run of its own. steps: of each run, 1 or "
-          "more. "
-          "every: "
-          "a sample every so many steps,\na divisor of steps; the first sample is before the first step, so "
-          "there are "
-          "steps / every + 1 of them.\nthreads: 1 to 256; results are equal for every number, bit for "
-          "bit.\n\n"
-          "states is (scenes, samples, bodies, 13): position (m), orientation [x, y, z, w], velocity (m/s), "
-          "angular "
-          "velocity\n(rad/s), in W, of each body in the order of its scene; NaN where a scene has fewer "
-          "bodies "
-          "than "
-          "another. times is\n(scenes, samples), s. hashes is (scenes,), World.state_hash() at the "
-          "end.\n\nRaises "
-          "InvalidInput for a faulty scene, with its number: 'scenes[3].bodies[0].mass: ...'. Ctrl-C raises "
-          "KeyboardInterrupt."));
+          "times, hashes).\n\nscenes: Scene objects, one or more, each a run of its own. steps: of each run, "
+          "1 or more. every: a sample every so many steps,\na divisor of steps; the first sample is before "
+          "the first step, so there are steps / every + 1 of them.\nthreads: 1 to 256; results are equal for "
+          "every number, bit for bit.\n\nstates is (scenes, samples, bodies, 13): position (m), orientation "
+          "[x, y, z, w], velocity (m/s), angular velocity\n(rad/s), in W, of each body in the order of its "
+          "scene; NaN where a scene has fewer bodies than another. times is\n(scenes, samples), s. hashes is "
+          "(scenes,), World.state_hash() at the end.\n\nRaises InvalidInput for a faulty scene, with its "
+          "number: 'scenes[3].bodies[0].mass: ...'. Ctrl-C raises KeyboardInterrupt."));
 }
 
 }  // namespace rbs::python

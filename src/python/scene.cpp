@@ -98,22 +98,15 @@ void bindMaking(Class& type) {
                "files."))
       .def_static("load", &load, py::arg("name_or_path"), py::arg("seed") = py::none(),
                   Doc("Reads a scene or a saved state: a name of catalogue(), or the path of a file (with "
-                      "'/', ending in "
-                      "'.yaml', or a Path).\n\nseed: replaces that of the file, 0 to 2^64 - 1.\nRaises "
-                      "InvalidInput with "
-                      "every fault: 'file:line: path: value (allowed: ...)'."))
-      .def_static(
-          "parse", &parse, py::arg("text"), py::arg("source") = "text", py::arg("seed") = py::none(),
-          Doc("Reads a scene or a saved state from YAML text of at most 16 MiB.\n\nsource: names the text in "
-              "messages; meshes are looked for beside it.\nRaises InvalidInput with every fault: "
-              "'source:line: "
-              "path: "
-              "value (allowed: ...)'."))
+                      "'/', ending in '.yaml', or a Path).\n\nseed: replaces that of the file, 0 to 2^64 - "
+                      "1.\nRaises InvalidInput with every fault: 'file:line: path: value (allowed: ...)'."))
+      .def_static("parse", &parse, py::arg("text"), py::arg("source") = "text", py::arg("seed") = py::none(),
+                  Doc("Reads a scene or a saved state from YAML text of at most 16 MiB.\n\nsource: names the "
+                      "text in messages; meshes are looked for beside it.\nRaises InvalidInput with every "
+                      "fault: 'source:line: path: value (allowed: ...)'."))
       .def("to_yaml", &toYaml,
            Doc("The text of the scene, which parse() reads back bit for bit.\n\nRaises InvalidInput for a "
-               "faulty "
-               "scene, and "
-               "for one of more than 100,000 bodies or 16 MiB."))
+               "faulty scene, and for one of more than 100,000 bodies or 16 MiB."))
       .def(
           "save",
           [](const Scene& scene, const py::object& path, bool overwrite) {
@@ -121,9 +114,7 @@ void bindMaking(Class& type) {
           },
           py::arg("path"), py::arg("overwrite") = false,
           Doc("Writes to_yaml() to a file, whole or not at all.\n\nRaises InvalidInput for a file that is "
-              "there "
-              "already, "
-              "unless `overwrite`, and for one that cannot be written."))
+              "there already, unless `overwrite`, and for one that cannot be written."))
       .def("validate", &problemsOf,
            Doc("Every fault of the scene: a tuple of Problem, empty for a sound one."))
       .def("copy", &copy, Doc("Another Scene with bodies of its own."))
@@ -196,8 +187,8 @@ void bindContents(Class& type) {
           "The list of Body, in the order in which a world makes them. It can be changed in place.")
       .def_property_readonly(
           "is_saved_state", [](const Scene& scene) { return scene.state.has_value(); },
-          "Whether it resumes a run: it then has time, contact forces, wrenches and so on, which name "
-          "bodies by their\nplaces in the list.")
+          "Whether it resumes a run: it then has time, contact forces, wrenches and so on, which name bodies "
+          "by their\nplaces in the list.")
       .def(
           "forget_state", [](Scene& scene) { scene.state.reset(); }, Doc("Makes it a fresh start."));
 }
@@ -226,9 +217,8 @@ void writeText(const py::object& path, const std::string& text, bool overwrite) 
 void bindScene(py::module_& module) {
   Class type(module, "Scene",
              "The definition of a scene, which a World is made of. Its fields have the names of the keys of "
-             "scene files "
-             "(docs/scenes.md).\n\nNumbers are checked where the scene is used: by World(), to_yaml() and "
-             "validate().");
+             "scene files (docs/scenes.md).\n\nNumbers are checked where the scene is used: by World(), "
+             "to_yaml() and validate().");
   bindMaking(type);
   bindSettings(type);
   bindContents(type);

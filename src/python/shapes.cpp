@@ -84,11 +84,10 @@ py::object fromShape(const Shape& shape) {
 }
 
 void bindShapes(py::module_& module) {
-  py::class_<ConvexHull>(
-      module, "ConvexHull",
-      "A convex solid with plane faces, in its body's frame B, whose origin is the centre of mass and "
-      "whose axes\nare the principal axes of inertia. make_hull(), hull_of_mesh() and scene files "
-      "make it; it never changes.")
+  py::class_<ConvexHull>(module, "ConvexHull",
+                         "A convex solid with plane faces, in its body's frame B, whose origin is the centre "
+                         "of mass and whose axes\nare the principal axes of inertia. make_hull(), "
+                         "hull_of_mesh() and scene files make it; it never changes.")
       .def_property_readonly("vertices", &verticesOf, "Its corners in B, m: a new array (n, 3).")
       .def_property_readonly(
           "volume", [](const ConvexHull& hull) { return hull.polyhedron->volume; }, "m³.")
@@ -104,20 +103,14 @@ void bindShapes(py::module_& module) {
       .def(py::pickle(
           [](const ConvexHull& hull) { return py::make_tuple(verticesOf(hull)); },
           [](const py::tuple& state) { return makeHull(toPoints(state[0], "points"), "points").hull; }));
-  module.def(
-      "make_hull", &placedHull, py::arg("points"),
-      Doc("The convex hull of points in any frame P, as a PlacedHull.\n\npoints: (n, 3), m; 4 to "
-          "1,000,000 of them. "
-          "Points that lie within the hull do not matter.\nRaises InvalidInput for points on a plane or a "
-          "line, and for "
-          "a hull of more than 4096 vertices."));
-  module.def(
-      "hull_of_mesh", &hullOfFile, py::arg("file"), py::arg("scale") = 1.0,
-      Doc("The convex hull of the vertices of a mesh file (.obj, .stl, .ply, .dae, .gltf, .glb), as a "
-          "PlacedHull.\n\n"
-          "scale: multiplies the vertices, above 0.\nRaises InvalidInput for a file that cannot be read "
-          "or is no sound "
-          "mesh, and where make_hull() does."));
+  module.def("make_hull", &placedHull, py::arg("points"),
+             Doc("The convex hull of points in any frame P, as a PlacedHull.\n\npoints: (n, 3), m; 4 to "
+                 "1,000,000 of them. Points that lie within the hull do not matter.\nRaises InvalidInput for "
+                 "points on a plane or a line, and for a hull of more than 4096 vertices."));
+  module.def("hull_of_mesh", &hullOfFile, py::arg("file"), py::arg("scale") = 1.0,
+             Doc("The convex hull of the vertices of a mesh file (.obj, .stl, .ply, .dae, .gltf, .glb), as a "
+                 "PlacedHull.\n\nscale: multiplies the vertices, above 0.\nRaises InvalidInput for a file "
+                 "that cannot be read or is no sound mesh, and where make_hull() does."));
 }
 
 }  // namespace rbs::python

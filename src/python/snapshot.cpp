@@ -40,8 +40,7 @@ void bindBodies(Class& type) {
             return methods;
           },
           "What took each body through the last step: '' (nothing yet, or not moved by forces), 'ballistic', "
-          "'flight',\n"
-          "'asleep', or the method of its island.")
+          "'flight',\n'asleep', or the method of its island.")
       .def(
           "contacts", [](const Self& self) { return arrayOf(Contacts(self, &self->contacts)); },
           Doc("The contact points of the last step, as World.contacts() has them: a view that cannot be "

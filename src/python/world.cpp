@@ -62,10 +62,9 @@ std::unique_ptr<PyWorld> copy(const PyWorld& world) {
 }
 
 void bindLife(WorldClass& type) {
-  type.def(
-          py::init(&makeWorld), py::arg("scene"),
-          Doc("A world of this scene; a saved state resumes its run bit for bit.\n\nRaises InvalidInput with "
-              "every fault."))
+  type.def(py::init(&makeWorld), py::arg("scene"),
+           Doc("A world of this scene; a saved state resumes its run bit for bit.\n\nRaises InvalidInput "
+               "with every fault."))
       .def_static(
           "load",
           [](const py::object& path) {
@@ -74,11 +73,8 @@ void bindLife(WorldClass& type) {
           py::arg("path"), Doc("World(Scene.load(path)): resumes what save() wrote."))
       .def("capture", &capture, py::arg("user_forces") = true,
            Doc("The world as a Scene that is a saved state: World(scene) has the same state_hash(), and the "
-               "same "
-               "future, bit "
-               "for bit.\n\nuser_forces: False leaves out grabs, holds and the memory of frozen bodies, as a "
-               "saved state for "
-               "people does."))
+               "same future, bit for bit.\n\nuser_forces: False leaves out grabs, holds and the memory of "
+               "frozen bodies, as a saved state for people does."))
       .def(
           "save",
           [](const PyWorld& world, const py::object& path, bool overwrite) {
@@ -86,10 +82,8 @@ void bindLife(WorldClass& type) {
           },
           py::arg("path"), py::arg("overwrite") = false,
           Doc("Writes capture() to a file, whole or not at all; load() resumes it bit for bit.\n\nRaises "
-              "InvalidInput for a "
-              "file that is there already, unless `overwrite`, for one that cannot be written,\nand for more "
-              "than 100,000 "
-              "bodies or 16 MiB."))
+              "InvalidInput for a file that is there already, unless `overwrite`, for one that cannot be "
+              "written,\nand for more than 100,000 bodies or 16 MiB."))
       .def("copy", &copy,
            Doc("Another world with the same future, bit for bit, but no journal and one thread."))
       .def("__copy__", &copy)
@@ -110,14 +104,9 @@ void bindTime(WorldClass& type) {
           "step", [](PyWorld& world, py::handle n) { return world.step(toWhole(n, "n", 1)); },
           py::arg("n") = 1,
           Doc("Takes n steps (1 or more) of the scene's length, and returns the StepReport of the "
-              "last.\n\nOther "
-              "threads of "
-              "Python run meanwhile; the world refuses all their calls with RuntimeError. Trouble never "
-              "raises: "
-              "it is\nin "
-              "the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` is how "
-              "many "
-              "were taken."))
+              "last.\n\nOther threads of Python run meanwhile; the world refuses all their calls with "
+              "RuntimeError. Trouble never raises: it is\nin the report's warnings. Ctrl-C raises "
+              "KeyboardInterrupt between two steps; `steps` is how many were taken."))
       .def_property(
           "threads", [](const PyWorld& world) { return world.read().threads(); },
           [](PyWorld& world, py::handle n) {
@@ -167,15 +156,10 @@ void bindReading(WorldClass& type) {
       .def(
           "contacts", [](PyWorld& world) { return arrayOf(world.contacts()); },
           Doc("The contact points of the last step: a structured array (m,), which cannot be "
-              "written.\n\nFields: "
-              "body_a, body_b "
-              "(handles, the older body first), position (m, in W, midway between the surfaces), "
-              "normal\n(unit, "
-              "in W, from a "
-              "to b), separation (m; negative is penetration), normal_impulse (N s, over the step, >= "
-              "0),\nfriction_impulse "
-              "(on b, in W, N s, over the step). The array is a view of the moment of the call: it never "
-              "changes\nand stays "
+              "written.\n\nFields: body_a, body_b (handles, the older body first), position (m, in W, midway "
+              "between the surfaces), normal\n(unit, in W, from a to b), separation (m; negative is "
+              "penetration), normal_impulse (N s, over the step, >= 0),\nfriction_impulse (on b, in W, N s, "
+              "over the step). The array is a view of the moment of the call: it never changes\nand stays "
               "valid when the world steps on or is gone."))
       .def(
           "totals", [](const PyWorld& world) { return fromTotals(world.read().totals()); },
@@ -196,13 +180,11 @@ void bindReading(WorldClass& type) {
       .def(
           "snapshot", [](PyWorld& world) { return std::const_pointer_cast<Snapshot>(world.snapshot()); },
           Doc("The whole world as it is now: a Snapshot, which never changes. It is the same one until a "
-              "step or "
-              "an edit."));
+              "step or an edit."));
   bindStateArrays<PyWorld*>(
       type, [](PyWorld* world) { return world->states(); },
       "The array cannot be written. It is a view of the moment of the call: it never changes and stays valid "
-      "when the "
-      "world\nsteps on or is gone. Ask again after a step; until then the same memory is shown.");
+      "when the world\nsteps on or is gone. Ask again after a step; until then the same memory is shown.");
 }
 
 }  // namespace

@@ -89,12 +89,10 @@ py::array_t<double> freePlace(const World& world, const Shape& shape, const Quat
 void bindBodies(WorldClass& type) {
   type.def("add_body", &addBody, py::arg("body"),
            Doc("Adds a body and returns its handle, 1 or more, which the world never gives again.\n\nRaises "
-               "InvalidInput for a "
-               "faulty body or a name that is taken."))
+               "InvalidInput for a faulty body or a name that is taken."))
       .def("add_bodies", &addBodies, py::arg("bodies"),
            Doc("Adds all bodies of a sequence or none, and returns their handles: faster than one by "
-               "one.\n\nRaises "
-               "InvalidInput with every fault."))
+               "one.\n\nRaises InvalidInput with every fault."))
       .def(
           "remove_body",
           [](PyWorld& world, py::handle body) {
@@ -106,11 +104,8 @@ void bindBodies(WorldClass& type) {
           Doc("Removes all bodies, contacts, wrenches, grabs and holds. Time, steps and settings stay."))
       .def("edit_body", &editBody, py::arg("body"),
            Doc("Changes properties of a body: edit_body('box', friction=0.3, position=[0, 0, 2]). The fields "
-               "are "
-               "those of "
-               "Body.\n\nbody: handle or name. Raises InvalidInput for a faulty field, mass and density "
-               "together, and a name "
-               "that another body has."))
+               "are those of Body.\n\nbody: handle or name. Raises InvalidInput for a faulty field, mass and "
+               "density together, and a name that another body has."))
       .def(
           "free_place",
           [](const PyWorld& world, py::handle shape, py::handle orientation, py::handle clearance) {
@@ -120,8 +115,17 @@ void bindBodies(WorldClass& type) {
           py::arg("shape"), py::arg("orientation") = py::make_tuple(0.0, 0.0, 0.0, 1.0),
           py::arg("clearance") = 0.5,
           Doc("The lowest free position of the centre of mass above x = y = 0 for this shape: (3,) in W, "
-              "m.\n\nclearance: "
-              "least height of its lowest point above z = 0, m, 0 to 1e9."));
+              "m.\n\nclearance: least height of its lowest point above z = 0, m, 0 to 1e9."));
+}
+
+// World::applyWrench() or World::commandWrench().
+template <auto kPush>
+void push(PyWorld& world, py::handle body, py::handle force, py::handle torque, py::handle point,
+          py::handle seconds) {
+  const Vec3 force_W = toVec3(force, "force"), torque_W = toVec3(torque, "torque"),
+             point_W = toVec3(point, "point");
+  const double time = toNumber(seconds, "seconds");
+  (world.change().*kPush)(toBodyId(world.read(), body, "body"), force_W, torque_W, point_W, time);
 }
 
 void bindForces(WorldClass& type) {
@@ -133,41 +137,17 @@ void bindForces(WorldClass& type) {
           },
           py::arg("body"), py::arg("impulse"), py::arg("point"),
           Doc("Changes the velocity of a body at once.\n\nbody: handle or name, of a dynamic body, neither "
-              "held "
-              "nor frozen. "
-              "impulse: (3,) in W, N s. point: (3,) in W, m."))
-      .def(
-          "apply_wrench",
-          [](PyWorld& world, py::handle body, py::handle force, py::handle torque, py::handle point,
-             py::handle s) {
-            const Vec3 force_W = toVec3(force, "force"), torque_W = toVec3(torque, "torque"),
-                       point_W = toVec3(point, "point");
-            const double seconds = toNumber(s, "seconds");
-            world.change().applyWrench(toBodyId(world.read(), body, "body"), force_W, torque_W, point_W,
-                                       seconds);
-          },
-          py::arg("body"), py::arg("force"), py::arg("torque"), py::arg("point"), py::arg("seconds"),
-          Doc("Applies a force and a torque from now on; they add to those that act already.\n\nbody: handle "
-              "or "
-              "name, of a "
-              "dynamic body, neither held nor frozen. force: (3,) in W, N. torque: (3,) in W, N m.\npoint: "
-              "(3,) "
-              "in W, m, where "
-              "the force acts now; it moves with the body. seconds: of physics time, above 0 to 1e9."))
-      .def(
-          "command_wrench",
-          [](PyWorld& world, py::handle body, py::handle force, py::handle torque, py::handle point,
-             py::handle s) {
-            const Vec3 force_W = toVec3(force, "force"), torque_W = toVec3(torque, "torque"),
-                       point_W = toVec3(point, "point");
-            const double seconds = toNumber(s, "seconds");
-            world.change().commandWrench(toBodyId(world.read(), body, "body"), force_W, torque_W, point_W,
-                                         seconds);
-          },
-          py::arg("body"), py::arg("force"), py::arg("torque"), py::arg("point"), py::arg("seconds"),
-          Doc("Replaces the last commanded wrench of a body, as a controller does; apply_wrench() has the "
-              "arguments.\n\n"
-              "seconds: its time-out."))
+              "held nor frozen. impulse: (3,) in W, N s. point: (3,) in W, m."))
+      .def("apply_wrench", &push<&World::applyWrench>, py::arg("body"), py::arg("force"), py::arg("torque"),
+           py::arg("point"), py::arg("seconds"),
+           Doc("Applies a force and a torque from now on; they add to those that act already.\n\nbody: "
+               "handle or name, of a dynamic body, neither held nor frozen. force: (3,) in W, N. torque: "
+               "(3,) in W, N m.\npoint: (3,) in W, m, where the force acts now; it moves with the body. "
+               "seconds: of physics time, above 0 to 1e9."))
+      .def("command_wrench", &push<&World::commandWrench>, py::arg("body"), py::arg("force"),
+           py::arg("torque"), py::arg("point"), py::arg("seconds"),
+           Doc("Replaces the last commanded wrench of a body, as a controller does; apply_wrench() has the "
+               "arguments.\n\nseconds: its time-out."))
       .def(
           "grab",
           [](PyWorld& world, py::handle body, py::handle target, py::handle point, py::handle frequency,
@@ -179,12 +159,9 @@ void bindForces(WorldClass& type) {
           py::arg("body"), py::arg("target"), py::arg("point") = py::make_tuple(0.0, 0.0, 0.0),
           py::arg("frequency") = Grab{}.frequency, py::arg("max_acceleration") = Grab{}.max_acceleration,
           Doc("Pulls a body by a critically damped spring until release().\n\nbody: handle or name, of a "
-              "dynamic "
-              "body. target: "
-              "(3,) in W, m. point: (3,) of the body that the spring holds, in B, m.\nfrequency: Hz, above 0 "
-              "to "
-              "1e4. "
-              "max_acceleration: cap on the spring's force over the mass, m/s², above 0 to 1e9."))
+              "dynamic body. target: (3,) in W, m. point: (3,) of the body that the spring holds, in B, "
+              "m.\nfrequency: Hz, above 0 to 1e4. max_acceleration: cap on the spring's force over the mass, "
+              "m/s², above 0 to 1e9."))
       .def(
           "hold",
           [](PyWorld& world, py::handle body, py::handle position, py::handle orientation) {
@@ -196,8 +173,7 @@ void bindForces(WorldClass& type) {
           },
           py::arg("body"), py::arg("position"), py::arg("orientation") = py::none(),
           Doc("Moves a body of any kind to a kinematic target until release(), whatever it meets.\n\nbody: "
-              "handle or name. "
-              "position: (3,) in W, m. orientation: (4,) [x, y, z, w]; None: that of now."))
+              "handle or name. position: (3,) in W, m. orientation: (4,) [x, y, z, w]; None: that of now."))
       .def(
           "release",
           [](PyWorld& world, py::handle body) {
@@ -252,8 +228,7 @@ void bindSurroundings(WorldClass& type) {
 void bindJournal(WorldClass& type) {
   type.def("set_journal", &PyWorld::setJournal, py::arg("journal"),
            Doc("Calls journal(text) after each change, with the command that makes it again: one line of "
-               "YAML.\n\njournal: a "
-               "function, which may not use the world, or None."))
+               "YAML.\n\njournal: a function, which may not use the world, or None."))
       .def(
           "execute",
           [](PyWorld& world, const std::string& command, const std::string& source) {
@@ -261,9 +236,7 @@ void bindJournal(WorldClass& type) {
           },
           py::arg("command"), py::arg("source") = "command",
           Doc("Executes a command, as a journal or ~commands of a simulator has it.\n\nsource: names the "
-              "text in "
-              "messages. "
-              "Raises InvalidInput with every fault."));
+              "text in messages. Raises InvalidInput with every fault."));
 }
 
 }  // namespace

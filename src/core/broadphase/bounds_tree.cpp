@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "broadphase/bounds_tree.h"
 
+#include "broadphase/parts.h"
+
 #include <algorithm>
 
 namespace rbs {
@@ -136,22 +138,8 @@ std::uint64_t BoundsTree::pairsOfGroup(std::size_t group, const std::vector<Trai
 std::uint64_t BoundsTree::findPairs(const std::vector<Traits>& traits, Workers& workers,
                                     IndexPairs& found) const {
   if (levels_.size() < 2) return 0;
-  struct Part {
-    IndexPairs found;
-    std::uint64_t tests = 0;
-  };
-  const std::size_t groups = levels_[1].size();
-  std::vector<Part> parts(Workers::parts(groups, kGroupsOfAPart));
-  workers.share(groups, kGroupsOfAPart, [&](auto part, auto begin, auto end) {
-    for (std::size_t group = begin; group < end; ++group)
-      parts[part].tests += pairsOfGroup(group, traits, parts[part].found);
-  });
-  std::uint64_t tests = 0;
-  for (const Part& part : parts) {
-    found.insert(found.end(), part.found.begin(), part.found.end());
-    tests += part.tests;
-  }
-  return tests;
+  return findInParts(workers, levels_[1].size(), kGroupsOfAPart, found,
+                     [&](std::size_t group, IndexPairs& part) { return pairsOfGroup(group, traits, part); });
 }
 
 }  // namespace rbs

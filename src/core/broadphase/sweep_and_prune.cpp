@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "broadphase/sweep_and_prune.h"
 
+#include "broadphase/parts.h"
+
 #include <algorithm>
 
 namespace rbs {
@@ -53,27 +55,14 @@ std::uint64_t sweepAlong(int axis, const std::vector<Index>& order, const std::v
   std::vector<Bounds> sorted;
   sorted.reserve(order.size());
   for (const Index i : order) sorted.push_back(bounds[i]);
-  struct Part {
-    IndexPairs found;
-    std::uint64_t tests = 0;
-  };
-  std::vector<Part> parts(Workers::parts(sorted.size(), kBodiesOfAPart));
-  workers.share(sorted.size(), kBodiesOfAPart, [&](auto part, auto begin, auto end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Bounds a = sorted[k];
-      std::size_t m = k + 1;
-      for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
-        if (a.overlaps(sorted[m]) && mayCollide(traits[order[k]], traits[order[m]]))
-          parts[part].found.push_back(std::minmax(order[k], order[m]));
-      parts[part].tests += m - k - 1;
-    }
+  return findInParts(workers, sorted.size(), kBodiesOfAPart, found, [&](std::size_t k, IndexPairs& part) {
+    const Bounds a = sorted[k];
+    std::size_t m = k + 1;
+    for (; m < sorted.size() && sorted[m].lo[axis] <= a.hi[axis]; ++m)
+      if (a.overlaps(sorted[m]) && mayCollide(traits[order[k]], traits[order[m]]))
+        part.push_back(std::minmax(order[k], order[m]));
+    return m - k - 1;
   });
-  std::uint64_t tests = 0;
-  for (const Part& part : parts) {
-    found.insert(found.end(), part.found.begin(), part.found.end());
-    tests += part.tests;
-  }
-  return tests;
 }
 
 }  // namespace rbs
