@@ -116,7 +116,7 @@ TEST(Contacts, APairThatAnImpactAddsIsListedOnceWithWhatItHasGiven) {
   EXPECT_EQ(contacts.find(1, 2, 2), place);
   EXPECT_TRUE(contacts.dormant.empty());
   EXPECT_EQ(impulseOf(contacts.active[place].earlier.at(0)), Vec3(2.0, 0.0, 0.0));
-  contacts.open(bodies, 0, 3);
+  contacts.add(bodies, 0, 3);
   contacts.endStep();
   for (std::size_t k = 1; k < contacts.active.size(); ++k)
     EXPECT_TRUE(contacts.active[k - 1].key < contacts.active[k].key);

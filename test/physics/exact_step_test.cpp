@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include <array>
 #include <functional>
 
@@ -379,22 +381,31 @@ TEST(Dial, InteractiveHandsStiffIslandsToTheExactStep) {
 }
 
 // Counted, not timed: bodies that land, tumble and slide on each other take more iterations than those at
-// rest, but nothing like thousands a step, and nearly all are solved.
+// rest, but nothing like thousands a step, and nearly all are solved. How a pile falls depends on its start to the last
+// digit, so the mean of eight starts is taken.
 TEST(ExactStepInMotion, PilesThatFallAreSolvedInFewIterations) {
   for (const auto& [name, seconds] : {std::pair("dominoes", 3.0), std::pair("playground", 1.0)}) {
     SceneDef scene = readScene(std::string(RBS_SCENES "/") + name + ".yaml").scene;
     scene.fidelity = Fidelity::Accurate;
-    World world(ordered(scene));
-    double iterations = 0.0;
+    constexpr int kStarts = 8;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<> shift(0.0, 1e-4);
+    double iterations = 0.0, steps = 0.0;
     int unsolved = 0;
-    while (world.time() < seconds) {
-      for (const IslandResiduals& island : world.step().residuals) {
-        iterations += island.iterations;
-        unsolved += !island.converged;
+    for (int start = 0; start < kStarts; ++start) {
+      World world(ordered(scene));
+      while (world.time() < seconds) {
+        for (const IslandResiduals& island : world.step().residuals) {
+          iterations += island.iterations;
+          unsolved += !island.converged;
+        }
       }
+      steps += static_cast<double>(world.steps());
+      for (BodyDef& def : scene.bodies)
+        if (def.kind == BodyKind::Dynamic) def.pose.p_WB.x() += shift(random);
     }
-    EXPECT_LT(iterations / static_cast<double>(world.steps()), 400.0) << name;
-    EXPECT_LE(unsolved, 2) << name;
+    EXPECT_LT(iterations / steps, 400.0) << name;
+    EXPECT_LE(unsolved, 3 * kStarts) << name;
   }
 }
 

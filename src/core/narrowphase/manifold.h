@@ -4,8 +4,10 @@
 
 #include "rigid_body_sim/types.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
 namespace rbs {
 
@@ -28,6 +30,13 @@ struct Manifold {
     if (size < kPoints) points[size++] = {p_W, separation, feature};
   }
 };
+
+/// The separation of its nearest points, m; infinite without points.
+inline double leastSeparation(const Manifold& manifold) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < manifold.size; ++k) least = std::min(least, manifold.points[k].separation);
+  return least;
+}
 
 /// Keeps the deepest point and up to three others that span the largest area with it.
 void reduceToFour(Manifold& manifold);

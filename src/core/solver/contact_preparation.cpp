@@ -2,8 +2,10 @@
 #include "solver/contact_preparation.h"
 
 #include "narrowphase/collide.h"
+#include "narrowphase/same_side.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace rbs {
 
@@ -17,6 +19,8 @@ constexpr double kLoaded = 1e-3;
 constexpr double kExactClosing = 1e-6, kSoftClosing = 0.1;
 // Share of the speed that a load adds in a step below which a soft contact is at rest.
 constexpr double kSoftRest = 1e-3;
+// Share of the smaller length from which on an overlap is no rounding of a pair that has gone round to another side.
+constexpr double kDeepSide = 1e-3;
 
 }  // namespace
 
@@ -56,12 +60,22 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
 
 Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
                          const Motion& course_j, double from, double until, double margin,
-                         const LastingLimits& limits, const Vec3& loaded_W, SeparatingAxis& axis) {
+                         const LastingLimits& limits, const LastNormal& last, SeparatingAxis& axis) {
   const Traits &a = bodies.traits[i], &b = bodies.traits[j];
+  const bool bounded = !a.unbounded && !b.unbounded;
   // Only what has faces and an end has joints.
-  if (a.unbounded || b.unbounded || !(a.edged || b.edged))
-    return collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin, axis);
-  return lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits, loaded_W, axis);
+  Manifold manifold = bounded && (a.edged || b.edged)
+                          ? lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits,
+                                            last.loaded ? last.n_W : Vec3::Zero(), axis)
+                          : collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin, axis);
+  const bool turned = manifold.size > 0 && bounded && last.n_W.dot(manifold.n_W) < 0.0;
+  if (turned && leastSeparation(manifold) < -kDeepSide * std::min(a.length, b.length))
+    manifold = manifoldOnSide(last.n_W, a.shape, course_i.at(from), b.shape, course_j.at(from), margin);
+  return manifold;
+}
+
+double searchMargin(const Contact& contact, double margin) {
+  return contact.state.isMissed() ? std::numeric_limits<double>::infinity() : margin;
 }
 
 }  // namespace rbs

@@ -8,7 +8,8 @@
 
 namespace rbs {
 
-void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all) {
+void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all, double gain) {
+  gain_ = gain;
   const StepStore& step = context.step;
   std::vector<Index> found;  // islands
   for (const SolverBlock& block : contacts.blocks) {
@@ -35,7 +36,7 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     }
     const double kinematic_speed = islands_[k].kinematic_speed;
     const double most = std::max(0.0, given + 0.5 * mass * kinematic_speed * kinematic_speed);
-    if (energy <= most) continue;
+    if (energy <= (1.0 + gain_) * most) continue;
     const Vec3 common = momentum / mass;
     const double together = 0.5 * mass * common.squaredNorm(), apart = energy - together;
     const double share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;

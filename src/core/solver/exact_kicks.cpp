@@ -200,15 +200,17 @@ void Stepper::settle() {
 // What the drift has added to the gaps beyond tau u_n, and to the slip of points that were held at the start
 // beyond tau u_T; and whether that is more than the kick allowed for.
 bool Stepper::curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
-                               const std::vector<char>& held, const Touching& later, double tau,
-                               std::vector<Vec3>& curvature) const {
+                               const std::vector<char>& held, const std::vector<BodyMotion>& start,
+                               const Touching& later, double tau, std::vector<Vec3>& curvature) const {
   bool matters = false;
+  const std::vector<BodyMotion> end = island_.save();
   const CoulombBodies drifted = island_.bodies();
   for (std::size_t k = 0; k < curvature.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const Index m = later.matching(point);
     if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
     const CoulombPoint &law = touching_.law[k], &law_later = later.law[m];
+    if (isElsewhere(takenBack(later.points[m], law_later, start, end, tau), point)) continue;
     const Vec3 u = velocityAt(drifting, law);
     const Vec3 u_later = law.frame.transpose() * (law_later.frame * velocityAt(drifted, law_later));
     Vec3 c = 0.5 * tau * (u_later - u);

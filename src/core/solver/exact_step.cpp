@@ -121,9 +121,9 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
 }
 
-Touching Stepper::find(double time, const LoadedNormals& loaded) {
+Touching Stepper::find(double time, const LastNormals& last) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, active_, slots_, time, span_, reach_, loaded);
+  Touching found = findTouching(context_, active_, slots_, time, span_, reach_, last);
   clock_.charge(kCollide);
   budget_.work -= kPairWork * static_cast<std::int64_t>(active_.size());
   return found;
@@ -144,6 +144,30 @@ void Stepper::lookFarther() {
   touching_.inherit(before, opened_);
 }
 
+// A point after a drift, as it lies on its two bodies, where these places were before it.
+std::pair<Vec3, Vec3> Stepper::takenBack(const TouchingPoint& point, const CoulombPoint& law,
+                                         const std::vector<BodyMotion>& start,
+                                         const std::vector<BodyMotion>& end, double tau) const {
+  const Bodies& bodies = context_.scene.bodies;
+  const Contact& contact = context_.scene.contacts.active[point.contact];
+  const auto back = [&](Index i, Index slot, const Vec3& p_W) -> Vec3 {
+    const Pose from = slot == kNone ? step_.poseAt(bodies, i, now_) : start[slot].pose;
+    const Pose to = slot == kNone ? step_.poseAt(bodies, i, now_ + tau) : end[slot].pose;
+    return from.p_WB + from.q_WB * (to.q_WB.conjugate() * (p_W - to.p_WB));
+  };
+  const Vec3 half_W = 0.5 * point.gap * law.frame.col(2);
+  return {back(contact.i, law.i, point.p_W - half_W), back(contact.j, law.j, point.p_W + half_W)};
+}
+
+// Whether a point after a drift, taken back, is another one than that of the same feature before it: the farthest point
+// of a tilted rim goes to the other side of it.
+bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const {
+  const std::vector<Traits>& traits = context_.scene.bodies.traits;
+  const Contact& contact = context_.scene.contacts.active[known.contact];
+  const double jump = kJump * std::min(traits[contact.i].bounding_radius, traits[contact.j].bounding_radius);
+  return std::min((back.first - known.p_W).norm(), (back.second - known.p_W).norm()) > jump;
+}
+
 // The points of now and those that overlap after a drift and that the pair did not have before it: a hull
 // rolls over onto another face, a rim comes round. The narrow phase shows the points of one facet only,
 // however far it looks. Each is taken back with the material of its two bodies: what is apart by d and moves
@@ -151,11 +175,7 @@ void Stepper::lookFarther() {
 // turns meanwhile is in the curvature. Nothing if there are none.
 std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double tau) const {
   const Bodies& bodies = context_.scene.bodies;
-  const auto takenBack = [&](Index i, Index slot, const Vec3& p_W) {
-    const Pose end = slot == kNone ? step_.poseAt(bodies, i, now_ + tau) : segment.end[slot].pose;
-    const Pose start = step_.poseAt(bodies, i, now_);
-    return Vec3(start.p_WB + start.q_WB * (end.q_WB.conjugate() * (p_W - end.p_WB)));
-  };
+  const std::vector<BodyMotion> start = island_.save();
   std::optional<Touching> all;
   for (std::size_t m = 0; m < segment.touching.points.size(); ++m) {
     TouchingPoint point = segment.touching.points[m];
@@ -163,15 +183,9 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     if (point.gap >= -kLeftOverlap * point.length || !touching_.has(point.contact)) continue;
     const Contact& contact = context_.scene.contacts.active[point.contact];
     const Vec3 n_W = law.frame.col(2);
-    const Vec3 p_i = takenBack(contact.i, law.i, point.p_W - 0.5 * point.gap * n_W);
-    const Vec3 p_j = takenBack(contact.j, law.j, point.p_W + 0.5 * point.gap * n_W);
+    const auto [p_i, p_j] = takenBack(point, law, start, segment.end, tau);
     const Index known = touching_.matching(point);
-    if (known != kNone) {
-      const Vec3& p_W = touching_.points[known].p_W;
-      const double jump = kJump * std::min(bodies.traits[contact.i].bounding_radius,
-                                           bodies.traits[contact.j].bounding_radius);
-      if (std::min((p_i - p_W).norm(), (p_j - p_W).norm()) <= jump) continue;
-    }
+    if (known != kNone && !isElsewhere({p_i, p_j}, touching_.points[known])) continue;
     if (!all) all = touching_;
     if (known != kNone) all->points[all->matching(point)].feature = kPassed;
     point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
@@ -243,7 +257,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     // The turn of a body tells most of it, where no others push it.
     island_.drift(bodies_at_start, tau);
     const Touching ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
-    curvatureMatters(bodies_at_start, kick.points, held, ahead, tau, curvature);
+    curvatureMatters(bodies_at_start, kick.points, held, start, ahead, tau, curvature);
     island_.restore(start);
   }
 
@@ -256,7 +270,8 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.first = solve(kick);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
-    const bool matters = curvatureMatters(kick.bodies, kick.points, held, segment.touching, tau, curvature);
+    const bool matters =
+        curvatureMatters(kick.bodies, kick.points, held, start, segment.touching, tau, curvature);
     const bool deep = segment.first.converged && deepestShare(segment.touching) > kLeftOverlap;
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);

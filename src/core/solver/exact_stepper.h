@@ -74,9 +74,13 @@ class Stepper : public InnerRows {
   };
   enum class Friction { Free, KeepsDirection };
 
-  Touching find(double time, const LoadedNormals& loaded = {});
+  Touching find(double time, const LastNormals& last = {});
   bool overlooked(const Touching& later) const;
   void lookFarther();
+  std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
+                                  const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
+                                  double tau) const;
+  bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
   std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
   void giveUp(Outcome why);
@@ -89,8 +93,8 @@ class Stepper : public InnerRows {
   Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
   bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
   bool curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
-                        const std::vector<char>& held, const Touching& later, double tau,
-                        std::vector<Vec3>& curvature) const;
+                        const std::vector<char>& held, const std::vector<BodyMotion>& start,
+                        const Touching& later, double tau, std::vector<Vec3>& curvature) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
   double turnsBy(double seconds) const;
   double lastingShare(const CoulombResult& result, const Touching& touching,

@@ -54,6 +54,8 @@ inline constexpr double kPushedShare = 0.01;
 /// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 inline constexpr double kSteadyTurn = 1e-6;
 
+/// Share of its energy that an island gains in no sub-step, but for those in which the solver runs away.
+inline constexpr double kRunaway = 0.1;
 /// Most sub-steps of a step.
 inline constexpr double kMostSubSteps = 256.0;
 
@@ -84,6 +86,7 @@ class SoftStep : public InnerRows {
         dt_(t1 - t0) {
     const double wanted = subStep(context, batch.edges), shortest = context.step.h() / kMostSubSteps;
     too_fast_ = wanted < shortest;
+    hasty_ = wanted < context.step.h() / context.step.solver.sub_steps;
     h_full_ = std::max(wanted, shortest);
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
@@ -95,6 +98,7 @@ class SoftStep : public InnerRows {
     lanes_.take();
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
     energy_.find(context_, contacts_, too_fast_);
+    if (hasty_) runaway_.find(context_, contacts_, true, kRunaway);
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.begin(context_, contacts_);
   }
@@ -124,6 +128,7 @@ class SoftStep : public InnerRows {
     lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
     lanes_.addUp();
     if (too_fast_) energy_.apply(context_, contacts_);
+    if (hasty_) runaway_.apply(context_, contacts_);
   }
   void rebound() {
     lanes_.giveBack();
@@ -152,12 +157,13 @@ class SoftStep : public InnerRows {
   SolverContacts contacts_;
   ContactLanes lanes_;
   std::tuple<Kinds...> kinds_;
-  EnergyLimit energy_;
+  EnergyLimit energy_, runaway_;
   Restitution restitution_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
   bool too_fast_;  // for the most sub-steps: no contact can be followed, and no energy may be gained
+  bool hasty_;     // in more sub-steps than the setting has
   Softness soft_;
 };
 

@@ -20,12 +20,6 @@ constexpr double kDriftLimit = 0.05;
 // Blocks that a thread takes at a time.
 constexpr std::size_t kBlocksOfAPart = 128;
 
-double leastSeparation(const Manifold& manifold) {
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < manifold.size; ++k) least = std::min(least, manifold.points[k].separation);
-  return least;
-}
-
 // Keeps the points open by no more than `margin`; the deepest in any case.
 void keepWithin(double margin, Manifold& manifold) {
   margin = std::max(margin, leastSeparation(manifold));
@@ -116,7 +110,7 @@ void SolverContacts::find(double now, double left, double h) {
       const Contact& contact = context_.scene.contacts.active[block.contact];
       block.pair = pairConstants(context_, contact.i, contact.j);
       block.rough = block.pair.mu > 0.0 || friction_forced;
-      findPoints(block, now, left, contact.loadedNormal(block.pair.bears), to);
+      findPoints(block, now, left, contact.lastNormal(block.pair.bears), to);
       for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, to[p]);
     }
   });
@@ -133,15 +127,18 @@ void SolverContacts::find(double now, double left, double h) {
 }
 
 // The normal of a block whose points push; zero otherwise.
-Vec3 SolverContacts::loadedNormal(const SolverBlock& block) const {
-  for (int k = block.first; k < block.first + block.size; ++k)
-    if (points[k].l_n > h_ * block.pair.bears) return block.n;
-  return Vec3::Zero();
+LastNormal SolverContacts::lastNormal(const SolverBlock& block) const {
+  LastNormal last;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    last.loaded = last.loaded || points[k].l_n > h_ * block.pair.bears;
+    if (last.loaded || points[k].open < 0.0) last.n_W = block.n;
+  }
+  return last;
 }
 
 // Finds where the pair touches now. Without a point within the margin nothing can touch before the pair has
 // moved that far. Points that no sub-step can close are good until the pair has come half as near.
-void SolverContacts::findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W,
+void SolverContacts::findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                                 std::vector<SolverPoint>& to) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody& i = bodies[block.i];
@@ -152,11 +149,12 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.reach_i = reachOf(a, b, p_W, u_W, left);
   block.reach_j = reachOf(b, a, p_W, u_W, left);
   const double length = block.pair.length, room = kMargin * length;
-  const double margin = approachIn(block, left) + room;
-  Manifold manifold = contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}},
-                                      now, now + left, margin, softLimits(context_.step, block.pair, h_),
-                                      loaded_W, context_.scene.contacts.active[block.contact].axis);
-  if (!context_.step.solver.all_points) {
+  const Contact& contact = context_.scene.contacts.active[block.contact];
+  const double margin = searchMargin(contact, approachIn(block, left) + room);
+  Manifold manifold =
+      contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
+                      margin, softLimits(context_.step, block.pair, h_), last, contact.axis);
+  if (!context_.step.solver.all_points && !contact.state.isMissed()) {
     keepWithin(approachIn(block, h_) + room + kDriftLimit * length, manifold);
     reduceToFour(manifold);
   }
@@ -262,7 +260,7 @@ const std::vector<Index>& SolverContacts::drifted() {
 void SolverContacts::refresh(Index which, double now, double left) {
   SolverBlock& block = blocks[which];
   const SolverBlock old = block;
-  findPoints(block, now, left, loadedNormal(old), points);
+  findPoints(block, now, left, lastNormal(old), points);
   for (int k = block.first; k < block.first + block.size; ++k) warmFrom(block, old, points[k]);
   for (int k = old.first; k < old.first + old.size; ++k) {
     const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };

@@ -105,9 +105,9 @@ class SolverContacts {
   SolverBody makeBody(Index i) const;
   Index slotOf(Index i);
   double approachIn(const SolverBlock& block, double left) const;
-  void findPoints(SolverBlock& block, double now, double left, const Vec3& loaded_W,
+  void findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                   std::vector<SolverPoint>& to) const;
-  Vec3 loadedNormal(const SolverBlock& block) const;
+  LastNormal lastNormal(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
   void followArc(const SolverBlock& block, double left, std::vector<SolverPoint>& of) const;

@@ -42,7 +42,7 @@ void addCouple(const Context& context, Index contact, std::size_t first, Touchin
 }  // namespace
 
 Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach, const LoadedNormals& loaded) {
+                      double time, double span, double reach, const LastNormals& last) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   Touching out;
@@ -62,8 +62,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
                  reachOf(b, a, p_W, u_W, span) * twist_j.w_WB.norm(), step.load[j].a_W - step.load[i].a_W);
     const Manifold manifold =
         contactManifold(bodies, i, {time, X_i, twist_i}, j, {time, X_j, twist_j}, time, time + span,
-                        reach * (near + kMargin * pair.length), exactLimits(step, pair),
-                        loaded.of(k, contact, pair.bears), contact.axis);
+                        searchMargin(contact, reach * (near + kMargin * pair.length)),
+                        exactLimits(step, pair), last.of(k, contact, pair.bears), contact.axis);
     const auto [t1, t2] = tangents(manifold.n_W);
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
@@ -111,12 +111,16 @@ void Touching::add(const TouchingPoint& point, const CoulombPoint& its_law) {
   }
 }
 
-Vec3 LoadedNormals::of(Index k, const Contact& contact, double least) const {
-  if (touching == nullptr || !touching->has(k)) return contact.loadedNormal(least);
+LastNormal LastNormals::of(Index k, const Contact& contact, double least) const {
+  if (touching == nullptr || !touching->has(k)) return contact.lastNormal(least);
+  LastNormal last;
   for (std::size_t p = touching->firstOf(k); p < touching->points.size() && touching->points[p].contact == k;
-       ++p)
-    if ((*law)[p].impulse[2] > seconds * least) return (*law)[p].frame.col(2);
-  return Vec3::Zero();
+       ++p) {
+    const bool loads = (*law)[p].impulse[2] > seconds * least;
+    if ((loads && !last.loaded) || (touching->points[p].gap < 0.0 && last.n_W.isZero(0.0)))
+      last = {(*law)[p].frame.col(2), loads};
+  }
+  return last;
 }
 
 Index Touching::matching(const TouchingCouple& other) const {

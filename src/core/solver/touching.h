@@ -52,21 +52,20 @@ struct Touching {
 
 /// The normals along which contacts have just borne a force: those of points and the impulses that a kick
 /// found for them.
-struct LoadedNormals {
+struct LastNormals {
   const Touching* touching = nullptr;              ///< null: nothing has been solved yet in this step
   const std::vector<CoulombPoint>* law = nullptr;  ///< of these points, with impulses
   double seconds = 0.0;                            ///< in which the impulses were given
 
-  /// Of a contact; where it is not among the points, of the last step. Zero: it bears no more than `least`,
-  /// N.
-  Vec3 of(Index k, const Contact& contact, double least) const;
+  /// Of a contact; where it is not among the points, of the last step. Forces count that are larger than `least`, N.
+  LastNormal of(Index k, const Contact& contact, double least) const;
 };
 
 /// Finds the points of an island's contacts at a time to which its bodies have been advanced. Points are kept
 /// when they can close within a span, s, at `reach` times the speeds that they have now. `slots` are
 /// the places of bodies in the Coulomb problem; those that forces do not move have none.
 Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach, const LoadedNormals& loaded);
+                      double time, double span, double reach, const LastNormals& last);
 
 /// Takes the forces of the last step for what is expected.
 void expectLastForces(const Contacts& contacts, Touching& touching);

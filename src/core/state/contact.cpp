@@ -95,17 +95,6 @@ Index Contacts::add(const Bodies& bodies, Index i, Index j) {
   return static_cast<Index>(active.size() - 1);
 }
 
-void Contacts::open(const Bodies& bodies, Index i, Index j) {
-  const Index known = find(i, j, active.size());
-  if (known != kNone) {
-    active[known].state.open();
-  } else {
-    add(bodies, i, j);
-    const auto place = std::upper_bound(active.begin(), active.end() - 1, active.back(), isBefore);
-    std::rotate(place, active.end() - 1, active.end());
-  }
-}
-
 std::vector<const Contact*> Contacts::withPoints() const {
   std::vector<const Contact*> all;
   for (const std::vector<Contact>* list : {&active, &dormant})

@@ -43,6 +43,12 @@ struct SolvedPoint {
   }
 };
 
+/// What the points that a contact had last say of its normal.
+struct LastNormal {
+  Vec3 n_W = Vec3::Zero();  ///< unit, from i to j; zero: no point bore a force or overlapped
+  bool loaded = false;      ///< one bore a force
+};
+
 /// Two bodies, and the part of each that touches: i was created before j. Keys sort in canonical order.
 struct ContactKey {
   BodyId i, j;
@@ -73,11 +79,14 @@ struct Contact {
       if (point.feature == feature) return &point;
     return nullptr;
   }
-  /// The normal of its points where one bears more than this force, N; zero otherwise.
-  Vec3 loadedNormal(double least) const {
-    for (const SolvedPoint& point : points)
-      if (point.normal > least) return point.n_W;
-    return Vec3::Zero();
+  /// What its points say of its normal; forces count that are larger than `least`, N.
+  LastNormal lastNormal(double least) const {
+    LastNormal last;
+    for (const SolvedPoint& point : points) {
+      if (!last.loaded && point.normal > least) last = {point.n_W, true};
+      if (last.n_W.isZero(0.0) && point.separation < 0.0) last.n_W = point.n_W;
+    }
+    return last;
   }
   /// Largest penetration depth of its points, m; 0 where none overlaps.
   double depth() const {
@@ -112,8 +121,6 @@ struct Contacts {
   Contact& dormantOf(const Bodies& bodies, Index i, Index j);
   /// Adds a pair to the active contacts, with what is known of it, and gives its place.
   Index add(const Bodies& bodies, Index i, Index j);
-  /// Leaves a pair to the contact solver from the start of a step, when the contacts are sorted.
-  void open(const Bodies& bodies, Index i, Index j);
   /// At the end of a step: sorts the contacts, and drops points that were not solved in it.
   void endStep();
   /// The place of a pair among the active contacts, the first `sorted` of which are sorted; kNone when it is

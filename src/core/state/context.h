@@ -121,6 +121,12 @@ struct Bounds {
     for (int k = 0; k < 4; ++k) apart |= int{lo[k] > o.hi[k]} | int{o.lo[k] > hi[k]};
     return apart == 0;
   }
+  /// Whether `o` reaches out of it by no more than `slack`, m, >= 0.
+  bool holds(const Bounds& o, double slack) const {
+    return (o.lo >= lo - slack).all() && (o.hi <= hi + slack).all();
+  }
+  /// Of both together.
+  Bounds with(const Bounds& o) const { return {lo.min(o.lo), hi.max(o.hi)}; }
 };
 
 /// What the effects add up, constant over the step.
@@ -178,6 +184,7 @@ class Kept {
 namespace soft_step {
 struct Stores;
 }
+struct RestartStores;
 
 struct StepStore {
   double t0 = 0.0, t1 = 0.0;           ///< s
@@ -191,9 +198,14 @@ struct StepStore {
   std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
-  IndexPairs met;                      ///< pairs of the impacts that have been resolved
+  std::vector<std::pair<double, Pose>>
+      turned;      ///< by body with a stamp: when that was last, and where it was
+  IndexPairs met;  ///< pairs of the impacts that have been resolved
   /// Pairs of a body that began the step again and came, on a new course, near one that had not.
   IndexPairs reached;
+  /// Pairs that already overlapped when an impact brought them to the contact solver: contacts had pushed them
+  /// together unforeseen.
+  IndexPairs late;
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
   std::vector<double> row_seconds;  ///< by row of the inner step
@@ -205,6 +217,7 @@ struct StepStore {
   /// What the exact solves of all islands may still cost, beyond what each island has for itself.
   SolveBudget solve_budget{kCommonWork};
   Kept<soft_step::Stores> soft_stores;
+  Kept<RestartStores> restart_stores;
   Kept<Workers> workers;  ///< share the loops of the stages; those of a copy are one thread
   StepReport report;
 

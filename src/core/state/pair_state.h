@@ -12,8 +12,10 @@
 //   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide,
 //   Separated      --open()--------> Candidate       or will touch, or contacts pushed them into each other
 //   Separated      --touch()-------> Touching        an impact left them together
+//   any            --miss()--------> Missed          contacts pushed the two together unforeseen, and the step has
+//                                                    begun again (restart.h); to the step's end
 //
-// The contact solver takes candidates and what touches.
+// The contact solver takes candidates, what touches and what was missed.
 #pragma once
 
 #include <cassert>
@@ -23,13 +25,16 @@ namespace rbs {
 class PairState {
  public:
   /// The contact solver looks at the pair: it touches, or may touch in this step.
-  bool isSolved() const { return at_ == At::Candidate || at_ == At::Touching; }
+  bool isSolved() const { return at_ == At::Candidate || at_ == At::Touching || at_ == At::Missed; }
   /// Its points bore a force when the step began, or an impact has left the bodies together since.
   bool isTouching() const { return at_ == At::Touching; }
   /// It is left out of the solve until an impact that has been predicted.
   bool awaitsImpact() const { return at_ == At::AwaitingImpact; }
   /// It is known not to touch in this step, unless an impact changes a course.
   bool isSeparated() const { return at_ == At::Separated; }
+  /// No prediction holds for it: the contact solver looks at it however far apart the two are, and keeps it where
+  /// an impact is predicted as well.
+  bool isMissed() const { return at_ == At::Missed; }
   /// It overlaps deeply in a crowd: its bodies are moved apart, without impacts and contact forces
   /// (overlaps.h).
   bool isDepenetrating() const { return at_ == At::Depenetrating; }
@@ -45,12 +50,13 @@ class PairState {
     assert(at_ == At::Candidate);
     go(At::Depenetrating);
   }
+  void miss() { go(At::Missed); }
 
  private:
-  enum class At : char { Candidate, Touching, AwaitingImpact, Separated, Depenetrating };
+  enum class At : char { Candidate, Touching, AwaitingImpact, Separated, Depenetrating, Missed };
   void go(At to) {
     assert(at_ != At::Depenetrating);
-    at_ = to;
+    if (at_ != At::Missed) at_ = to;
   }
   At at_ = At::Candidate;
 };

@@ -7,7 +7,9 @@
 #include "step/impacts.h"
 #include "step/island_step.h"
 #include "step/islands.h"
+#include "step/missed_contacts.h"
 #include "step/overlaps.h"
+#include "step/solver_choice.h"
 
 #include <algorithm>
 #include <map>
@@ -156,6 +158,7 @@ class ImpactLoop {
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
       ++step_.stamp[i];
+      step_.turned[i] = {impact.time, context_.scene.bodies.pose[i]};
       lookAround(i);
     }
     if (query_budget_ < before) charge(kQueriesPerImpact);
@@ -192,7 +195,9 @@ class ImpactLoop {
     has_edge_.resize(contacts_.active.size(), 0);
     if (has_edge_[contact]) return;
     has_edge_[contact] = 1;
+    if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time)) step_.late.emplace_back(i, j);
     island.edges.push_back(islands::edgeOf(contacts_, contact));
+    if (touches && isCrushing(context_, island)) island.exact = true;
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not

@@ -73,7 +73,7 @@ struct Meeting {
     const LastingLimits limits = step.solver.exact ? exactLimits(step, pair)
                                                    : softLimits(step, pair, step.h() / step.solver.sub_steps);
     manifold = contactManifold(bodies, i, course_i, j, course_j, time, time + step.h(),
-                               marginOf(context, i, j), limits, Vec3::Zero(), axis);
+                               marginOf(context, i, j), limits, {}, axis);
   }
   ImpactSide a, b;
   Manifold manifold;

@@ -1,61 +1,151 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/missed_contacts.h"
 
+#include "base/algebra.h"
 #include "broadphase/bounds.h"
 #include "broadphase/bounds_tree.h"
 #include "narrowphase/collide.h"
+#include "narrowphase/time_of_impact.h"
 #include "solver/contact_preparation.h"
 
 #include <algorithm>
+#include <optional>
+#include <tuple>
 
 namespace rbs {
 
 namespace {
 
-constexpr double kMissed = 1e-7;  // of the smaller length: an overlap below it is none
+// Share of the smaller length below which an overlap is none; one that contacts part in the next step, on the side from
+// which the two came; and one from which on no impact does so.
+constexpr double kMissed = 1e-7, kParted = 0.1, kPast = 0.5;
+// Share of its length by which a body may leave the bounds of its predicted motion.
+constexpr double kAstray = 0.02;
 
-// Those that the contact solver has looked at, or is not to look at.
-IndexPairs knownPairs(const Contacts& contacts) {
-  IndexPairs known;
-  for (const Contact& contact : contacts.active)
-    if (contact.state.isSolved() || contact.state.isDepenetrating()) known.emplace_back(contact.i, contact.j);
-  std::sort(known.begin(), known.end());
-  return known;
+// Pairs that the solver has looked at.
+struct Looked {
+  explicit Looked(const Contacts& contacts) {
+    for (const Contact& contact : contacts.active) {
+      const PairState& state = contact.state;
+      const std::pair pair(contact.i, contact.j);
+      if (state.isMissed() || state.isDepenetrating() || (state.isSolved() && !contact.points.empty()))
+        with_points.push_back(pair);
+      else if (state.isSolved())
+        without.push_back(pair);
+    }
+    std::sort(with_points.begin(), with_points.end());
+    std::sort(without.begin(), without.end());
+  }
+  IndexPairs with_points;  // or that it is not to look at
+  IndexPairs without;      // it found none that could close
+};
+
+bool isAmong(const IndexPairs& sorted, const std::pair<Index, Index>& pair) {
+  return std::binary_search(sorted.begin(), sorted.end(), pair);
 }
 
-bool overlap(const Context& context, Index i, Index j) {
+// Whether an overlap may wait: an impact in the next step gives the pair the rebound that contact would take.
+bool awaitsRebound(const Context& context, Index i, Index j) {
+  return context.step.solver.exact && context.scene.restitutionOf(i, j) > 0.0;
+}
+
+// The overlap that the next step takes care of, m.
+double mostLeft(const Context& context, Index i, Index j) {
+  return (awaitsRebound(context, i, j) ? kPast : kParted) * smallerLength(context.scene.bodies, i, j);
+}
+
+double overlapAt(const Context& context, Index i, Index j, double time) {
   const Bodies& bodies = context.scene.bodies;
-  const double t1 = context.step.t1;
-  const Manifold manifold = collide(bodies.traits[i].shape, context.step.poseAt(bodies, i, t1),
-                                    bodies.traits[j].shape, context.step.poseAt(bodies, j, t1), 0.0);
-  for (int p = 0; p < manifold.size; ++p)
-    if (manifold.points[p].separation < -kMissed * smallerLength(bodies, i, j)) return true;
-  return false;
+  return -gap(bodies.traits[i].shape, context.step.poseAt(bodies, i, time), bodies.traits[j].shape,
+              context.step.poseAt(bodies, j, time))
+              .distance;
+}
+
+// The straight way of a body to where it has ended the step, from where it began it or an impact changed its course last.
+Motion wayOf(const Context& context, Index i) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  Motion way;
+  way.t0 = step.t0;
+  way.pose = bodies.pose[i];
+  way.twist = bodies.twist[i];
+  if (step.island[i] == kNone) return way;
+  way.pose = step.before[i];
+  if (step.stamp[i] > 0) std::tie(way.t0, way.pose) = step.turned[i];
+  const double time = step.t1 - way.t0;
+  if (!(time > 0.0)) return way;
+  const Eigen::AngleAxisd turn(bodies.pose[i].q_WB * way.pose.q_WB.conjugate());
+  way.twist = {(bodies.pose[i].p_WB - way.pose.p_WB) / time, turn.angle() / time * turn.axis()};
+  return way;
+}
+
+// Whether two bodies met on their ways and went on into each other, perhaps out on the other side.
+bool havePassed(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
+  const Motion way_i = wayOf(context, i), way_j = wayOf(context, j);
+  const std::optional<double> time = timeOfImpact(a, way_i, b, way_j, std::max(way_i.t0, way_j.t0), step.t1);
+  if (!time) return false;
+  const Pose X_i = way_i.at(*time), X_j = way_j.at(*time);
+  const Gap met = gap(a, X_i, b, X_j);
+  const double closing = met.n_W.dot(velocityAt(way_i.twist, met.p_WA - X_i.p_WB) -
+                                     velocityAt(way_j.twist, met.p_WB - X_j.p_WB));
+  return closing * (step.t1 - *time) > mostLeft(context, i, j);
+}
+
+bool isMissed(const Context& context, const Looked& looked, const std::pair<Index, Index>& pair) {
+  if (isAmong(looked.with_points, pair)) return false;
+  const auto& [i, j] = pair;
+  const StepStore& step = context.step;
+  const bool seen = !step.solver.exact || isAmong(looked.without, pair) || awaitsRebound(context, i, j);
+  const double most = seen ? mostLeft(context, i, j) : kMissed * smallerLength(context.scene.bodies, i, j);
+  return overlapAt(context, i, j, step.t1) > most || havePassed(context, i, j);
+}
+
+// Whether contacts may have pushed a body where no prediction has looked: off the bounds of its motion, or off a
+// course that an impact has changed. Most bodies hardly move; a turn between the quaternions p and q is at most
+// pi |p - q|.
+bool isAstray(const Context& context, Index i) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  if (step.solver.exact || step.stamp[i] > 0) return true;
+  const Traits& traits = bodies.traits[i];
+  const Pose &before = step.before[i], &now = bodies.pose[i];
+  const double turn = kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm();
+  if ((now.p_WB - before.p_WB).norm() + turn * traits.bounding_radius <= kAstray * traits.length)
+    return false;
+  return !step.bounds[i].holds(sweptBounds(bodies, {}, i, 0.0), kAstray * traits.length);
 }
 
 }  // namespace
 
+bool overlapDeeply(const Context& context, Index i, Index j, double time) {
+  return overlapAt(context, i, j, time) > mostLeft(context, i, j);
+}
+
 IndexPairs findMissedContacts(const Context& context) {
   const SceneStore& scene = context.scene;
   const StepStore& step = context.step;
-  std::vector<Index> pushed;
-  for (const Island& island : step.islands)
-    if (!island.flies() && island.exact)
-      pushed.insert(pushed.end(), island.bodies.begin(), island.bodies.end());
+  std::vector<std::pair<Index, Bounds>> pushed;
+  for (const Island& island : step.islands) {
+    if (island.flies() || (step.solver.exact && !island.exact)) continue;
+    for (const Index i : island.bodies)
+      if (isAstray(context, i))
+        pushed.emplace_back(i, step.bounds[i].with(sweptBounds(scene.bodies, {}, i, 0.0)));
+  }
   if (pushed.empty()) return {};
   BoundsTree tree(scene.pair_search.order, step.bounds);
-  for (const Index i : pushed) tree.move(i, sweptBounds(scene.bodies, {}, i, 0.0));
+  for (const auto& [i, bounds] : pushed) tree.move(i, bounds);
 
-  const IndexPairs known = knownPairs(scene.contacts);
+  const Looked looked(scene.contacts);
   IndexPairs found;
   const auto look = [&](Index a, Index b) {
-    const Index i = std::min(a, b), j = std::max(a, b);
-    if (!mayCollide(scene.bodies.traits[i], scene.bodies.traits[j])) return;
-    if (scene.restitutionOf(i, j) > 0.0 || std::binary_search(known.begin(), known.end(), std::pair(i, j)))
-      return;
-    if (overlap(context, i, j)) found.emplace_back(i, j);
+    const std::pair<Index, Index> pair = std::minmax(a, b);
+    if (mayCollide(scene.bodies.traits[a], scene.bodies.traits[b]) && isMissed(context, looked, pair))
+      found.push_back(pair);
   };
-  for (const Index i : pushed) {
+  for (const auto& [i, bounds] : pushed) {
     for (const Index j : tree.of(i)) look(i, j);
     for (const Index j : scene.lists.planes) look(i, j);
   }

@@ -194,8 +194,10 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   crowded.clear();
   impacts.clear();
   stamp.assign(n, 0);
+  turned.resize(n);
   met.clear();
   reached.clear();
+  late.clear();
   islands.clear();
   island.assign(n, kNone);
   slot.assign(n, kNone);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/restart.h"
 
+#include "broadphase/bounds.h"
 #include "step/islands.h"
 
 #include <algorithm>
@@ -49,43 +50,85 @@ bool isBefore(const Contact& a, const Contact& b) {
 
 }  // namespace
 
-Restart::Restart(const Context& context)
-    : contacts_(context.scene.contacts), bounds_(context.step.bounds), impacts_(context.step.impacts) {}
+Restart::Restart(Context& context) : at_start_(*context.step.restart_stores) {
+  const Contacts& contacts = context.scene.contacts;
+  at_start_.known.clear(), at_start_.earlier.clear();
+  for (const Contact& contact : contacts.active)
+    at_start_.known.push_back({contact.i, contact.j, contact.state});
+  for (const std::vector<Contact>* list : {&contacts.active, &contacts.dormant})
+    for (const Contact& contact : *list)
+      if (!contact.earlier.empty()) at_start_.earlier.emplace_back(contact.key, contact.earlier);
+  at_start_.impacts = context.step.impacts;
+}
 
-// Contacts of bodies that begin again are as they were, all others as they are now.
-void Restart::restoreContacts(Context& context, const std::vector<char>& again) {
+// Where a pair stands among those known at the start, or is to stand.
+std::vector<RestartStores::Known>::iterator Restart::placeOf(Index i, Index j) {
+  return std::lower_bound(at_start_.known.begin(), at_start_.known.end(), std::pair(i, j),
+                          [](const Known& known, const std::pair<Index, Index>& pair) {
+                            return std::pair(known.i, known.j) < pair;
+                          });
+}
+
+bool Restart::isKnown(std::vector<Known>::iterator place, Index i, Index j) const {
+  return place != at_start_.known.end() && place->i == i && place->j == j;
+}
+
+// Contacts of bodies that begin again are as they were at the start, but for their points; all others stay as they are.
+void Restart::restoreContacts(Context& context, const IndexPairs& missed, const std::vector<char>& again) {
   const Bodies& bodies = context.scene.bodies;
-  const auto begins = [&](const Contact& contact) {
-    return again[bodies.indexOf(contact.key.i)] || again[bodies.indexOf(contact.key.j)];
+  Contacts& contacts = context.scene.contacts;
+  std::vector<Contact>& active = contacts.active;
+  const auto begins = [&](const ContactKey& key) {
+    return again[bodies.indexOf(key.i)] || again[bodies.indexOf(key.j)];
   };
-  for (std::vector<Contact> Contacts::*list : {&Contacts::active, &Contacts::dormant}) {
-    std::vector<Contact>& now = context.scene.contacts.*list;
-    now.erase(std::remove_if(now.begin(), now.end(), begins), now.end());
-    std::copy_if((contacts_.*list).begin(), (contacts_.*list).end(), std::back_inserter(now), begins);
-    std::sort(now.begin(), now.end(), isBefore);
+  const auto isAdded = [&](const Contact& contact) {
+    return begins(contact.key) && !isKnown(placeOf(contact.i, contact.j), contact.i, contact.j);
+  };
+  active.erase(std::remove_if(active.begin(), active.end(), isAdded), active.end());
+  std::sort(active.begin(), active.end(), isBefore);
+
+  for (const auto& [i, j] : missed) {
+    auto place = placeOf(i, j);
+    if (!isKnown(place, i, j)) {
+      place = at_start_.known.insert(place, {i, j, {}});
+      contacts.add(bodies, i, j);
+    }
+    place->state.miss();
+  }
+  std::sort(active.begin(), active.end(), isBefore);
+
+  for (std::vector<Contact>* list : {&active, &contacts.dormant})
+    for (Contact& contact : *list)
+      if (begins(contact.key)) contact.solved = false, contact.earlier.clear();
+  for (Contact& contact : active)
+    if (begins(contact.key)) contact.state = placeOf(contact.i, contact.j)->state;
+  for (const auto& [key, points] : at_start_.earlier) {
+    if (!begins(key)) continue;
+    const Index i = bodies.indexOf(key.i), j = bodies.indexOf(key.j),
+                place = contacts.find(i, j, active.size());
+    (place != kNone ? active[place] : contacts.dormantOf(bodies, i, j)).earlier = points;
   }
 }
 
-void Restart::beginAgain(Context& context, const IndexPairs& pairs, int times) {
+void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
-  IndexPairs all = pairs;
+  IndexPairs all = missed;
   all.insert(all.end(), step.reached.begin(), step.reached.end());
-  step.reached.clear();
+  step.reached.clear(), step.late.clear();
   const std::vector<char> again = concernedBy(context, all);
-  for (const auto& [i, j] : pairs) contacts_.open(bodies, i, j);
-  restoreContacts(context, again);
+  restoreContacts(context, missed, again);
 
   std::vector<Index> back;
   for (const Index i : context.scene.lists.in_islands)
     if (again[i]) back.push_back(i);
   for (const Index i : back) {
     bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
-    step.bounds[i] = bounds_[i];
+    step.bounds[i] = sweptBounds(bodies, step.load[i], i, step.h());
     step.stamp[i] = 0;
   }
   step.impacts.clear();
-  std::copy_if(impacts_.begin(), impacts_.end(), std::back_inserter(step.impacts),
+  std::copy_if(at_start_.impacts.begin(), at_start_.impacts.end(), std::back_inserter(step.impacts),
                [&](const PendingImpact& impact) { return again[impact.i] || again[impact.j]; });
 
   for (Island& island : step.islands)

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The rollback of a step, island by island.
 //
-// Contacts push bodies off the motion on which they were predicted to pass others. Where that makes a pair
-// overlap, the step begins again with this pair among the contacts; but only for the bodies whose motion may
+// Contacts push bodies off the motion on which they were predicted to pass others. Where that brings a pair
+// together, the step begins again with this pair among the contacts; but only for the bodies whose motion may
 // be another with it. A body may have felt what another did in the step where the broad phase or an impact
 // found the two near each other, or a constraint ties them. What these relations connect with the pair begins
 // again, and all other bodies stay where the step has brought them.
+//
+// Bodies and pair states are put back as they were. The points that the solver has left in the contacts stay, as a
+// guess that is nearer than that of the last step; their impulses do not count.
 #pragma once
 
 #include "state/context.h"
@@ -15,22 +18,36 @@
 
 namespace rbs {
 
+/// What is kept of the start of a step. The next step takes over its memory.
+struct RestartStores {
+  struct Known {
+    Index i, j;
+    PairState state;
+  };
+  std::vector<Known> known;  ///< active contacts, sorted; those that were missed are added
+  /// Impulses of earlier divisions of the step, by contact.
+  std::vector<std::pair<ContactKey, std::vector<SolvedPoint>>> earlier;
+  std::vector<PendingImpact> impacts;
+};
+
 /// What a step changes, as it is before any body moves.
 class Restart {
  public:
-  explicit Restart(const Context& context);
+  explicit Restart(Context& context);
 
-  /// Puts the bodies that these pairs and step.reached concern back to the beginning of the step, and makes
-  /// their islands anew with these pairs among the contacts. `times` is how often a step has been taken: all repetitions of an
-  /// exact solve together cost no more than one begun anew. Costs n bodies and all contacts.
-  void beginAgain(Context& context, const IndexPairs& pairs, int times);
+  /// Puts the bodies that missed pairs and step.reached concern back to the beginning of the step, and makes
+  /// their islands anew with the missed pairs among the contacts. `times` is how often the step has been taken: all
+  /// repetitions of an exact solve together cost no more than one begun anew. Costs n bodies and all contacts.
+  void beginAgain(Context& context, const IndexPairs& missed, int times);
 
  private:
-  void restoreContacts(Context& context, const std::vector<char>& again);
+  using Known = RestartStores::Known;
 
-  Contacts contacts_;
-  std::vector<Bounds> bounds_;
-  std::vector<PendingImpact> impacts_;
+  std::vector<Known>::iterator placeOf(Index i, Index j);
+  bool isKnown(std::vector<Known>::iterator place, Index i, Index j) const;
+  void restoreContacts(Context& context, const IndexPairs& missed, const std::vector<char>& again);
+
+  RestartStores& at_start_;
 };
 
 }  // namespace rbs

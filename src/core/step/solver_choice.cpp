@@ -149,6 +149,34 @@ bool isExact(const Context& context, const Island& island) {
          (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
 }
 
+// One sweep a sub-step halves the speed of a heavy body on one r times lighter about r sub-steps later. On its way until
+// then it goes through the light one where that is thinner.
+bool isCrushing(const Context& context, const Island& island) {
+  const SolverSettings& settings = context.step.solver;
+  if (!settings.promotes || island.edges.size() > kFewPairs || overlaps::ruleOver(context, island))
+    return false;
+  const Bodies& bodies = context.scene.bodies;
+  const double h = context.step.h() / settings.sub_steps;
+  const auto touches = [&](const Edge& edge) {
+    return edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching();
+  };
+  // Whether it is pressed on what else the light one touches.
+  const auto crushes = [&](Index heavy, Index light) {
+    const Traits &a = bodies.traits[heavy], &b = bodies.traits[light];
+    if (!a.moved_by_forces() || !b.moved_by_forces() || a.mass < kEnter.mass_ratio * b.mass) return false;
+    return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+      if (!touches(edge) || (edge.bodies[0] != light && edge.bodies[1] != light)) return false;
+      const Index base = edge.bodies[0] == light ? edge.bodies[1] : edge.bodies[0];
+      const double speed = (bodies.twist[heavy].v_WB - bodies.twist[base].v_WB).norm();
+      return base != heavy && speed * h * a.mass / b.mass > 0.5 * b.length;
+    });
+  };
+  return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+    return touches(edge) &&
+           (crushes(edge.bodies[0], edge.bodies[1]) || crushes(edge.bodies[1], edge.bodies[0]));
+  });
+}
+
 // A body that flew joins the method of what it met; of two methods the one that any number of rows can
 // afford.
 bool isExactTogether(const Context& context, const Island& a, const Island& b) {

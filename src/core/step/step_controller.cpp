@@ -15,7 +15,7 @@ namespace {
 // Whether contacts may push something: some are there, or impacts may leave bodies in contact.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!step.solver.exact || context.scene.lists.in_islands.size() < 2) return false;
+  if (context.scene.lists.in_islands.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
@@ -32,7 +32,8 @@ void advanceUntilNoneIsMissed(Context& context) {
     takeImpacts(context);
     advanceToEnd(context);
     if (times == kMostTimes || context.step.solve_budget.isLate()) return;
-    const IndexPairs missed = findMissedContacts(context);
+    IndexPairs missed = findMissedContacts(context);
+    missed.insert(missed.end(), context.step.late.begin(), context.step.late.end());
     if (missed.empty() && context.step.reached.empty()) return;
     restart.beginAgain(context, missed, times);
   }
