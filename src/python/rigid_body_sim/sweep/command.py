@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a scene many times: a file says what varies, how long a run is, and what is measured.
+"""Runs a scene or a program many times: a file says what varies, how long a run is, and what is measured.
 
 It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
 done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
@@ -23,7 +23,8 @@ from rigid_body_sim import InvalidInput, World
 
 from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
-from .plan import Reader, Task, checked_numbers
+from .plan import Task, checked_numbers
+from .reader import Reader
 from .run import Run, run_chunk, scene_of
 from .store import AGAIN, MOST_CSV_RUNS, Store
 from .tree import Refused, replaced
@@ -130,7 +131,7 @@ def check(plan, number, path):
 def read_plan(file, folder):
     """The plan of a file, whose runs can be made as far as that is known before."""
     plan, faults = Reader(file, functools.partial(find_scene, folder)).read(), {}
-    for number, path in checked_numbers(plan).items():
+    for number, path in {} if plan.program else checked_numbers(plan).items():
         faults.update({fault: None for fault in check(plan, number, path)})
         if number == 0 and faults:
             break
@@ -163,8 +164,9 @@ def dry_run(plan, options):
         engine.close()
     seconds = median_seconds(records)
     numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
+    output = max(len(record.get('output', '').encode()) for record in records)
     csv_bytes = CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0
-    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers) + csv_bytes)
+    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers + output) + csv_bytes)
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
     if not (options.dask or options.slurm or options.hosts):
@@ -186,9 +188,13 @@ def run_only(plan, options):
     record = run_chunk(plan.text(), [options.only])[0]
     for name, value in record['values'].items():
         print(f'{name}: {numpy.array2string(value, threshold=50)}')
-    print(f'hash {record["hash"]:016x} after {record["steps"]:,} steps ({record["time"]:g} s), in {duration(record["seconds"])}')
-    print(record['status'] + (f', stopped: {record["stopped"]}' if record['stopped'] else '')
-          + (f' ({record["flags"]})' if record['flags'] else '') + (f': {record["detail"]}' if record['detail'] else ''))
+    if plan.program:
+        print(record.get('output', '').rstrip())
+        print(f'exit status {record.get("exit_status")}, in {duration(record["seconds"])}')
+    elif 'hash' in record:
+        print(f'hash {record["hash"]:016x} after {record["steps"]:,} steps ({record["time"]:g} s), in {duration(record["seconds"])}')
+    print(record['status'] + (f', stopped: {record["stopped"]}' if record.get('stopped') else '')
+          + (f' ({record["flags"]})' if record.get('flags') else '') + (f': {record["detail"]}' if record['detail'] else ''))
     return 0 if record['status'] == 'ok' else CANNOT
 
 
@@ -292,8 +298,8 @@ def run(options):
     if not store.has_plan() and options.resume:
         raise Refused(f'{store.folder} holds no sweep to go on with')
     if store.begun() and store.fingerprint() != plan.fingerprint():
-        raise Refused(f'{store.folder} holds a sweep of another file or scene: --resume needs the same, --output takes another '
-                      'folder')
+        raise Refused(f'{store.folder} holds a sweep of another file or {"program" if plan.program else "scene"}: --resume needs '
+                      'the same, --output takes another folder')
     print(describe(plan))
     return run_sweep(plan, store, options)
 
