@@ -19,7 +19,7 @@ import time
 
 import h5py
 import numpy
-from rigid_body_sim import InvalidInput, World
+from rigid_body_sim import InvalidInput, World, __version__
 
 from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
@@ -81,11 +81,9 @@ def build_of_physics():
     return digest.hexdigest()[:16]
 
 
-def versions(folder):
+def versions():
     """What the results were made with. Equal builds make equal hashes on the same kind of processor."""
-    with open(os.path.join(folder, 'package.xml'), encoding='utf-8') as file:
-        version = re.search(r'<version>(.*?)</version>', file.read()).group(1)
-    return {'rigid_body_sim': version, 'build': build_of_physics(), 'python': platform.python_version(), 'numpy': numpy.__version__,
+    return {'rigid_body_sim': __version__, 'build': build_of_physics(), 'python': platform.python_version(), 'numpy': numpy.__version__,
             'h5py': h5py.__version__, 'system': platform.platform(), 'made': time.strftime('%Y-%m-%dT%H:%M:%S%z')}
 
 
@@ -313,7 +311,7 @@ def run_sweep(plan, store, options):
     except KeyboardInterrupt:
         print('Interrupted. What is done is kept; the same command with --resume goes on.', file=sys.stderr)
         code = INTERRUPTED
-    known = store.gather(plan, versions(options.folder))
+    known = store.gather(plan, versions())
     sum_up(plan, known, store, options)
     return code or (CANNOT if len(known) < plan.count else 0)
 
