@@ -36,7 +36,22 @@ RUN_BYTES, CSV_BYTES = 240, 100  # of a run in a part and in results.h5, and in 
 CLOCKED = re.compile(r'"max_solve_ms"')
 
 
-def arguments():
+def add_engine(parser):
+    """The options that say who makes the runs."""
+    engine = parser.add_mutually_exclusive_group()
+    engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
+    engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
+    engine.add_argument('--slurm', metavar='PARTITION', help='run as a job array of Slurm')
+    engine.add_argument('--hosts', metavar='FILE', help='run by GNU parallel over ssh on the hosts of this file, one a line')
+
+
+def engine_words(options):
+    """Those of them that were given, for another command."""
+    given = {name: getattr(options, name) for name in ('workers', 'dask', 'slurm', 'hosts')}
+    return [word for name, value in given.items() if value is not None for word in ('--' + name, str(value))]
+
+
+def arguments(words):
     parser = argparse.ArgumentParser(prog='sweep', description=__doc__.splitlines()[0])
     parser.add_argument('file', nargs='?', metavar='FILE', help='what to run (docs/batch.md)')
     parser.add_argument('--output', help='folder of the results (FILE without .yaml, with .sweep)')
@@ -46,13 +61,9 @@ def arguments():
     parser.add_argument('--only', type=int, metavar='N', help='run this one alone, print what comes of it, and store nothing')
     parser.add_argument('--chart', nargs='+', metavar=('METRIC', 'PARAMETER'), help='draw a metric of the results over one or '
                         'two parameters, with bands of 95 %% confidence')
-    engine = parser.add_mutually_exclusive_group()
-    engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
-    engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
-    engine.add_argument('--slurm', metavar='PARTITION', help='run as a job array of Slurm')
-    engine.add_argument('--hosts', metavar='FILE', help='run by GNU parallel over ssh on the hosts of this file, one a line')
+    add_engine(parser)
     parser.add_argument('--work', nargs=3, metavar=('FOLDER', 'ROUND', 'CHUNK'), help=argparse.SUPPRESS)  # what engines call
-    options = parser.parse_args()
+    options = parser.parse_args(words)
     if not options.file and not options.work:
         parser.error('which FILE?')
     if options.workers is not None and not 1 <= options.workers <= 1024:
@@ -316,9 +327,9 @@ def run_sweep(plan, store, options):
     return code or (CANNOT if len(known) < plan.count else 0)
 
 
-def main(program):
-    """`program` is the path of the file that calls it."""
-    options = arguments()
+def main(program, words=None):
+    """`program` is the path of sweep itself, `words` are its arguments: those of the process where there are none."""
+    options = arguments(words)
     options.folder = package_folder(program)
     try:
         return run(options)
