@@ -11,9 +11,10 @@ import subprocess
 import sys
 import time
 import unittest
+from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from rigid_body_sim.sweep import tree  # noqa: E402
+from rigid_body_sim.sweep import carry, engines, tree  # noqa: E402
 from rigid_body_sim.sweep.program import MOST_KEPT, command_of  # noqa: E402
 from rigid_body_sim.sweep.reader import Reader  # noqa: E402
 from rigid_body_sim.sweep.run import run_task  # noqa: E402
@@ -222,6 +223,16 @@ class SweepTest(ProgramCase):
         said = self.sweep('--only', '14')
         self.assertEqual(said.returncode, 1)
         self.assertIn('exit status 3', said.stdout)
+
+    def test_long_programs_hold_up_no_estimate(self):
+        self.program('#!/bin/sh\n[ $1 = 0 ] || sleep 1000\n')
+        plan = self.plan('program: [./p, "{number}"]\nrepeats: 3\nmax_seconds: 5')
+        engine = engines.SerialEngine()
+        self.addCleanup(engine.close)
+        with mock.patch('rigid_body_sim.sweep.carry.PILOT_SECONDS', 0.5):
+            records = carry.pilot(plan, range(3), engine)
+        self.assertEqual([record['status'] for record in records], ['ok', 'overtime', 'overtime'])
+        self.assertEqual(records[1]['detail'], 'it had not ended after 0.5 s')
 
     def test_gnu_parallel_gives_the_same(self):
         if not shutil.which('parallel'):

@@ -172,7 +172,7 @@ class Slurm:
 
     def run(self, store, name, chunks, seconds, report):
         write_round(store, name, chunks)
-        minutes = max(LEAST_MINUTES, round(TIME_MARGIN * seconds / 60))
+        minutes = round(max(LEAST_MINUTES, TIME_MARGIN * seconds / 60) + Plan.from_text(store.plan_text()).max_seconds / 60)
         script = store.path('rounds', name + '.sbatch')
         log = store.path('logs', name + '-%a.log')
         text = '\n'.join((

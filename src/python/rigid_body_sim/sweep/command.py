@@ -237,10 +237,12 @@ def carry_by_batch(plan, store, options, progress):
         records = pilot(plan, numbers, serial)
     finally:
         serial.close()
-    store.keep(records)
-    done = {record['number'] for record in records}
+    known = [record for record in records if record['status'] != 'overtime']
+    if known:
+        store.keep(known)
+    done = {record['number'] for record in known}
     numbers = [number for number in numbers if number not in done]
-    progress.add(len(records), 0)
+    progress.add(len(known), 0)
     if not numbers:
         return
     try:
