@@ -88,6 +88,7 @@ vary:
   a: [1]
   b: [2]
   seed: [3]
+  c-d: [4]
 measure:
   m: energy
   n: {json: 3}
@@ -96,15 +97,16 @@ measure:
        's.yaml:3: duration: it means nothing to a program; \'program\' or \'scene\' says what is run',
        's.yaml:4: stop: it means nothing to a program; \'program\' or \'scene\' says what is run',
        's.yaml:1: program[0]: {x}: the program itself does not vary',
-       's.yaml:1: program[1]: {y}: nothing varies it (there are: a, b, seed, number)',
-       's.yaml:1: program[2]: {z}: nothing varies it (there are: a, b, seed, number)',
+       's.yaml:1: program[1]: {y}: nothing varies it (there are: a, b, seed, c-d, number)',
+       's.yaml:1: program[2]: {z}: nothing varies it (there are: a, b, seed, c-d, number)',
        's.yaml:7: vary.b: no word of the program has {b}',
        's.yaml:8: vary.seed: each run has its own (allowed: a name other than seed, number)',
+       's.yaml:9: vary.c-d: it is no placeholder (allowed: letters, digits and _, no digit first)',
        's.yaml:1: program[0]: there is no program {x}, and none of this name on the PATH'.replace(
            '{x}', os.path.join(os.path.dirname(self.plan('program: [scene_accuracy]').program['words'][0]), '{x}')),
-       "s.yaml:10: measure.m: 'energy' (allowed: one of json, python, alone or with what it takes)",
-       's.yaml:11: measure.n: 3 (allowed: a path, such as rows[0].error)',
-       "s.yaml:12: measure.o/p: it is no name (allowed: any word without '/')"])
+       "s.yaml:11: measure.m: 'energy' (allowed: one of json, python, alone or with what it takes)",
+       's.yaml:12: measure.n: 3 (allowed: a path, such as rows[0].error)',
+       "s.yaml:13: measure.o/p: it is no name (allowed: any word without '/')"])
         for words in ('./p', '[]', '[[sh]]', '{a: b}'):
             self.assertIn('(allowed: a list of words, the program first)', self.faults(f'program: {words}')[0])
 

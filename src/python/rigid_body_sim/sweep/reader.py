@@ -138,6 +138,8 @@ class Reader:
         for name in varied:
             if name in program.OF_RUNS:
                 self.fault(('vary', name), f'each run has its own (allowed: a name other than {", ".join(program.OF_RUNS)})')
+            elif not program.PLACEHOLDER.fullmatch('{' + name + '}'):
+                self.fault(('vary', name), 'it is no placeholder (allowed: letters, digits and _, no digit first)')
             elif name not in used:
                 self.fault(('vary', name), f'no word of the program has {{{name}}}')
 
