@@ -262,6 +262,21 @@ class SweepTest(ProgramCase):
                 for path in [*self.folder.glob('*.pid'), self.folder / 'go']:
                     path.unlink()
 
+    def test_nothing_is_left_of_a_sweep_that_is_killed(self):
+        for workers in ('1', '2'):
+            with self.subTest(workers=workers):
+                self.program('#!/bin/sh\nsleep 1000 & echo $! > child; echo $PPID > new; mv new worker; wait\n')
+                self.write('program: [./p]\nrepeats: 2\n')
+                process = subprocess.Popen(self.command('--workers', workers), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                while not (self.folder / 'worker').exists() and process.poll() is None:
+                    time.sleep(0.01)
+                process.kill()
+                process.wait()
+                self.assert_gone('child')
+                self.assert_gone('worker')
+                for path in (self.folder / 'worker', self.folder / 'child'):
+                    path.unlink()
+
     def test_another_program_is_not_mixed_with_the_results_of_the_old(self):
         self.program(self.SCRIPT % '')
         self.write(self.TEXT)

@@ -256,7 +256,8 @@ class Store:
             column.attrs['path'] = axis.path
 
     def write_csv(self, plan):
-        """results.csv: a line for each run, without metrics that are tables and the output of programs. Left out where it would be large."""
+        """results.csv: a line for each run, without metrics that are tables and the output of programs. Left out where it would
+        be large."""
         path, columns = self.path('results.csv'), {}
         with h5py.File(self.results, 'r') as file:
             if len(file['number']) > MOST_CSV_RUNS:
