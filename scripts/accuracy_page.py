@@ -189,10 +189,11 @@ def page(result):
         '## How it was measured', '',
         f'- Machine: {machine["cpu"]}, {machine["cores"]} cores, {machine["system"]}. Built with GCC '
         f'{build["compiler"]}, `{build["flags"]}`. Seed {result["seed"]}.',
-        f'- Every measurement was made in {result["passes"]} pass(es), each in a shuffled order of its own, so that '
-        'a noisy moment hits no engine alone. The error comes from a run of its own. The time comes from another run that '
-        'logs nothing: the CPU time of its thread, the least of all repetitions.',
-        '- An error that differs between two passes counts as a failure, "not repeatable".',
+        f'- Every error was measured in {result["passes"]} run(s) of a sweep ([batch.md](batch.md)), on all cores that it was '
+        'given. An error that differs between two of them counts as a failure, "not repeatable".',
+        f'- The times were measured after it, on this machine, by one process after the other, in {result["passes"]} pass(es), '
+        'each in a shuffled order of its own, so that a noisy moment hits no engine alone. Such a run logs nothing. Its time '
+        'is the CPU time of its thread, the least of all repetitions.',
         f'- A run that takes over {result["max_seconds"]:g} s of CPU time is "too slow".',
         '- No body sleeps in any engine. Friction of a pair is the geometric mean and restitution the larger of the '
         'two, everywhere.',

@@ -17,3 +17,8 @@ build_targets() {
   cmake -S "$root" -B "$build" "${cmake_arguments[@]}"
   cmake --build "$build" --parallel "$(nproc)" --target "$@"
 }
+
+# Lets Python find the physics and the sweeps of this build.
+use_python() {
+  export PYTHONPATH=$build/devel/lib/python3/dist-packages${PYTHONPATH:+:$PYTHONPATH}
+}

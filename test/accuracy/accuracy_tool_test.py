@@ -73,6 +73,13 @@ class Probe(unittest.TestCase):
         self.assertGreater(row['cpu_seconds'], 0)
         self.assertIsNone(row['failure'])
 
+    def test_the_error_or_the_time_alone(self):
+        for only, absent in (('error', ['cpu_seconds', 'cpu_spread']), ('time', ['error'])):
+            done = subprocess.run([PROBE, '--problem', 'projectile', '--setting', 'interactive', '--step', '0.01', '--only', only],
+                                  text=True, capture_output=True, check=True)
+            row = json.loads(done.stdout)
+            self.assertEqual(absent, [name for name in ('error', 'cpu_seconds', 'cpu_spread') if row[name] is None])
+
     def test_bad_input_names_what_is_allowed(self):
         ok = {'--problem': 'projectile', '--setting': 'interactive', '--step': '0.01'}
 
@@ -88,6 +95,7 @@ class Probe(unittest.TestCase):
         self.assertIn('--step', self.refused(*given(step='fast')))
         self.assertIn('--step is missing', self.refused(*given(step=None)))
         self.assertIn('1 to 1000', self.refused(*given(repetitions='0')))
+        self.assertIn('error or time', self.refused(*given(only='both')))
         self.assertIn('above 0', self.refused(*given(**{'max-seconds': 'nan'})))
         self.refused('--no-such-option')
         self.refused('stray')
@@ -105,8 +113,8 @@ class Runs(Folder):
             self.assertEqual(2, row['runs'])
             self.assertIsNone(row['failure'], row)
         names = {os.path.basename(path) for path in glob.glob(self.out + '/*')}
-        self.assertEqual({'runs.jsonl', 'results.csv', 'results.json', 'projectile.svg', 'projectile.png',
-                          'sliding_stop.svg', 'sliding_stop.png'}, names)
+        self.assertEqual({'header.json', 'errors.yaml', 'errors.sweep', 'times.yaml', 'times.sweep', 'results.csv', 'results.json',
+                          'projectile.svg', 'projectile.png', 'sliding_stop.svg', 'sliding_stop.png'}, names)
         with open(self.out + '/results.csv', encoding='utf-8') as file:
             self.assertEqual(1 + len(result['rows']), len(file.readlines()))
 
@@ -146,33 +154,40 @@ class Runs(Folder):
                       'reference, other tolerance'):
             self.assertIn(f'<!-- ours {label} -->', chart)
 
-    def test_interrupted_and_resumed_it_gives_what_one_run_gives(self):
-        self.assertEqual(0, self.short('--no-charts').returncode)
-        whole = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
-        shutil.rmtree(self.out)
-        slow = self.fake_probe('[ "$1" = --list ] || sleep 0.3')
-        process = subprocess.Popen(['/usr/bin/python3', str(TOOL), self.out, '--probe', slow, '--problems',
-                                    'projectile', 'sliding_stop', '--engines', 'ours', '--quick', '--no-charts'],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        runs = os.path.join(self.out, 'runs.jsonl')
+    def interrupted(self, sweep, *arguments):
+        """A run that gets Ctrl-C while it makes the runs of a sweep."""
+        process = subprocess.Popen(['/usr/bin/python3', str(TOOL), self.out, *arguments], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
         deadline = time.monotonic() + 120
-        while time.monotonic() < deadline:
-            if os.path.exists(runs) and len(pathlib.Path(runs).read_text().split('\n')) > 5:
-                break
+        while time.monotonic() < deadline and not glob.glob(f'{self.out}/{sweep}.sweep/parts/*.h5'):
             time.sleep(0.05)
         process.send_signal(signal.SIGINT)
         said = process.communicate(timeout=120)[0]
         self.assertEqual(130, process.returncode)
         self.assertIn('--resume', said)
         self.assertFalse(self.results()['whole'])
-        with open(runs, 'a', encoding='utf-8') as file:
-            file.write('{"problem": "proj')  # as if the machine had stopped while a line was written
-        done = self.short('--no-charts', '--resume')
+
+    def test_interrupted_and_resumed_it_gives_what_one_run_gives(self):
+        self.assertEqual(0, self.short('--no-charts').returncode)
+        whole = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
+        shutil.rmtree(self.out)
+        hurry = os.path.join(self.folder, 'hurry')
+        slow = self.fake_probe(f'[ "$1" = --list ] || [ -e {hurry} ] || sleep 0.3')
+        asked = ('--probe', slow, '--problems', 'projectile', 'sliding_stop', '--engines', 'ours', '--quick', '--no-charts')
+        self.interrupted('errors', *asked)
+        self.assertFalse(os.path.exists(self.out + '/times.sweep'))
+        pathlib.Path(hurry).touch()
+        self.assertEqual(0, self.short('--no-charts', '--resume', probe=slow).returncode)
+        for part in glob.glob(self.out + '/times.sweep/parts/*.h5'):
+            os.remove(part)
+        os.remove(hurry)
+        self.interrupted('times', *asked, '--resume')
+        pathlib.Path(hurry).touch()
+        done = self.short('--no-charts', '--resume', probe=slow)
         self.assertEqual(0, done.returncode, done.stderr)
         self.assertTrue(self.results()['whole'])
         again = {(r['problem'], r['setting'], r['step']): (r['error'], r['runs']) for r in self.results()['rows']}
         self.assertEqual(whole, again)
-        self.assertEqual(0, self.short('--no-charts', '--resume').returncode)  # the cut line spoiled no other
 
     def page(self):
         docs = os.path.join(self.folder, 'docs')
@@ -216,7 +231,7 @@ class Runs(Folder):
         counter = os.path.join(self.folder, 'n')
         probe = self.fake_probe(f'[ "$1" = --list ] || {{ echo >> {counter}; {PROBE} "$@" | '
                                 f'sed "s/\\"error\\":[^,]*/\\"error\\":$(wc -l < {counter})e-5/"; exit; }}')
-        self.assertEqual(0, self.short('--no-charts', probe=probe).returncode)
+        self.assertEqual(0, self.short('--no-charts', '--workers', '1', probe=probe).returncode)
         self.assertEqual({'not repeatable'}, {row['failure'] for row in self.results()['rows']})
 
 
@@ -247,11 +262,11 @@ class Refusals(Folder):
     def test_a_folder_in_use_and_one_that_is_not(self):
         self.refused(self.short('--resume'), 'no ' + self.out)
         os.makedirs(self.out)
-        runs = pathlib.Path(self.out) / 'runs.jsonl'
-        runs.write_text('mine\n')
+        header = pathlib.Path(self.out) / 'header.json'
+        header.write_text('mine\n')
         self.refused(self.short(), '--resume')
-        self.refused(self.short('--resume'), 'does not begin as ours do')
-        self.assertEqual('mine\n', runs.read_text())
+        self.refused(self.short('--resume'), 'is not as ours are')
+        self.assertEqual('mine\n', header.read_text())
 
     def test_resuming_with_other_settings(self):
         self.assertEqual(0, self.short('--no-charts').returncode)

@@ -9,7 +9,8 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from rigid_body_sim.sweep import tree  # noqa: E402
-from rigid_body_sim.sweep.plan import Plan, Reader, checked_numbers  # noqa: E402
+from rigid_body_sim.sweep.plan import Plan, checked_numbers  # noqa: E402
+from rigid_body_sim.sweep.reader import Reader  # noqa: E402
 from sweep_file import ROOT, SweepCase  # noqa: E402
 
 
@@ -183,7 +184,7 @@ measure:
   e/f: energy
   g: {energy: 3}
 '''), [
-            's.yaml:3: repeets: unknown key; keys: scene seed duration steps repeats vary stop measure max_seconds',
+            's.yaml:3: repeets: unknown key; keys: scene program seed duration steps repeats vary stop measure max_seconds',
             's.yaml:2: duration: -1 (allowed: a number above 0, in s)',
             's.yaml:1: scene: 7 (allowed: a name of the catalogue, the path of a scene, or a scene)',
             "s.yaml:4: seed: 'x' (allowed: a whole number from 0 to 18446744073709551615)",

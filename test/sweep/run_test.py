@@ -15,7 +15,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import h5py  # noqa: E402
 from rigid_body_sim import Scene, World  # noqa: E402
 from rigid_body_sim.sweep import charts  # noqa: E402
-from rigid_body_sim.sweep.plan import Reader  # noqa: E402
+from rigid_body_sim.sweep.reader import Reader  # noqa: E402
 from rigid_body_sim.sweep.run import run_task  # noqa: E402
 from sweep_file import SweepCase  # noqa: E402
 

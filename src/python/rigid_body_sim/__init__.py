@@ -8,8 +8,11 @@
 
 The physics needs NumPy and no ROS. It is loaded when one of its names is first used, so the messages can be imported
 without it. Units are SI (m, kg, s, rad). The world frame W is right-handed with z up. Quaternions are [x, y, z, w].
+`__version__` is the version of the package, as text.
 """
 import importlib
+
+from ._version import __version__
 
 _VALUES = (
     'Air', 'BodyDescription', 'Box', 'Capsule', 'ClosestPoints', 'Cone', 'Cylinder', 'Difference', 'Fluid', 'Goal', 'InvalidInput',

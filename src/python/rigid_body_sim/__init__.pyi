@@ -15,4 +15,6 @@ __all__ = [
     'IslandResiduals', 'Neighbour', 'PlacedHull', 'Plane', 'Problem', 'RayHit', 'Rollout', 'Setting', 'Sphere', 'StageInfo',
     'StepWarning', 'Totals', 'View', 'Wind']
 
+__version__: str
+
 def __dir__() -> list[str]: ...

@@ -61,7 +61,8 @@ json asJson(const Problem& problem, const peers::EngineSetting& engine, const Re
   if (m.failure) {
     result["failure"] = {{"kind", m.failure->kind}, {"detail", m.failure->detail}};
   } else {
-    result["error"] = m.error, result["cpu_seconds"] = m.cpu_seconds, result["cpu_spread"] = m.cpu_spread;
+    if (request.error) result["error"] = m.error;
+    if (request.time) result["cpu_seconds"] = m.cpu_seconds, result["cpu_spread"] = m.cpu_spread;
   }
   return result;
 }
@@ -81,7 +82,7 @@ int run(int argc, char** argv) {
                    });
   std::sort(problems().begin(), problems().end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
-  std::string problem_name, engine_name, setting;
+  std::string problem_name, engine_name, setting, only;
   Request request;
   po::options_description options(
       "Measures the error and the CPU time of an engine on a problem with a known answer");
@@ -91,6 +92,7 @@ int run(int argc, char** argv) {
       "setting", po::value(&setting),
       "of the engine: a fidelity of ours, as it is or \"preview, 4 sub-steps\"; default or better of "
       "another")("step", po::value(&request.step), "s, 1e-6 to 1")(
+      "only", po::value(&only), "measure the error alone, or the time alone: error or time")(
       "repetitions", po::value(&request.repetitions)->default_value(3), "of the timed run, 1 to 1000")(
       "max-seconds", po::value(&request.max_seconds)->default_value(60.0),
       "CPU seconds that one run may take, > 0");
@@ -130,6 +132,9 @@ int run(int argc, char** argv) {
     return refuse("--step is " + std::to_string(request.step) + "; allowed is 1e-6 to 1 s");
   if (request.step > problem->duration)
     return refuse("--step is longer than the " + std::to_string(problem->duration) + " s of the problem");
+  if (given.count("only") != 0 && only != "error" && only != "time")
+    return refuse("--only is \"" + only + "\"; allowed is error or time");
+  request.error = only != "time", request.time = only != "error";
   if (request.repetitions < 1 || request.repetitions > 1000)
     return refuse("--repetitions is " + std::to_string(request.repetitions) + "; allowed is 1 to 1000");
   if (!(request.max_seconds > 0.0)) return refuse("--max-seconds must be above 0");

@@ -11,6 +11,8 @@ namespace rbs::accuracy {
 
 struct Request {
   double step = 1.0 / 60;   ///< s
+  bool error = true;        ///< whether the error is measured
+  bool time = true;         ///< whether the CPU time is
   int repetitions = 3;      ///< of the timed run, >= 1
   double max_seconds = 60;  ///< CPU seconds that one run may take
 };
@@ -23,14 +25,14 @@ struct Failure {
 
 struct Measurement {
   std::uint64_t steps = 0;
-  double error = 0.0;             ///< where there is no failure
+  double error = 0.0;             ///< where it was asked for and there is no failure
   double cpu_seconds = 0.0;       ///< of the thread, all steps of the fastest run that logs nothing
   double cpu_spread = 0.0;        ///< slowest less fastest, s
   std::uint64_t repetitions = 0;  ///< that were timed; short runs are repeated more often
   std::optional<Failure> failure;
 };
 
-/// Measures the error in one run, and the CPU time in others. Never throws for what an engine does.
+/// Measures what is asked for: the error in one run, the CPU time in others. Never throws for what an engine does.
 Measurement measure(const Problem& problem, const peers::EngineSetting& engine, const Request& request);
 
 }  // namespace rbs::accuracy

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Many runs of a scene: what varies, what is measured, and the engines that carry it (docs/batch.md).
+"""Many runs of a scene or a program: what varies, what is measured, and the engines that carry it (docs/batch.md).
 
-From the file to the results: `tree` reads YAML; `plan` makes tasks of it; `run` runs one, with `metrics` and `stops`;
-`carry` hands chunks of them to `engines` or `batch`; `store` keeps what is done; `charts` draws it.
+From the file to the results: `tree` reads YAML, and `reader` a sweep; `plan` makes tasks of it; `run` runs one: a scene with
+`metrics` and `stops`, or a `program` with `outputs`; `carry` hands chunks of them to `engines` or `batch`; `store` keeps what is
+done; `charts` draws it. `study` is for programs that ride on all this.
 """

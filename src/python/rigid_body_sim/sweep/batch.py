@@ -15,6 +15,7 @@ import time
 from .carry import Progress, carry_live
 from .engines import SerialEngine
 from .plan import Plan
+from .program import package_programs
 from .store import AGAIN, Store, write_whole
 from .tree import Refused
 
@@ -72,7 +73,8 @@ def worker_command():
     """How a worker is started on any machine that sees the same files."""
     package = os.path.dirname(os.path.dirname(os.path.abspath(sys.modules['rigid_body_sim'].__file__)))
     paths = ':'.join(dict.fromkeys([package, *filter(None, os.environ.get('PYTHONPATH', '').split(':'))]))
-    return f'env PYTHONPATH={shlex.quote(paths)} {shlex.quote(sys.executable)} {shlex.quote(os.path.abspath(sys.argv[0]))} --work'
+    program = os.path.join(package_programs(), 'sweep')
+    return f'env PYTHONPATH={shlex.quote(paths)} {shlex.quote(sys.executable)} {shlex.quote(program)} --work'
 
 
 class Parallel:
@@ -170,7 +172,7 @@ class Slurm:
 
     def run(self, store, name, chunks, seconds, report):
         write_round(store, name, chunks)
-        minutes = max(LEAST_MINUTES, round(TIME_MARGIN * seconds / 60))
+        minutes = round(max(LEAST_MINUTES, TIME_MARGIN * seconds / 60) + Plan.from_text(store.plan_text()).max_seconds / 60)
         script = store.path('rounds', name + '.sbatch')
         log = store.path('logs', name + '-%a.log')
         text = '\n'.join((

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs a scene many times: a file says what varies, how long a run is, and what is measured.
+"""Runs a scene or a program many times: a file says what varies, how long a run is, and what is measured.
 
 It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
 done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
@@ -19,11 +19,12 @@ import time
 
 import h5py
 import numpy
-from rigid_body_sim import InvalidInput, World
+from rigid_body_sim import InvalidInput, World, __version__
 
 from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
-from .plan import Reader, Task, checked_numbers
+from .plan import Task, checked_numbers
+from .reader import Reader
 from .run import Run, run_chunk, scene_of
 from .store import AGAIN, MOST_CSV_RUNS, Store
 from .tree import Refused, replaced
@@ -35,7 +36,22 @@ RUN_BYTES, CSV_BYTES = 240, 100  # of a run in a part and in results.h5, and in 
 CLOCKED = re.compile(r'"max_solve_ms"')
 
 
-def arguments():
+def add_engine(parser):
+    """The options that say who makes the runs."""
+    engine = parser.add_mutually_exclusive_group()
+    engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
+    engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
+    engine.add_argument('--slurm', metavar='PARTITION', help='run as a job array of Slurm')
+    engine.add_argument('--hosts', metavar='FILE', help='run by GNU parallel over ssh on the hosts of this file, one a line')
+
+
+def engine_words(options):
+    """Those of them that were given, for another command."""
+    given = {name: getattr(options, name) for name in ('workers', 'dask', 'slurm', 'hosts')}
+    return [word for name, value in given.items() if value is not None for word in ('--' + name, str(value))]
+
+
+def arguments(words):
     parser = argparse.ArgumentParser(prog='sweep', description=__doc__.splitlines()[0])
     parser.add_argument('file', nargs='?', metavar='FILE', help='what to run (docs/batch.md)')
     parser.add_argument('--output', help='folder of the results (FILE without .yaml, with .sweep)')
@@ -45,13 +61,9 @@ def arguments():
     parser.add_argument('--only', type=int, metavar='N', help='run this one alone, print what comes of it, and store nothing')
     parser.add_argument('--chart', nargs='+', metavar=('METRIC', 'PARAMETER'), help='draw a metric of the results over one or '
                         'two parameters, with bands of 95 %% confidence')
-    engine = parser.add_mutually_exclusive_group()
-    engine.add_argument('--workers', type=int, help='processes on this machine (one for each core)')
-    engine.add_argument('--dask', metavar='ADDRESS', help='run on the workers of this Dask scheduler')
-    engine.add_argument('--slurm', metavar='PARTITION', help='run as a job array of Slurm')
-    engine.add_argument('--hosts', metavar='FILE', help='run by GNU parallel over ssh on the hosts of this file, one a line')
+    add_engine(parser)
     parser.add_argument('--work', nargs=3, metavar=('FOLDER', 'ROUND', 'CHUNK'), help=argparse.SUPPRESS)  # what engines call
-    options = parser.parse_args()
+    options = parser.parse_args(words)
     if not options.file and not options.work:
         parser.error('which FILE?')
     if options.workers is not None and not 1 <= options.workers <= 1024:
@@ -80,11 +92,9 @@ def build_of_physics():
     return digest.hexdigest()[:16]
 
 
-def versions(folder):
+def versions():
     """What the results were made with. Equal builds make equal hashes on the same kind of processor."""
-    with open(os.path.join(folder, 'package.xml'), encoding='utf-8') as file:
-        version = re.search(r'<version>(.*?)</version>', file.read()).group(1)
-    return {'rigid_body_sim': version, 'build': build_of_physics(), 'python': platform.python_version(), 'numpy': numpy.__version__,
+    return {'rigid_body_sim': __version__, 'build': build_of_physics(), 'python': platform.python_version(), 'numpy': numpy.__version__,
             'h5py': h5py.__version__, 'system': platform.platform(), 'made': time.strftime('%Y-%m-%dT%H:%M:%S%z')}
 
 
@@ -130,7 +140,7 @@ def check(plan, number, path):
 def read_plan(file, folder):
     """The plan of a file, whose runs can be made as far as that is known before."""
     plan, faults = Reader(file, functools.partial(find_scene, folder)).read(), {}
-    for number, path in checked_numbers(plan).items():
+    for number, path in {} if plan.program else checked_numbers(plan).items():
         faults.update({fault: None for fault in check(plan, number, path)})
         if number == 0 and faults:
             break
@@ -163,8 +173,9 @@ def dry_run(plan, options):
         engine.close()
     seconds = median_seconds(records)
     numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
+    output = max(len(record.get('output', '').encode()) for record in records)
     csv_bytes = CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0
-    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers) + csv_bytes)
+    size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers + output) + csv_bytes)
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
     if not (options.dask or options.slurm or options.hosts):
@@ -186,9 +197,13 @@ def run_only(plan, options):
     record = run_chunk(plan.text(), [options.only])[0]
     for name, value in record['values'].items():
         print(f'{name}: {numpy.array2string(value, threshold=50)}')
-    print(f'hash {record["hash"]:016x} after {record["steps"]:,} steps ({record["time"]:g} s), in {duration(record["seconds"])}')
-    print(record['status'] + (f', stopped: {record["stopped"]}' if record['stopped'] else '')
-          + (f' ({record["flags"]})' if record['flags'] else '') + (f': {record["detail"]}' if record['detail'] else ''))
+    if plan.program:
+        print(record.get('output', '').rstrip())
+        print(f'exit status {record.get("exit_status")}, in {duration(record["seconds"])}')
+    elif 'hash' in record:
+        print(f'hash {record["hash"]:016x} after {record["steps"]:,} steps ({record["time"]:g} s), in {duration(record["seconds"])}')
+    print(record['status'] + (f', stopped: {record["stopped"]}' if record.get('stopped') else '')
+          + (f' ({record["flags"]})' if record.get('flags') else '') + (f': {record["detail"]}' if record['detail'] else ''))
     return 0 if record['status'] == 'ok' else CANNOT
 
 
@@ -222,10 +237,12 @@ def carry_by_batch(plan, store, options, progress):
         records = pilot(plan, numbers, serial)
     finally:
         serial.close()
-    store.keep(records)
-    done = {record['number'] for record in records}
+    known = [record for record in records if record['status'] != 'overtime']
+    if known:
+        store.keep(known)
+    done = {record['number'] for record in known}
     numbers = [number for number in numbers if number not in done]
-    progress.add(len(records), 0)
+    progress.add(len(known), 0)
     if not numbers:
         return
     try:
@@ -292,8 +309,8 @@ def run(options):
     if not store.has_plan() and options.resume:
         raise Refused(f'{store.folder} holds no sweep to go on with')
     if store.begun() and store.fingerprint() != plan.fingerprint():
-        raise Refused(f'{store.folder} holds a sweep of another file or scene: --resume needs the same, --output takes another '
-                      'folder')
+        raise Refused(f'{store.folder} holds a sweep of another file or {"program" if plan.program else "scene"}: --resume needs '
+                      'the same, --output takes another folder')
     print(describe(plan))
     return run_sweep(plan, store, options)
 
@@ -307,14 +324,14 @@ def run_sweep(plan, store, options):
     except KeyboardInterrupt:
         print('Interrupted. What is done is kept; the same command with --resume goes on.', file=sys.stderr)
         code = INTERRUPTED
-    known = store.gather(plan, versions(options.folder))
+    known = store.gather(plan, versions())
     sum_up(plan, known, store, options)
     return code or (CANNOT if len(known) < plan.count else 0)
 
 
-def main(program):
-    """`program` is the path of the file that calls it."""
-    options = arguments()
+def main(program, words=None):
+    """`program` is the path of sweep itself, `words` are its arguments: those of the process where there are none."""
+    options = arguments(words)
     options.folder = package_folder(program)
     try:
         return run(options)

@@ -6,6 +6,7 @@ records, why): without records the chunk is lost, by a fault of its own where `w
 """
 import concurrent.futures
 import concurrent.futures.process
+import ctypes
 import multiprocessing
 import os
 import queue
@@ -17,7 +18,15 @@ from .tree import Refused
 
 PATIENCE_SECONDS = 120.0  # that a scheduler may be away; what is done stays
 POLL_SECONDS = 0.5
+PR_SET_PDEATHSIG = 1  # of prctl(2)
 BROKEN = concurrent.futures.process.BrokenProcessPool
+
+
+def begin_worker():
+    """Ctrl-C reaches all processes of the terminal: the one that has started this alone decides. When that is killed, this ends
+    with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class SerialEngine:
@@ -29,9 +38,8 @@ class SerialEngine:
         self.pool, self.pending = None, {}
 
     def start(self):
-        # Ctrl-C reaches all processes of the terminal; this one alone decides.
-        self.pool = concurrent.futures.ProcessPoolExecutor(
-            1, multiprocessing.get_context('spawn'), initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+        context = multiprocessing.get_context('spawn')
+        self.pool = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
 
     def submit(self, plan_text, numbers):
         if self.pool is None:
@@ -90,13 +98,13 @@ class DaskEngine:
         self.slots = sum(threads.values())
 
     def local_cluster(self, workers):
-        # Workers never see Ctrl-C: this process alone decides.
-        handler = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        # Workers never see Ctrl-C: this process alone decides, as soon as they are there.
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             return self.distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None,
                                                  silence_logs='CRITICAL')
         finally:
-            signal.signal(signal.SIGINT, handler)
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def connected(self):
         try:

@@ -266,9 +266,14 @@ def kind_and_argument(entry, kinds):
     raise Refused(f'{entry!r:.100} (allowed: one of {", ".join(kinds)}, alone or with what it takes)')
 
 
-def checked(name, entry, folder):
+def named(name):
     if not isinstance(name, str) or '/' in name or name in ('', '.'):
         raise Refused("it is no name (allowed: any word without '/')")
+    return name
+
+
+def checked(name, entry, folder):
+    named(name)
     kind, argument = kind_and_argument(entry, KINDS)
     if kind == 'python':
         return {'name': name, 'kind': kind, 'argument': users_code.checked(argument, folder)}

@@ -13,7 +13,7 @@ import time
 import numpy
 from rigid_body_sim import InvalidInput, Scene, World
 
-from . import metrics, stops, users_code
+from . import metrics, program, stops, users_code
 from .plan import Plan
 from .tree import Refused
 
@@ -87,12 +87,12 @@ class Run:
 
 def record_of(number, status='ok', detail='', **known):
     """The result of a run as it is stored."""
-    return {'number': number, 'status': status, 'detail': detail, 'stopped': '', 'flags': '', 'hash': 0, 'steps': 0, 'time': 0.0,
-            'seconds': 0.0, 'cpu_seconds': 0.0, 'host': socket.gethostname(), 'values': {}, **known}
+    return {'number': number, 'status': status, 'detail': detail, 'seconds': 0.0, 'cpu_seconds': 0.0,
+            'host': socket.gethostname(), 'values': {}, **known}
 
 
-def run_task(plan, number):
-    """Runs one task to its record. `seconds` is the wall time of all of it; `cpu_seconds` is without the metrics at its end,
+def run_scene(plan, number):
+    """Runs the scene of a task to its record. `seconds` is the wall time of all of it; `cpu_seconds` is without the metrics at its end,
     which may be reference runs."""
     begin, cpu_begin, cpu, run, values = time.perf_counter(), time.thread_time(), 0.0, None, {}
     try:
@@ -113,6 +113,14 @@ def run_task(plan, number):
         known = {'stopped': run.stopped, 'flags': ' '.join(sorted(run.flags)), 'hash': run.world.state_hash(),
                  'steps': run.world.steps, 'time': run.world.time, 'values': values}
     return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=cpu, **known)
+
+
+def run_task(plan, number):
+    """The record of a task."""
+    if not plan.program:
+        return run_scene(plan, number)
+    status, detail, known = program.run_task(plan, number)
+    return record_of(number, status, detail, **known)
 
 
 class Watchdog:
@@ -161,7 +169,8 @@ def plan_of(text):
 def run_chunk(plan_text, numbers):
     """The records of some tasks, in their order."""
     plan = plan_of(plan_text)
-    watchdog, records = watchdog_of(threading.get_ident(), plan.max_seconds), []
+    seconds = plan.max_seconds + (GRACE_SECONDS if plan.program else 0.0)  # a program is ended by its run; its metrics are not
+    watchdog, records = watchdog_of(threading.get_ident(), seconds), []
     for number in numbers:
         try:
             watchdog.begin()

@@ -20,9 +20,10 @@ import numpy
 from .plan import Plan
 from .tree import Refused
 
-TEXTS = ('status', 'detail', 'stopped', 'flags', 'host')
-NUMBERS = {'number': numpy.int64, 'hash': numpy.uint64, 'steps': numpy.int64, 'time': float, 'seconds': float,
-           'cpu_seconds': float}
+TEXTS = ('status', 'detail', 'stopped', 'flags', 'host', 'output')
+NUMBERS = {'number': numpy.int64, 'hash': numpy.uint64, 'steps': numpy.int64, 'time': float, 'exit_status': numpy.int64,
+           'seconds': float, 'cpu_seconds': float}
+OF_SCENES, OF_PROGRAMS = ('hash', 'steps', 'time', 'stopped', 'flags'), ('exit_status', 'output')
 AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
 PART = re.compile(r'part-(\d+)-(\d+)-([0-9a-f]{16})\.h5')
 MOST_CSV_RUNS = 100_000
@@ -64,10 +65,11 @@ def common_shape(shapes):
 
 
 def table_of(records):
-    """Records as columns; metrics as one array each."""
+    """Records as columns; metrics as one array each. A run that was cut off has no more than its status and its time."""
     names = list(dict.fromkeys(name for record in records for name in record['values']))
-    table = {key: numpy.array([record[key] for record in records], kind) for key, kind in NUMBERS.items()}
-    table.update({key: [record[key] for record in records] for key in TEXTS})
+    known = {key for record in records for key in record}
+    table = {key: numpy.array([record.get(key, 0) for record in records], kind) for key, kind in NUMBERS.items() if key in known}
+    table.update({key: [record.get(key, '') for record in records] for key in TEXTS if key in known})
     values = {name: [record['values'].get(name) for record in records] for name in names}
     table['metrics'] = {name: padded(arrays, common_shape([a.shape for a in arrays if a is not None]))
                         for name, arrays in values.items()}
@@ -75,9 +77,9 @@ def table_of(records):
 
 
 def write_columns(group, table):
-    for key in NUMBERS:
+    for key in [key for key in NUMBERS if key in table]:
         group.create_dataset(key, data=table[key])
-    for key in TEXTS:
+    for key in [key for key in TEXTS if key in table]:
         group.create_dataset(key, data=table[key], dtype=h5py.string_dtype())
     for name, values in table['metrics'].items():
         group.create_dataset('metrics/' + name, data=values)
@@ -85,8 +87,8 @@ def write_columns(group, table):
 
 def read_part(data):
     with h5py.File(io.BytesIO(data), 'r') as file:
-        table = {key: file[key][()] for key in NUMBERS}
-        table.update({key: file[key].asstr()[()] for key in TEXTS})
+        table = {key: file[key][()] for key in NUMBERS if key in file}
+        table.update({key: file[key].asstr()[()] for key in TEXTS if key in file})
         table['metrics'] = {name: values[()] for name, values in file.get('metrics', {}).items()}
     return table
 
@@ -210,8 +212,9 @@ class Store:
 
     def fill(self, file, plan, known, numbers, shapes):
         """The table of the runs in the order of their numbers."""
-        columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items()}
-        texts = {key: numpy.full(len(numbers), '', object) for key in TEXTS}
+        meaningless = OF_SCENES if plan.program else OF_PROGRAMS
+        columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items() if key not in meaningless}
+        texts = {key: numpy.full(len(numbers), '', object) for key in TEXTS if key not in meaningless}
         metrics = {}
         for entry in plan.tree['measure']:
             shape = shapes.get(entry['name'], ())
@@ -224,16 +227,16 @@ class Store:
             if not use:
                 continue
             rows = numpy.searchsorted(numbers, table['number'][use])
-            for key in NUMBERS:
+            for key in columns.keys() & table:
                 columns[key][rows] = table[key][use]
-            for key in TEXTS:
+            for key in texts.keys() & table:
                 texts[key][rows] = table[key][use]
             for name, values in table['metrics'].items():
                 fill_rows(metrics[name], rows, values[use])
-        for key in NUMBERS:
-            file.create_dataset(key, data=columns[key])
-        for key in TEXTS:
-            file.create_dataset(key, data=texts[key], dtype=h5py.string_dtype())
+        for key, column in columns.items():
+            file.create_dataset(key, data=column)
+        for key, column in texts.items():
+            file.create_dataset(key, data=column, dtype=h5py.string_dtype())
         self.write_parameters(file, plan, numbers)
         file.create_dataset('plan', data=plan.text(), dtype=h5py.string_dtype())
 
@@ -253,7 +256,8 @@ class Store:
             column.attrs['path'] = axis.path
 
     def write_csv(self, plan):
-        """results.csv: a line for each run, without metrics that are tables. Left out where it would be large."""
+        """results.csv: a line for each run, without metrics that are tables and the output of programs. Left out where it would
+        be large."""
         path, columns = self.path('results.csv'), {}
         with h5py.File(self.results, 'r') as file:
             if len(file['number']) > MOST_CSV_RUNS:
@@ -270,9 +274,10 @@ class Store:
                     columns[entry['name']] = values[()]
                 elif values.ndim == 2:
                     columns.update({f'{entry["name"]}_{k}': values[:, k] for k in range(values.shape[1])})
-            columns.update({name: file[name].asstr()[()] for name in TEXTS})
-            columns.update({name: file[name][()] for name in NUMBERS if name not in ('number', 'hash')})
-            columns['hash'] = numpy.array([f'{value:016x}' for value in file['hash'][()].tolist()])
+            columns.update({name: file[name].asstr()[()] for name in TEXTS if name in file and name != 'output'})
+            columns.update({name: file[name][()] for name in NUMBERS if name in file and name not in ('number', 'hash')})
+            if 'hash' in file:
+                columns['hash'] = numpy.array([f'{value:016x}' for value in file['hash'][()].tolist()])
         text = io.StringIO()
         writer = csv.writer(text, lineterminator='\n')
         writer.writerow(columns)

@@ -98,6 +98,18 @@ def entry_of(entries, which, path):
     return names.index(which)
 
 
+def value_at(tree, path):
+    """What is at a path of a tree."""
+    for step in split(path):
+        if isinstance(step, list):
+            tree = tree[entry_of(tree, step[0], path)]
+        elif isinstance(tree, dict) and step in tree:
+            tree = tree[step]
+        else:
+            raise Refused(f"{path}: there is no key '{step}'")
+    return tree
+
+
 def replaced(tree, path, value):
     """A tree with another value at the path; what does not change is shared. A key may be new, an entry not."""
     def put(node, steps):

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is measured in the standard output of a program."""
+import json
+
+import numpy
+
+from . import users_code
+from .metrics import kind_and_argument, named
+from .tree import Refused, split, value_at
+
+
+class Json:
+    """The number, or the array of numbers, at a path of an output that is JSON. null is NaN, true is 1."""
+
+    @staticmethod
+    def check(argument, folder):
+        if not isinstance(argument, str):
+            raise Refused(f'{argument!r} (allowed: a path, such as rows[0].error)')
+        split(argument)
+        return argument
+
+    @staticmethod
+    def value(path, output, parameters):
+        return value_at(json.loads(output), path)
+
+
+class Python:
+    """What a function(output, parameters) of the user's file returns: a number or an array of numbers."""
+
+    check = staticmethod(users_code.checked)
+
+    @staticmethod
+    def value(code, output, parameters):
+        return users_code.loaded(**code)(output, parameters)
+
+
+KINDS = {'json': Json, 'python': Python}
+
+
+def checked(name, entry, folder):
+    kind, argument = kind_and_argument(entry, KINDS)
+    return {'name': named(name), 'kind': kind, 'argument': KINDS[kind].check(argument, folder)}
+
+
+def measured(plan, output, parameters):
+    """The value of each metric, and what went wrong."""
+    values, faults = {}, []
+    for entry in plan.tree['measure']:
+        try:
+            value = KINDS[entry['kind']].value(entry['argument'], output, parameters)
+            values[entry['name']] = numpy.asarray(value, dtype=float)
+        except Exception as error:  # whatever the output holds or a user's function raises
+            path = entry['argument']['path'] if entry['kind'] == 'python' else None
+            faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
+    return values, faults
