@@ -141,9 +141,11 @@ IndexPairs findMissedContacts(const Context& context) {
   const Looked looked(scene.contacts);
   IndexPairs found;
   const auto look = [&](Index a, Index b) {
+    const std::vector<Traits>& traits = scene.bodies.traits;
+    // A sleeper would be a wall in what is left of this step. The next one wakes it.
+    if (!step.solver.exact && (traits[a].asleep || traits[b].asleep)) return;
     const std::pair<Index, Index> pair = std::minmax(a, b);
-    if (mayCollide(scene.bodies.traits[a], scene.bodies.traits[b]) && isMissed(context, looked, pair))
-      found.push_back(pair);
+    if (mayCollide(traits[a], traits[b]) && isMissed(context, looked, pair)) found.push_back(pair);
   };
   for (const auto& [i, bounds] : pushed) {
     for (const Index j : tree.of(i)) look(i, j);
