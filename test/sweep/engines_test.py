@@ -15,9 +15,9 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import slurm_cluster  # noqa: E402
-from rigid_body_sim.sweep import batch  # noqa: E402
+from rigid_body_sim.sweep import batch, command, engines  # noqa: E402
 from rigid_body_sim.sweep.store import Store  # noqa: E402
-from sweep_file import PROGRAM, SweepCase  # noqa: E402
+from sweep_file import PROGRAM, ROOT, SweepCase  # noqa: E402
 
 BALLS = '''
 scene: ball_hits_wall
@@ -165,11 +165,6 @@ class EnginesTest(SweepCase):
         done = self.sweep('--dask', 'tcp://127.0.0.1:1', env=environment)
         self.assertEqual(done.returncode, 2)
         self.assertIn('there is no Dask (Debian: python3-distributed)', done.stderr)
-        shutil.rmtree(self.folder / 's.sweep', ignore_errors=True)
-        done = self.sweep('--workers', '2', env=environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn('there is no Dask (Debian: python3-distributed); one process runs all', done.stderr)
-        self.assertEqual(self.hashes(), self.one_process())
         nothing = dict(os.environ, PATH='/nowhere')
         for option, package in ((('--slurm', 'test'), 'slurm-client'), (('--hosts', 'hosts'), 'parallel')):
             done = self.sweep(*option, '--output', self.folder / package, env=nothing)
@@ -276,7 +271,26 @@ measure: {k: {python: "traps.py:value"}}
     def test_runs_that_end_their_worker_cost_no_other_by_one_process(self):
         self.check_traps('--workers', '1')
 
-    def test_runs_that_end_their_worker_cost_no_other_by_dask(self):
+    def test_a_run_that_ends_its_process_is_to_blame_and_no_other(self):
+        """Of two processes with two chunks each, one ends in its first."""
+        self.write(TRAPS, 'traps.py')
+        file = self.write('''
+scene: ball_hits_wall
+steps: 10
+vary: {"bodies[ball].friction": {range: [1, 4], count: 4}}
+measure: {k: {python: "traps.py:value"}}
+''')
+        text = command.read_plan(str(file), ROOT).text()
+        engine = engines.Processes(2)
+        self.addCleanup(engine.close)
+        for numbers in [2], [0], [1], [3]:  # friction 3 ends the process
+            engine.submit(text, numbers)
+        ended = {}
+        while engine.pending:
+            ended.update({tuple(numbers): (records is not None, why) for numbers, records, why in engine.wait()})
+        self.assertEqual(ended, {(2,): (False, 'its process ended'), (0,): (True, ''), (1,): (False, ''), (3,): (True, '')})
+
+    def test_runs_that_end_their_worker_cost_no_other_by_two(self):
         self.check_traps('--workers', '2')
 
     def balls(self):

@@ -229,7 +229,7 @@ class SweepTest(ProgramCase):
     def test_long_programs_hold_up_no_estimate(self):
         self.program('#!/bin/sh\n[ $1 = 0 ] || sleep 1000\n')
         plan = self.plan('program: [./p, "{number}"]\nrepeats: 3\nmax_seconds: 5')
-        engine = engines.SerialEngine()
+        engine = engines.Processes(1)
         self.addCleanup(engine.close)
         with mock.patch('rigid_body_sim.sweep.carry.PILOT_SECONDS', 0.5):
             records = carry.pilot(plan, range(3), engine)

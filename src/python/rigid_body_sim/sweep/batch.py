@@ -13,7 +13,7 @@ import sys
 import time
 
 from .carry import Progress, carry_live
-from .engines import SerialEngine
+from .engines import Processes
 from .plan import Plan
 from .program import package_programs
 from .store import AGAIN, Store, write_whole
@@ -57,7 +57,7 @@ def work(folder, name, which):
         numbers = [first + k for first, count in json.load(file)[which] for k in range(count)]
     known = store.status(store.parts_beginning_in(set(numbers)))
     numbers = [number for number in numbers if known.get(number, AGAIN[0]) in AGAIN]
-    engine = SerialEngine()
+    engine = Processes(1)
     try:
         carry_live(Plan.from_text(store.plan_text()), numbers, engine, store, Progress(len(numbers)))
     finally:

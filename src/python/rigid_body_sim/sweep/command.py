@@ -166,7 +166,7 @@ def median_seconds(records):
 
 def dry_run(plan, options):
     print(describe(plan))
-    engine = engines.SerialEngine()
+    engine = engines.Processes(1)
     try:
         records = pilot(plan, range(plan.count), engine)
     finally:
@@ -213,12 +213,8 @@ def carry(plan, numbers, store, options):
     if options.slurm or options.hosts:
         carry_by_batch(plan, store, options, progress)
         return
-    if options.dask:
-        engine, said = engines.DaskEngine(options.dask), ''
-    else:
-        engine, said = engines.local_engine(min(options.workers or engines.cores(), len(numbers)))
-    if said:
-        print(f'sweep: {said}', file=sys.stderr)
+    engine = engines.DaskEngine(options.dask) if options.dask else engines.Processes(
+        min(options.workers or engines.cores(), len(numbers)))
     try:
         carry_live(plan, numbers, engine, store, progress)
     finally:
@@ -232,7 +228,7 @@ def carry_by_batch(plan, store, options, progress):
     numbers = missing(plan, store)
     if not numbers:
         return
-    serial = engines.SerialEngine()
+    serial = engines.Processes(1)
     try:
         records = pilot(plan, numbers, serial)
     finally:

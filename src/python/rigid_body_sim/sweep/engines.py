@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Engines that take one chunk after the other and hand back its records: one process, or Dask. None of them is ours.
+"""Engines that take one chunk after the other and hand back its records: processes of this machine, or Dask. None is ours.
 
 `slots` is the number of chunks that run at once, `submit` gives one more, `wait` yields those that have ended as (numbers,
 records, why): without records the chunk is lost, by a fault of its own where `why` says something.
@@ -29,45 +29,52 @@ def begin_worker():
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-class SerialEngine:
-    """One process beside this one, so that what ends it does not end the sweep."""
+class Processes:
+    """Processes of this machine beside this one, so that what ends one does not end the sweep. Each is a pool of its own: what
+    ends one ends no other, and is to blame for it."""
 
-    slots = 1
-
-    def __init__(self):
-        self.pool, self.pending = None, {}
-
-    def start(self):
-        context = multiprocessing.get_context('spawn')
-        self.pool = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
+    def __init__(self, workers):
+        self.slots, self.pools, self.pending = workers, [None] * workers, {}
 
     def submit(self, plan_text, numbers):
-        if self.pool is None:
-            self.start()
+        """To the process that has least to do. One that has ended is replaced."""
+        busy = [pool for pool, _ in self.pending.values()]
+        slot = min(range(self.slots), key=lambda slot: busy.count(self.pools[slot]))
         try:
-            future = self.pool.submit(run_chunk, plan_text, numbers)
+            pool = self.pools[slot] or self.started(slot)
+            future = pool.submit(run_chunk, plan_text, numbers)
         except BROKEN:
-            self.start()
-            future = self.pool.submit(run_chunk, plan_text, numbers)
-        self.pending[future] = numbers
+            pool = self.started(slot)
+            future = pool.submit(run_chunk, plan_text, numbers)
+        self.pending[future] = pool, numbers
+
+    def started(self, slot):
+        context = multiprocessing.get_context('spawn')
+        self.pools[slot] = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
+        return self.pools[slot]
 
     def wait(self):
-        """At least one chunk, unless none ends within half a second. The first of those that a process has taken with it is
-        to blame; the others had not begun."""
+        """At least one chunk, unless none ends within half a second."""
         done, _ = concurrent.futures.wait(self.pending, POLL_SECONDS, concurrent.futures.FIRST_COMPLETED)
-        blamed = False
         for future in [future for future in self.pending if future in done]:
-            numbers = self.pending.pop(future)
+            if future not in self.pending:
+                continue  # it was lost with one before it
+            pool, numbers = self.pending.pop(future)
             try:
                 yield numbers, future.result(), ''
             except BROKEN:
-                yield numbers, None, '' if blamed else 'its process ended'
-                blamed = True
+                yield numbers, None, 'its process ended'
+                yield from self.lost_with(pool)
+
+    def lost_with(self, pool):
+        """Chunks that had not begun when their process ended."""
+        for future in [future for future, (of, _) in self.pending.items() if of is pool]:
+            yield self.pending.pop(future)[1], None, ''
 
     def close(self):
-        if self.pool:
-            processes = list((self.pool._processes or {}).values())
-            self.pool.shutdown(wait=False, cancel_futures=True)
+        for pool in filter(None, self.pools):
+            processes = list((pool._processes or {}).values())
+            pool.shutdown(wait=False, cancel_futures=True)
             for process in processes:
                 process.kill()
 
@@ -83,13 +90,11 @@ def distributed_module():
 
 
 class DaskEngine:
-    """The workers of a Dask scheduler: of that at an address, or of one of our own with so many processes."""
+    """The workers of the Dask scheduler at an address."""
 
-    def __init__(self, address=None, workers=None):
-        self.distributed, self.address, self.cluster, self.client = distributed_module(), address, None, None
+    def __init__(self, address):
+        self.distributed, self.address = distributed_module(), address
         self.pending, self.ended = {}, queue.SimpleQueue()
-        if address is None:
-            self.cluster = self.local_cluster(workers)
         self.client = self.connected()
         threads = self.client.nthreads()
         if not threads:
@@ -97,18 +102,9 @@ class DaskEngine:
             raise Refused(f'the scheduler at {address} has no workers')
         self.slots = sum(threads.values())
 
-    def local_cluster(self, workers):
-        # Workers never see Ctrl-C: this process alone decides, as soon as they are there.
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        try:
-            return self.distributed.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None,
-                                                 silence_logs='CRITICAL')
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-
     def connected(self):
         try:
-            return self.distributed.Client(self.cluster or self.address, timeout=10, set_as_default=False)
+            return self.distributed.Client(self.address, timeout=10, set_as_default=False)
         except (OSError, ValueError) as error:
             raise Refused(f'no Dask scheduler answers at {self.address}: {error}')
 
@@ -157,7 +153,7 @@ class DaskEngine:
                     break
                 self.client.close()
             except (Refused, OSError):
-                pass
+                yield from self.lost_with(pool)
             if time.monotonic() > deadline:
                 raise Refused(f'the scheduler at {self.address} has been away for {PATIENCE_SECONDS:g} s')
             time.sleep(POLL_SECONDS)
@@ -166,19 +162,7 @@ class DaskEngine:
             yield numbers, None, ''
 
     def close(self):
-        for part in (self.client, self.cluster):
-            if part:
-                part.close(timeout=5)
-
-
-def local_engine(workers):
-    """The processes of this machine; one process where that is all that is asked for or there is no Dask."""
-    if workers == 1:
-        return SerialEngine(), ''
-    try:
-        return DaskEngine(workers=workers), ''
-    except Refused as error:
-        return SerialEngine(), f'{error}; one process runs all'
+        self.client.close(timeout=5)
 
 
 def cores():
