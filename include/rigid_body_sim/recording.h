@@ -24,6 +24,7 @@ struct Recorded {
   /// The whole world, exactly: capture() and captureExactState(). Null: the world was too large to be written.
   using Checkpoint = std::shared_ptr<const SceneFile>;
 
+  std::uint64_t sequence = 0;               ///< 0 for the first entry of a Simulator, one more for each
   std::uint64_t world = 0;                  ///< Snapshot::world: the number of the world
   std::uint64_t step = 0;                   ///< World::steps() then
   double time = 0.0;                        ///< World::time() then, s
@@ -40,6 +41,7 @@ struct Mismatch {
   std::uint64_t expected = 0,  ///< recorded hash
       found = 0;               ///< hash of the re-simulation
   std::string refusal;         ///< why the world has refused a recorded command; empty: a hash differs
+  bool clocked = false;        ///< the world took steps with Setting::max_solve_ms, which depend on the clock
 };
 
 /// Runs a recording again: it makes the world of each first checkpoint, steps it, executes each command at its
@@ -48,9 +50,9 @@ struct Mismatch {
 class Resimulation {
  public:
   /// Expects a hash that was seen from outside: the world of this number has had it at this step, before or after
-  /// any command of that step. To be called before take() comes to that step. What was seen before the first
-  /// checkpoint is dropped.
-  void expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash);
+  /// any command of that step, with so many entries recorded (Snapshot::recorded). To be called before take() comes
+  /// to that step. What was seen before the first checkpoint is dropped.
+  void expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash, std::uint64_t recorded);
 
   /// Goes on to the next entry, which is of the same world at the same or a later step, or of another world.
   /// Returns the first mismatch on the way; later entries are then compared with a world that already differs.
@@ -66,9 +68,15 @@ class Resimulation {
   double seconds() const { return seconds_; }            ///< physics time of these steps, s
   std::uint64_t commands() const { return commands_; }   ///< commands executed
   std::uint64_t hashes() const { return hashes_; }       ///< hashes that were equal
+  /// Hashes that finish() did not compare: they were seen after entries that no take() has brought, as where the
+  /// recording was cut off.
+  std::uint64_t uncovered() const { return uncovered_; }
 
  private:
   using Moment = std::pair<std::uint64_t, std::uint64_t>;  // world, step
+  struct Seen {
+    std::uint64_t hash, recorded;
+  };
 
   std::optional<Mismatch> begin(const Recorded& entry);
   std::optional<Mismatch> advance(std::uint64_t step);
@@ -80,10 +88,12 @@ class Resimulation {
 
   std::optional<World> world_;
   std::uint64_t number_ = 0;
+  bool clocked_ = false;                                   // as Mismatch::clocked
   Moment first_;                                           // of the recording
-  std::map<Moment, std::vector<std::uint64_t>> expected_;  // hashes seen from outside
+  std::map<Moment, std::vector<Seen>> expected_;           // seen from outside
   std::vector<std::uint64_t> seen_;  // hashes of this step so far, where some are expected
-  std::uint64_t steps_ = 0, commands_ = 0, hashes_ = 0;
+  std::uint64_t recorded_ = 0;       // entries up to now, as Snapshot::recorded
+  std::uint64_t steps_ = 0, commands_ = 0, hashes_ = 0, uncovered_ = 0;
   double seconds_ = 0.0;
 };
 

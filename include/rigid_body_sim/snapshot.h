@@ -214,6 +214,7 @@ struct Snapshot {
   // What the Simulator adds.
   bool paused = false;         ///< true also while a step request is under way
   std::uint64_t world = 0;     ///< number of the world, from 0: grows with every load, reset, undo and redo
+  std::uint64_t recorded = 0;  ///< entries of a recording that this shows: the next has this Recorded::sequence
   double elapsed = 0.0;        ///< physics time simulated in all its worlds, s; never goes back
   std::string undo,            ///< the edit that Simulator::undo() takes back, in words; empty: none
       redo;                    ///< the undone edit that Simulator::redo() makes again; empty: none

@@ -93,7 +93,7 @@ void CommandPublisher::loop() {
 void CommandPublisher::publish(const Recorded& entry) {
   rigid_body_sim::Command msg;
   msg.header.stamp = timeline_.stamp();
-  msg.sequence = sequence_++;
+  msg.sequence = entry.sequence;
   msg.world = entry.world;
   msg.step = entry.step;
   msg.time = entry.time;

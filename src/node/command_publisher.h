@@ -33,7 +33,6 @@ class CommandPublisher {
   Simulator& simulator_;
   const Timeline& timeline_;
   const double checkpoint_period_;
-  std::uint64_t sequence_ = 0;  ///< of the next message
 
   std::mutex mutex_;
   std::condition_variable wake_;

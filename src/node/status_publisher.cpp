@@ -111,6 +111,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   msg.time = snapshot.time;
   msg.steps = snapshot.steps;
   msg.world = snapshot.world;
+  msg.recorded = snapshot.recorded;
   msg.step = snapshot.step;
   msg.bodies = snapshot.bodies->size();
   msg.gravity = toMsg(snapshot.gravity);

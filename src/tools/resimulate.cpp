@@ -109,7 +109,7 @@ void requireDefinition(rosbag::View& view) {
 
 Recorded entryOf(const CommandMsg& msg) {
   const std::string source = "entry " + std::to_string(msg.sequence);
-  Recorded entry{msg.world, msg.step, msg.time, numberOf(msg.hash), Recorded::Checkpoint()};
+  Recorded entry{msg.sequence, msg.world, msg.step, msg.time, numberOf(msg.hash), Recorded::Checkpoint()};
   if (msg.kind == "checkpoint") {
     if (!msg.checkpoint.empty())
       entry.what = std::make_shared<const SceneFile>(parseScene(msg.checkpoint, source));
@@ -195,13 +195,16 @@ class Recording {
   int run() {
     for (const rosbag::MessageInstance& instance : statuses_) {
       const auto status = instance.instantiate<StatusMsg>();
-      run_.expect(status->world, status->steps, numberOf(status->hash));
+      run_.expect(status->world, status->steps, numberOf(status->hash), status->recorded);
     }
     std::optional<Mismatch> found = takeAll();
     if (!found && (found = run_.finish())) print(*found);
     std::printf("re-simulated %s (%.1f s) with %s: %s equal%s\n", counted(run_.steps(), "step").c_str(),
                 run_.seconds(), counted(run_.commands(), "command").c_str(),
                 counted(run_.hashes(), "hash").c_str(), found ? ", then one differs" : "");
+    if (run_.uncovered() > 0)
+      std::printf("The bag was cut off: it lacks the last commands, whose work the last %s of ~status has.\n",
+                  counted(run_.uncovered(), "hash").c_str());
     return found ? kDiffers : kEqual;
   }
 
@@ -273,8 +276,8 @@ class Recording {
       std::printf("the command was taken when it was recorded, and is refused now: %s\n",
                   found.refusal.c_str());
     }
-    if (run_.world().scene().fidelity.max_solve_ms)
-      std::printf("The solver settings have max_solve_ms: results then depend on the clock.\n");
+    if (found.clocked)
+      std::printf("The solver settings had max_solve_ms: results then depend on the clock.\n");
   }
 
   rosbag::View commands_, statuses_;

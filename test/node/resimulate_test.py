@@ -222,6 +222,13 @@ class ResimulateTest(unittest.TestCase):
         self.assertEqual(code, 2, said)
         self.assertIn('entry %d of the commands is followed by entry %d' % (lost - 1, lost + 1), said)
 
+    def test_a_bag_that_was_cut_off_before_its_last_commands_is_sound(self):
+        last = [entry.sequence for entry in self.entries() if entry.commands][-1]
+        code, said = resimulate(self.changed(
+            lambda topic, message: None if topic == COMMANDS and message.sequence >= last else (topic, message)))
+        self.assertEqual(code, 0, said)
+        self.assertIn('The bag was cut off: it lacks the last commands', said)
+
     def test_entries_before_the_first_checkpoint_are_passed_over(self):
         first = self.entries()[0]
         self.assertEqual(first.kind, 'checkpoint')

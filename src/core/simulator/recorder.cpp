@@ -30,7 +30,7 @@ void Recorder::leave(World& world) {
 
 void Recorder::flush(const World& world) {
   if (pending_.empty()) return;
-  keep_({number_, world.steps(), world.time(), world.stateHash(), std::exchange(pending_, {})});
+  keep_({kept_++, number_, world.steps(), world.time(), world.stateHash(), std::exchange(pending_, {})});
 }
 
 void Recorder::stepped(const World& world) {
@@ -41,7 +41,7 @@ void Recorder::stepped(const World& world) {
 
 void Recorder::checkpoint(const World& world) {
   next_ = world.time() + period_;
-  keep_({number_, world.steps(), world.time(), world.stateHash(),
+  keep_({kept_++, number_, world.steps(), world.time(), world.stateHash(),
          std::make_shared<const SceneFile>(SceneFile{world.capture(), world.captureExactState()})});
 }
 

@@ -32,6 +32,8 @@ class Recorder {
   /// Commands since the last flush(), and dropping those after the first n: the world went back to before them.
   std::size_t pending() const { return pending_.size(); }
   void drop(std::size_t n) { pending_.resize(n); }
+  /// Entries handed over so far, to any keeper.
+  std::uint64_t kept() const { return kept_; }
 
  private:
   void checkpoint(const World& world);
@@ -40,6 +42,7 @@ class Recorder {
   double period_ = 0.0;
   double next_ = 0.0;         // physics time of the next checkpoint, s
   std::uint64_t number_ = 0;  // of the world
+  std::uint64_t kept_ = 0;
   Recorded::Commands pending_;
 };
 

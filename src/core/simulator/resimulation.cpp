@@ -20,13 +20,15 @@ std::string namesOf(const Recorded& entry) {
 
 }  // namespace
 
-void Resimulation::expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash) {
-  std::vector<std::uint64_t>& hashes = expected_[{world, step}];
-  if (std::find(hashes.begin(), hashes.end(), hash) == hashes.end()) hashes.push_back(hash);
+void Resimulation::expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash, std::uint64_t recorded) {
+  std::vector<Seen>& all = expected_[{world, step}];
+  const auto same =
+      std::find_if(all.begin(), all.end(), [&](const Seen& seen) { return seen.hash == hash; });
+  if (same == all.end()) all.push_back({hash, recorded});
 }
 
 Mismatch Resimulation::mismatch(const std::string& at, std::uint64_t expected, std::uint64_t found) const {
-  return {number_, world_->steps(), world_->time(), at, expected, found, ""};
+  return {number_, world_->steps(), world_->time(), at, expected, found, "", clocked_};
 }
 
 // Notes the hash of this moment, where one of this step is expected.
@@ -37,11 +39,14 @@ void Resimulation::note() {
 std::optional<Mismatch> Resimulation::leaveStep() {
   const auto expected = expected_.find({number_, world_->steps()});
   if (expected == expected_.end()) return std::nullopt;
-  const std::vector<std::uint64_t> hashes = std::move(expected->second), seen = std::exchange(seen_, {});
+  const std::vector<Seen> all = std::move(expected->second);
+  const std::vector<std::uint64_t> seen = std::exchange(seen_, {});
   expected_.erase(expected);
-  for (const std::uint64_t hash : hashes) {
+  for (const auto& [hash, recorded] : all) {
     if (std::find(seen.begin(), seen.end(), hash) != seen.end()) {
       ++hashes_;
+    } else if (recorded > recorded_) {
+      ++uncovered_;
     } else if (Moment(number_, world_->steps()) != first_) {  // where it may be from before the checkpoint
       return mismatch("status", hash, seen.back());
     }
@@ -53,6 +58,7 @@ std::optional<Mismatch> Resimulation::advance(std::uint64_t step) {
   std::optional<Mismatch> first;
   while (world_->steps() < step) {
     if (std::optional<Mismatch> found = leaveStep(); found && !first) first = std::move(found);
+    clocked_ = clocked_ || world_->scene().fidelity.max_solve_ms;
     world_->step();
     ++steps_;
     seconds_ += world_->scene().step;
@@ -82,7 +88,7 @@ std::optional<Mismatch> Resimulation::begin(const Recorded& entry) {
     expected_.erase(expected_.begin(), expected_.lower_bound(first_));
   }
   world_.emplace((*checkpoint)->scene, (*checkpoint)->state);
-  number_ = entry.world;
+  number_ = entry.world, clocked_ = false;
   note();
   return before;
 }
@@ -109,11 +115,13 @@ std::optional<Mismatch> Resimulation::take(const Recorded& entry) {
   const auto consider = [&](std::optional<Mismatch> found) {
     if (found && !first) first = std::move(found);
   };
+  recorded_ = entry.sequence;
   if (!world_ || entry.world != number_) consider(begin(entry));
   if (entry.step < world_->steps())
     throw InvalidInput({{"step", std::to_string(entry.step), "at least " + std::to_string(world_->steps())}});
   consider(advance(entry.step));
   consider(executeAll(entry));
+  recorded_ = entry.sequence + 1;
   const std::uint64_t hash = world_->stateHash();
   if (hash == entry.hash) {
     ++hashes_;

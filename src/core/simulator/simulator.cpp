@@ -90,6 +90,7 @@ struct Simulator::Impl {
     snapshot.edits += edits_before;
     snapshot.description_version += versions_before;
     snapshot.world = worlds;
+    snapshot.recorded = recorder.kept();
     snapshot.elapsed = elapsed_before + (world.time() - began_at);
     snapshot.paused = pace.paused;
     snapshot.estimate = governor.estimate();
