@@ -68,7 +68,7 @@ struct SavedState {
     bool exact = false;  ///< solved by the exact step, which Fidelity::Interactive then keeps for longer
     Vec3 n_W = Vec3::UnitZ();  ///< its normal, unit, in W, from a to b
     /// Largest penetration depth of its points when last found, m, >= 0. It decides whether depenetration
-    /// parts the two in the next step.
+    /// parts the two in the next step, and whether contacts keep the side that n_W says.
     double depth = 0.0;
   };
   std::vector<Contact> contacts;  ///< pairs that had contact points in the last step

@@ -69,6 +69,36 @@ TEST_P(Crushing, AHeavyBodyIsStoppedThroughLightOnes) {
   }
 }
 
+// A slider pushes two cubes, 15 mm before a body that sleeps, into it within a step. It wakes, and takes its share of the
+// momentum: a body that slept on would be a wall.
+TEST_P(Crushing, AMissedSleeperWakesAndTakesItsMomentum) {
+  constexpr double kCreep = 0.02, kSpeed = 3.9;  // m/s: of the cubes, which stay awake so, and of the slider
+  for (const double phase : {0.1, 0.3, 0.5, 0.7}) {  // of the step in which they meet
+    SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+    scene.fidelity = GetParam();
+    scene.effects[Effect::Sleeping] = true;
+    const auto add = [&](const char* name, double size, double mass, double front, double v) {
+      BodyDef def = box(name, {size, size, size}, {front - 0.5 * size, 0.0, 0.5 * size});
+      def.mass = mass, def.material.friction = 0.0, def.twist.v_WB.x() = v;
+      scene.bodies.push_back(def);
+    };
+    const double met = 1.0 + phase * scene.step, cubes = -0.015 - met * kCreep;
+    add("sleeper", 0.3, 27.0, 0.3, 0.0);
+    add("near", 0.1, 2.0, cubes, kCreep);
+    add("far", 0.1, 2.0, cubes - 0.1, kCreep);
+    add("slider", 0.2, 100.0, cubes - 0.2 - met * (kSpeed - kCreep), kSpeed);
+    World world(scene);
+    advance(world, 0.95);
+    ASSERT_STREQ(stateOf(world, "sleeper").method, "asleep");
+    const double before = world.totals().momentum.x();
+    for (int k = 0; k < 12; ++k) {
+      world.step();
+      EXPECT_NEAR(world.totals().momentum.x(), before, 1e-9 * before) << "phase " << phase << ", step " << k;
+    }
+    EXPECT_GT(stateOf(world, "sleeper").twist.v_WB.x(), 1.0) << "phase " << phase;
+  }
+}
+
 class RandomScene {
  public:
   explicit RandomScene(unsigned seed) : random_(seed) {

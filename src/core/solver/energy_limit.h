@@ -7,9 +7,9 @@
 // overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
 // bodies may give it. Nor does one whose bodies turn or travel too fast for the most sub-steps: no contact
 // can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to
-// it. Where bodies only need more sub-steps than the setting has, contacts can follow them but for the extremes: a plate
-// of 5 mm between a slab and a heavy body left with 1e6 rad/s. There each sub-step is held to a small gain, which other
-// islands do not reach.
+// it. Where bodies only need more sub-steps than the setting has, contacts can follow them but for the
+// extremes: a plate of 5 mm between a slab and a heavy body left with 1e6 rad/s. They may gain a small share
+// in the whole solve, which others do not reach; one that gains more is left with none of it.
 #pragma once
 
 #include "solver/island_energy.h"

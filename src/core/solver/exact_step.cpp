@@ -68,6 +68,8 @@ constexpr double kJump = 0.5;
 // many times in a step.
 constexpr double kMostSunk = 1e-4;
 constexpr int kMostHalvings = 8;
+// Share of its kinetic energy that an island may gain in a segment.
+constexpr double kGain = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
 constexpr std::uint32_t kPassed = 0xfffffffe;
@@ -208,6 +210,15 @@ double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
     const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
     energy += bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - step_.load[i].a_W.dot(pose.p_WB)) +
               0.5 * w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B));
+  }
+  return energy;
+}
+
+double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
+  double energy = energyOf(motions);
+  for (std::size_t k = 0; k < motions.size(); ++k) {
+    const Index i = island_.indices()[k];
+    energy += context_.scene.bodies.traits[i].mass * step_.load[i].a_W.dot(motions[k].pose.p_WB);
   }
   return energy;
 }
@@ -404,14 +415,29 @@ void Stepper::goOver() {
   }
 }
 
+// Whether a segment has ended with far more energy than it began with, though nothing gives the island any: a solve is
+// far from one, or its points were not where they were expected, as of a small ball that is squeezed out between two bodies.
+bool Stepper::runsAway(const std::vector<BodyMotion>& start) const {
+  const Bodies& bodies = context_.scene.bodies;
+  for (const Index k : active_) {
+    const Contact& contact = context_.scene.contacts.active[k];
+    for (const Index i : {contact.i, contact.j})
+      if (bodies.traits[i].is_kinematic() || !step_.load[i].torque_W.isZero(0.0)) return false;
+  }
+  const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
+  return energyOf(segment_.end) > energyOf(start) + kGain * (kineticOf(start) + fall);
+}
+
 void Stepper::solve() {
   if (takeOverlapsAway()) {
     const Touching before = std::move(touching_);
     touching_ = find(now_);
     touching_.inherit(before, opened_);
   }
+  const std::vector<BodyMotion> start = island_.save();
   settle();
   goOver();
+  if (outcome_ == Outcome::Done && runsAway(start)) return giveUp(Outcome::NoSolution);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});

@@ -82,7 +82,9 @@ class Stepper : public InnerRows {
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
   std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
+  double kineticOf(const std::vector<BodyMotion>& motions) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
+  bool runsAway(const std::vector<BodyMotion>& start) const;
   void giveUp(Outcome why);
   bool takeOverlapsAway();
   void settle();

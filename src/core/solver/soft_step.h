@@ -54,7 +54,7 @@ inline constexpr double kPushedShare = 0.01;
 /// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 inline constexpr double kSteadyTurn = 1e-6;
 
-/// Share of its energy that an island gains in no sub-step, but for those in which the solver runs away.
+/// Share of its energy that an island gains in no solve, but for those in which the solver runs away.
 inline constexpr double kRunaway = 0.1;
 /// Most sub-steps of a step.
 inline constexpr double kMostSubSteps = 256.0;

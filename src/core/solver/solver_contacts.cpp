@@ -126,7 +126,7 @@ void SolverContacts::find(double now, double left, double h) {
   });
 }
 
-// The normal of a block whose points push; zero otherwise.
+// The normal of a block whose points push or overlap.
 LastNormal SolverContacts::lastNormal(const SolverBlock& block) const {
   LastNormal last;
   for (int k = block.first; k < block.first + block.size; ++k) {

@@ -21,6 +21,9 @@ namespace rbs {
 
 /// One point of a contact at the end of its last solve.
 struct SolvedPoint {
+  /// The feature of a point whose normal says nothing: its bodies share a centre.
+  static constexpr std::uint32_t kNoSide = 0xffffffff;
+
   std::uint32_t feature = 0;               ///< finds the same point again in the next step
   double normal = 0.0;                     ///< force along n_W, N, >= 0: the guess for the next solve
   Vec3 friction_W = Vec3::Zero();          ///< force across n_W on body j, N: a guess as well
@@ -84,7 +87,8 @@ struct Contact {
     LastNormal last;
     for (const SolvedPoint& point : points) {
       if (!last.loaded && point.normal > least) last = {point.n_W, true};
-      if (last.n_W.isZero(0.0) && point.separation < 0.0) last.n_W = point.n_W;
+      if (last.n_W.isZero(0.0) && point.separation < 0.0 && point.feature != SolvedPoint::kNoSide)
+        last.n_W = point.n_W;
     }
     return last;
   }

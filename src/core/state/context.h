@@ -203,8 +203,8 @@ struct StepStore {
   IndexPairs met;  ///< pairs of the impacts that have been resolved
   /// Pairs of a body that began the step again and came, on a new course, near one that had not.
   IndexPairs reached;
-  /// Pairs that already overlapped when an impact brought them to the contact solver: contacts had pushed them
-  /// together unforeseen.
+  /// Pairs that already overlapped when an impact brought them to the contact solver, because contacts had pushed
+  /// them together unforeseen; and pairs of a sleeper, which no prediction has woken.
   IndexPairs late;
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none

@@ -12,7 +12,7 @@
 //   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide,
 //   Separated      --open()--------> Candidate       or will touch, or contacts pushed them into each other
 //   Separated      --touch()-------> Touching        an impact left them together
-//   any            --miss()--------> Missed          contacts pushed the two together unforeseen, and the step has
+//   any but the last --miss()------> Missed          contacts pushed the two together unforeseen, and the step has
 //                                                    begun again (restart.h); to the step's end
 //
 // The contact solver takes candidates, what touches and what was missed.

@@ -120,6 +120,12 @@ class ImpactLoop {
     return travel <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
+  // A sleeper that comes into play is a wall here. The step is to begin again with it awake.
+  void noteSleeper(Index i, Index j) {
+    const std::vector<Traits>& traits = context_.scene.bodies.traits;
+    if (traits[i].asleep || traits[j].asleep) step_.late.emplace_back(i, j);
+  }
+
   // Brings both islands to the impact if the budget allows it.
   bool bringBoth(const PendingImpact& impact) {
     constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
@@ -136,6 +142,7 @@ class ImpactLoop {
   }
 
   void take(const PendingImpact& impact) {
+    noteSleeper(impact.i, impact.j);
     if (!bringBoth(impact) || isCollapsing(impact)) {
       ++islandOf(impact).deferred_impacts;
       connect(impact.i, impact.j);
@@ -180,6 +187,7 @@ class ImpactLoop {
   // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
   // island of the two.
   void connect(Index i, Index j, bool touches = true) {
+    noteSleeper(i, j);
     const Index contact = placeOf(i, j);
     PairState& state = contacts_.active[contact].state;
     touches ? state.touch() : state.open();
@@ -193,11 +201,12 @@ class ImpactLoop {
     Island& island = step_.islands[a];
     island.touching = island.touching || touches;
     has_edge_.resize(contacts_.active.size(), 0);
-    if (has_edge_[contact]) return;
-    has_edge_[contact] = 1;
-    if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time)) step_.late.emplace_back(i, j);
-    island.edges.push_back(islands::edgeOf(contacts_, contact));
-    if (touches && isCrushing(context_, island)) island.exact = true;
+    if (!has_edge_[contact]) {
+      has_edge_[contact] = 1;
+      if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time)) step_.late.emplace_back(i, j);
+      island.edges.push_back(islands::edgeOf(contacts_, contact));
+    }
+    if (touches && !island.cut_short && isCrushing(context_, island)) island.exact = true;
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
@@ -211,8 +220,8 @@ class ImpactLoop {
   }
 
   // Contacts may push every body of a set in which something touches off its predicted motion. So what that motion
-  // would not have met is left to the contact solver as well. The exact settings look for it afterwards
-  // (missed_contacts.h).
+  // would not have met is left to the contact solver as well. At the exact settings the search afterwards is enough
+  // (missed_contacts.h): there a point more costs more than a step taken again.
   void watchSeparated() {
     std::vector<char> touches(step_.island.size(), 0);  // by root of a set
     for (const Island& island : step_.islands)

@@ -20,11 +20,11 @@ namespace {
 // which the two came; and one from which on no impact does so.
 constexpr double kMissed = 1e-7, kParted = 0.1, kPast = 0.5;
 // Share of its length by which a body may leave the bounds of its predicted motion.
-constexpr double kAstray = 0.02;
+constexpr double kDeviation = 0.02;
 
 // Pairs that the solver has looked at.
-struct Looked {
-  explicit Looked(const Contacts& contacts) {
+struct SolvedPairs {
+  explicit SolvedPairs(const Contacts& contacts) {
     for (const Contact& contact : contacts.active) {
       const PairState& state = contact.state;
       const std::pair pair(contact.i, contact.j);
@@ -94,11 +94,11 @@ bool havePassed(const Context& context, Index i, Index j) {
   return closing * (step.t1 - *time) > mostLeft(context, i, j);
 }
 
-bool isMissed(const Context& context, const Looked& looked, const std::pair<Index, Index>& pair) {
-  if (isAmong(looked.with_points, pair)) return false;
+bool isMissed(const Context& context, const SolvedPairs& solved, const std::pair<Index, Index>& pair) {
+  if (isAmong(solved.with_points, pair)) return false;
   const auto& [i, j] = pair;
   const StepStore& step = context.step;
-  const bool seen = !step.solver.exact || isAmong(looked.without, pair) || awaitsRebound(context, i, j);
+  const bool seen = !step.solver.exact || isAmong(solved.without, pair) || awaitsRebound(context, i, j);
   const double most = seen ? mostLeft(context, i, j) : kMissed * smallerLength(context.scene.bodies, i, j);
   return overlapAt(context, i, j, step.t1) > most || havePassed(context, i, j);
 }
@@ -106,16 +106,16 @@ bool isMissed(const Context& context, const Looked& looked, const std::pair<Inde
 // Whether contacts may have pushed a body where no prediction has looked: off the bounds of its motion, or off a
 // course that an impact has changed. Most bodies hardly move; a turn between the quaternions p and q is at most
 // pi |p - q|.
-bool isAstray(const Context& context, Index i) {
+bool mayDeviate(const Context& context, Index i) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   if (step.solver.exact || step.stamp[i] > 0) return true;
   const Traits& traits = bodies.traits[i];
   const Pose &before = step.before[i], &now = bodies.pose[i];
   const double turn = kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm();
-  if ((now.p_WB - before.p_WB).norm() + turn * traits.bounding_radius <= kAstray * traits.length)
+  if ((now.p_WB - before.p_WB).norm() + turn * traits.bounding_radius <= kDeviation * traits.length)
     return false;
-  return !step.bounds[i].holds(sweptBounds(bodies, {}, i, 0.0), kAstray * traits.length);
+  return !step.bounds[i].holds(sweptBounds(bodies, {}, i, 0.0), kDeviation * traits.length);
 }
 
 }  // namespace
@@ -131,21 +131,19 @@ IndexPairs findMissedContacts(const Context& context) {
   for (const Island& island : step.islands) {
     if (island.flies() || (step.solver.exact && !island.exact)) continue;
     for (const Index i : island.bodies)
-      if (isAstray(context, i))
+      if (mayDeviate(context, i))
         pushed.emplace_back(i, step.bounds[i].with(sweptBounds(scene.bodies, {}, i, 0.0)));
   }
   if (pushed.empty()) return {};
   BoundsTree tree(scene.pair_search.order, step.bounds);
   for (const auto& [i, bounds] : pushed) tree.move(i, bounds);
 
-  const Looked looked(scene.contacts);
+  const SolvedPairs solved(scene.contacts);
   IndexPairs found;
   const auto look = [&](Index a, Index b) {
-    const std::vector<Traits>& traits = scene.bodies.traits;
-    // A sleeper would be a wall in what is left of this step. The next one wakes it.
-    if (!step.solver.exact && (traits[a].asleep || traits[b].asleep)) return;
     const std::pair<Index, Index> pair = std::minmax(a, b);
-    if (mayCollide(traits[a], traits[b]) && isMissed(context, looked, pair)) found.push_back(pair);
+    if (mayCollide(scene.bodies.traits[a], scene.bodies.traits[b]) && isMissed(context, solved, pair))
+      found.push_back(pair);
   };
   for (const auto& [i, bounds] : pushed) {
     for (const Index j : tree.of(i)) look(i, j);

@@ -111,6 +111,7 @@ std::vector<Vec3> waysApart(const Context& context, const std::vector<Contact*>&
 void keepDepth(const Bodies& bodies, Contact& contact) {
   SolvedPoint point;
   if (shareACentre(bodies, contact)) {
+    point.feature = SolvedPoint::kNoSide;
     point.separation = -inscribedOverlap(bodies, contact);
     point.p_W = 0.5 * (bodies.pose[contact.i].p_WB + bodies.pose[contact.j].p_WB);
   } else {

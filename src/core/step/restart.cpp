@@ -110,6 +110,13 @@ void Restart::restoreContacts(Context& context, const IndexPairs& missed, const 
   }
 }
 
+void Restart::giveBack(Context& context) {
+  Bodies& bodies = context.scene.bodies;
+  restoreContacts(context, {}, std::vector<char>(bodies.size(), 1));
+  for (Index i = 0; i < bodies.size(); ++i)
+    bodies.pose[i] = context.step.before[i], bodies.twist[i] = context.step.twist_before[i];
+}
+
 void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) {
   Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;

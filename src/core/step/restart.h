@@ -30,7 +30,7 @@ struct RestartStores {
   std::vector<PendingImpact> impacts;
 };
 
-/// What a step changes, as it is before any body moves.
+/// What is known at the start of a step, before any body moves.
 class Restart {
  public:
   explicit Restart(Context& context);
@@ -39,6 +39,9 @@ class Restart {
   /// their islands anew with the missed pairs among the contacts. `times` is how often the step has been taken: all
   /// repetitions of an exact solve together cost no more than one begun anew. Costs n bodies and all contacts.
   void beginAgain(Context& context, const IndexPairs& missed, int times);
+
+  /// Puts all bodies and contacts back to the beginning of the step.
+  void giveBack(Context& context);
 
  private:
   using Known = RestartStores::Known;

@@ -30,12 +30,18 @@ bool moves(const SceneStore& scene, Index i) {
 
 void findWoken(Context& context) {
   const SceneStore& scene = context.scene;
-  std::vector<std::uint32_t> groups;
+  std::vector<Index> sleepers;
   for (const Contact& contact : scene.contacts.active)
     for (const auto& [sleeper, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
-      if (scene.bodies.traits[sleeper].asleep && moves(scene, other))
-        groups.push_back(scene.rest[sleeper].group);
-  if (groups.empty()) return;
+      if (scene.bodies.traits[sleeper].asleep && moves(scene, other)) sleepers.push_back(sleeper);
+  wakeGroups(context, sleepers);
+}
+
+void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
+  if (sleepers.empty()) return;
+  const SceneStore& scene = context.scene;
+  std::vector<std::uint32_t> groups;
+  for (const Index i : sleepers) groups.push_back(scene.rest[i].group);
   std::sort(groups.begin(), groups.end());
   for (Index i = 0; i < scene.bodies.size(); ++i)
     if (scene.bodies.traits[i].asleep &&

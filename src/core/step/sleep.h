@@ -13,6 +13,9 @@ namespace rbs::sleep {
 /// their bodies, and the step is to be begun again with them awake.
 void findWoken(Context& context);
 
+/// Adds the groups that these bodies sleep in to step.woken: the step is to begin again with them awake.
+void wakeGroups(Context& context, const std::vector<Index>& sleepers);
+
 /// After the step: finds the groups that have been at rest for long enough, and lists them in
 /// step.falling_asleep.
 void update(Context& context);

@@ -12,7 +12,8 @@
 //
 // A direct solve is cheap where the forces of the last step still hold, and dear where bodies tumble; there
 // the errors of the soft step do not show. So only islands are promoted in which nothing moves faster than
-// what gravity adds in a step or two, but for the few bodies of which one is crushed.
+// what gravity adds in a step or two, but for the few bodies of which one is crushed, or is about to be: a
+// heavy body has struck it.
 #include "step/solver_choice.h"
 
 #include "step/overlaps.h"
@@ -158,7 +159,9 @@ bool isCrushing(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
   const double h = context.step.h() / settings.sub_steps;
   const auto touches = [&](const Edge& edge) {
-    return edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching();
+    if (edge.kind != ConstraintKind::Contact) return false;
+    const PairState& state = context.scene.contacts.active[edge.of].state;
+    return state.isTouching() || state.isMissed();
   };
   // Whether it is pressed on what else the light one touches.
   const auto crushes = [&](Index heavy, Index light) {

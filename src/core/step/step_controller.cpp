@@ -5,6 +5,7 @@
 #include "step/island_step.h"
 #include "step/missed_contacts.h"
 #include "step/restart.h"
+#include "step/sleep.h"
 
 #include <algorithm>
 
@@ -12,7 +13,8 @@ namespace rbs::step_controller {
 
 namespace {
 
-// Whether contacts may push something: some are there, or impacts may leave bodies in contact.
+// Whether contacts may push something: some are there, or impacts may leave bodies in contact; or impacts may send
+// something into a sleeper.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
   if (context.scene.lists.in_islands.size() < 2) return false;
@@ -21,20 +23,32 @@ bool mayMissContacts(const Context& context) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
   };
   const auto isConnected = [](const Island& island) { return !island.flies(); };
+  if (!step.impacts.empty() && !context.scene.rest.empty()) return true;
   return std::any_of(step.islands.begin(), step.islands.end(), isConnected) ||
          (!step.impacts.empty() && std::any_of(contacts.begin(), contacts.end(), stays));
 }
 
+std::vector<Index> sleepersAmong(const Context& context, const IndexPairs& pairs) {
+  std::vector<Index> sleepers;
+  for (const auto& [i, j] : pairs)
+    for (const Index k : {i, j})
+      if (context.scene.bodies.traits[k].asleep) sleepers.push_back(k);
+  return sleepers;
+}
+
+// Each push may reach one body further. At the fast settings what is left after a few times is left to the next step.
 void advanceUntilNoneIsMissed(Context& context) {
-  constexpr int kMostTimes = 8;  // each push may reach one body further
+  const int most_times = context.step.solver.exact ? 8 : 3;
   Restart restart(context);
   for (int times = 1;; ++times) {
     takeImpacts(context);
     advanceToEnd(context);
-    if (times == kMostTimes || context.step.solve_budget.isLate()) return;
-    IndexPairs missed = findMissedContacts(context);
+    const bool last = times == most_times || context.step.solve_budget.isLate();
+    IndexPairs missed = last ? IndexPairs() : findMissedContacts(context);
     missed.insert(missed.end(), context.step.late.begin(), context.step.late.end());
-    if (missed.empty() && context.step.reached.empty()) return;
+    sleep::wakeGroups(context, sleepersAmong(context, missed));
+    if (!context.step.woken.empty()) return restart.giveBack(context);
+    if (last || (missed.empty() && context.step.reached.empty())) return;
     restart.beginAgain(context, missed, times);
   }
 }
@@ -54,6 +68,7 @@ void run(Context& context) {
     takeImpacts(context);
     advanceToEnd(context);
   }
+  if (!context.step.woken.empty()) return;  // the step begins again, with more bodies awake
   moveLedBodies(context);
   reportIslands(context);
   context.step.met.clear();
