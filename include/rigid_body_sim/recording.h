@@ -88,11 +88,11 @@ class Resimulation {
 
   std::optional<World> world_;
   std::uint64_t number_ = 0;
-  bool clocked_ = false;                                   // as Mismatch::clocked
-  Moment first_;                                           // of the recording
-  std::map<Moment, std::vector<Seen>> expected_;           // seen from outside
-  std::vector<std::uint64_t> seen_;  // hashes of this step so far, where some are expected
-  std::uint64_t recorded_ = 0;       // entries up to now, as Snapshot::recorded
+  bool clocked_ = false;                          // as Mismatch::clocked
+  Moment first_;                                  // of the recording
+  std::map<Moment, std::vector<Seen>> expected_;  // seen from outside
+  std::vector<std::uint64_t> seen_;               // hashes of this step so far, where some are expected
+  std::uint64_t recorded_ = 0;                    // entries up to now, as Snapshot::recorded
   std::uint64_t steps_ = 0, commands_ = 0, hashes_ = 0, uncovered_ = 0;
   double seconds_ = 0.0;
 };

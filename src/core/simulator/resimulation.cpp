@@ -20,10 +20,10 @@ std::string namesOf(const Recorded& entry) {
 
 }  // namespace
 
-void Resimulation::expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash, std::uint64_t recorded) {
+void Resimulation::expect(std::uint64_t world, std::uint64_t step, std::uint64_t hash,
+                          std::uint64_t recorded) {
   std::vector<Seen>& all = expected_[{world, step}];
-  const auto same =
-      std::find_if(all.begin(), all.end(), [&](const Seen& seen) { return seen.hash == hash; });
+  const auto same = std::find_if(all.begin(), all.end(), [&](const Seen& seen) { return seen.hash == hash; });
   if (same == all.end()) all.push_back({hash, recorded});
 }
 
