@@ -33,6 +33,7 @@ void BodiesClient::follow(const QString& node) {
   states_topic_.shutdown();
   descriptions_topic_.shutdown();
   selection_topic_.shutdown();
+  status_topic_.shutdown();
   select_.shutdown();
   descriptions_ = {};
   states_.reset();
@@ -43,10 +44,12 @@ void BodiesClient::follow(const QString& node) {
     // From the start: where another part of RViz listens as well, who comes later gets no state of its own.
     states_topic_ = ros_.subscribe(inNode("body_states"), 1, &BodiesClient::receiveStates, this);
     selection_topic_ = ros_.subscribe(inNode("selected_bodies"), 1, &BodiesClient::receiveSelection, this);
+    status_topic_ = ros_.subscribe(inNode("status"), 1, &BodiesClient::receiveStatus, this);
     select_ = ros_.advertise<rigid_body_sim::BodyNames>(inNode("select_bodies"), 10);
   } catch (const ros::Exception& error) {
     Q_EMIT reported(QString::fromStdString(error.what()), true);
   }
+  setReplay(false);
   Q_EMIT bodiesChanged();
   Q_EMIT selectionChanged();
 }
@@ -104,6 +107,16 @@ void BodiesClient::matchMotions() {
 void BodiesClient::receiveSelection(const rigid_body_sim::BodyNames& selection) {
   selection_ = toQt(selection.names);
   Q_EMIT selectionChanged();
+}
+
+void BodiesClient::receiveStatus(const rigid_body_sim::Status& status) {
+  setReplay(!status.recording.empty());
+}
+
+void BodiesClient::setReplay(bool is_replay) {
+  if (is_replay == is_replay_) return;
+  is_replay_ = is_replay;
+  Q_EMIT replayChanged();
 }
 
 void BodiesClient::select(const QStringList& names) {

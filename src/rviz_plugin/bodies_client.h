@@ -8,6 +8,7 @@
 #include <rigid_body_sim/BodyDescriptions.h>
 #include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/BodyStates.h>
+#include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
 
 #include <QHash>
@@ -48,6 +49,8 @@ class BodiesClient : public QObject {
   std::optional<BodyMotion> motion(std::size_t index) const;
   /// Names in the order in which they were selected.
   const QStringList& selection() const { return selection_; }
+  /// Whether a recording is replayed, of which nothing can be changed.
+  bool isReplay() const { return is_replay_; }
 
   void select(const QStringList& names);
   /// Gets why an edit was refused; an empty text where it was done.
@@ -61,6 +64,7 @@ class BodiesClient : public QObject {
   void bodiesChanged();
   void motionChanged();
   void selectionChanged();
+  void replayChanged();
   /// Bodies have other names now, whoever gave them: new names by the last ones. bodiesChanged() follows.
   void renamed(const QHash<QString, QString>& new_names);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
@@ -72,6 +76,8 @@ class BodiesClient : public QObject {
   QHash<QString, QString> newNames(const rigid_body_sim::BodyDescriptions& descriptions) const;
   void matchMotions();
   void receiveSelection(const rigid_body_sim::BodyNames& selection);
+  void receiveStatus(const rigid_body_sim::Status& status);
+  void setReplay(bool is_replay);
   std::string inNode(const char* name) const { return node_.toStdString() + "/" + name; }
 
   void watch();
@@ -79,10 +85,11 @@ class BodiesClient : public QObject {
   std::unique_ptr<ServiceWorker> worker_;  ///< made anew for each node: a call that hangs holds up no other
   QTimer watchdog_;
   ros::NodeHandle ros_;
-  ros::Subscriber descriptions_topic_, states_topic_, selection_topic_;
+  ros::Subscriber descriptions_topic_, states_topic_, selection_topic_, status_topic_;
   ros::Publisher select_;
   QString node_;
   QStringList selection_;
+  bool is_replay_ = false;
   rigid_body_sim::BodyDescriptions descriptions_;
   rigid_body_sim::BodyStatesConstPtr states_;  ///< the last ones; null: none have come
   std::vector<BodyMotion> motions_;            ///< as bodies(), or empty

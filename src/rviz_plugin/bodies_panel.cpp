@@ -56,6 +56,7 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
+  connect(&simulator_, &BodiesClient::replayChanged, this, &BodiesPanel::enableActions);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
   connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRenames);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
@@ -130,14 +131,22 @@ void BodiesPanel::layOut() {
 }
 
 void BodiesPanel::addActions() {
-  of_selection_ = {addAction("Look at", Qt::Key_F, &BodiesPanel::focus),
-                   addAction("Duplicate…", Qt::CTRL | Qt::Key_D, &BodiesPanel::duplicate),
-                   addAction("Delete", Qt::Key_Delete, &BodiesPanel::remove),
-                   addAction("Make a group…", Qt::CTRL | Qt::Key_G, &BodiesPanel::groupSelection)};
-  of_selection_.append(addAction("Hide in the view", Qt::Key_H, &BodiesPanel::hideSelection));
+  of_selection_ = {addAction("Look at", Qt::Key_F, &BodiesPanel::focus)};
+  edits_ = {addAction("Duplicate…", Qt::CTRL | Qt::Key_D, &BodiesPanel::duplicate),
+            addAction("Delete", Qt::Key_Delete, &BodiesPanel::remove)};
+  of_selection_ += edits_;
+  of_selection_ +=
+      QList<QAction*>{addAction("Make a group…", Qt::CTRL | Qt::Key_G, &BodiesPanel::groupSelection),
+                      addAction("Hide in the view", Qt::Key_H, &BodiesPanel::hideSelection)};
   addAction("Show all", Qt::SHIFT | Qt::Key_H, &BodiesPanel::showAll);
   addAction("Forget the group", {}, &BodiesPanel::ungroup);
-  for (QAction* const action : of_selection_) action->setEnabled(false);
+  enableActions();
+}
+
+void BodiesPanel::enableActions() {
+  for (QAction* const action : of_selection_)
+    action->setEnabled(!simulator_.selection().isEmpty() &&
+                       !(simulator_.isReplay() && edits_.contains(action)));
 }
 
 QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, void (BodiesPanel::*act)()) {
@@ -207,7 +216,7 @@ void BodiesPanel::showSelection() {
   list_->selectionModel()->select(selection, QItemSelectionModel::ClearAndSelect);
   shows_selection_ = false;
   if (!selection.isEmpty() && !list_->hasFocus()) list_->scrollTo(selection.first().topLeft());
-  for (QAction* const action : of_selection_) action->setEnabled(!names.isEmpty());
+  enableActions();
   showCount();
 }
 

@@ -37,6 +37,7 @@ class BodiesPanel : public rviz::Panel {
  private:
   void layOut();
   void addActions();
+  void enableActions();
   QAction* addAction(const QString& text, const QKeySequence& keys, void (BodiesPanel::*act)());
   void follow(const QString& node);
   void showSelection();
@@ -68,6 +69,7 @@ class BodiesPanel : public rviz::Panel {
   ElidedText* answer_;
   NodeBox* node_;
   QList<QAction*> of_selection_;                  ///< actions that need one
+  QList<QAction*> edits_;                         ///< actions that change the world
   QMap<QString, QStringList> in_group_;           ///< names of bodies, by the name of the group
   QSet<QString> hidden_;                          ///< names of bodies that the view does not draw
   QPointer<rviz::VisualizationManager> manager_;  ///< it may go before the panel

@@ -89,6 +89,7 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
 
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodyProperties::follow);
+  connect(&simulator_, &BodiesClient::replayChanged, this, &BodyProperties::follow);
   refresh_.setSingleShot(true);
   connect(&refresh_, &QTimer::timeout, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::motionChanged, this, [this] {
@@ -169,7 +170,11 @@ void BodyProperties::show() {
     note(kind_row_, {});
   }
   shown_ = std::move(ids);
-  heading_->setText(names.size() == 1 ? names[0] : QString("%1 bodies").arg(names.size()));
+  const bool is_replay = simulator_.isReplay();
+  heading_->setText((names.size() == 1 ? names[0] : QString("%1 bodies").arg(names.size())) +
+                    (is_replay ? QString(", replayed: nothing can be changed") : QString()));
+  for (QWidget* const editor : std::initializer_list<QWidget*>{name_.fields[0], kind_, color_})
+    editor->setEnabled(!is_replay);
   name_.fields[0]->show(names.size() == 1 ? std::optional<QString>(names[0]) : std::nullopt);
   showKindAndColor();
   for (std::size_t k = 0; k < rows_.size(); ++k) showNumbers(bodyFields()[k], rows_[k]);
@@ -202,7 +207,7 @@ void BodyProperties::showNumbers(const BodyField& field, Row& row) {
       if (differ) break;
       common = value;
     }
-    row.fields[part]->setEnabled(common.has_value());
+    row.fields[part]->setEnabled(common.has_value() && !simulator_.isReplay());
     if (!common) {
       row.fields[part]->show(QString("–"));
     } else {

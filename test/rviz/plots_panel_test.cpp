@@ -3,15 +3,20 @@
 #include "wait_for.h"
 
 #include "plots_panel.h"
+#include "time_plot.h"
 
 #include <rigid_body_sim/MeasureAccuracy.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 
 #include <QApplication>
+#include <QHelpEvent>
 #include <QTest>
+#include <QToolTip>
 
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 using namespace rbs;
 using rbs::test::waitFor;
@@ -85,6 +90,29 @@ TEST_F(PlotsPanelTest, ForgetsTheChartOfAnotherSimulator) {
   Q_EMIT node.chosen("/nobody");
   EXPECT_FALSE(chart.isVisible());
   EXPECT_FALSE(panel_.findChild<AccuracyView*>()->isEnabled());
+}
+
+// What happened at a line is told where the mouse rests on it, and nowhere else.
+TEST(TimePlotTest, ALineTellsWhatHappened) {
+  const Quantity& quantity = quantities().front();
+  History history;
+  for (const double time : {0.0, 10.0}) history.add(quantity.curves.front(), {time, 1.0});
+  history.mark(4.0, "wind on");
+  history.mark(4.0, "ball: friction 0.2");
+  TimePlot plot(quantity, {});
+  plot.resize(500, 200);
+  plot.setVisible(true);
+  plot.show(history, {0.0, 10.0, {}, nullptr});
+  plot.replot();
+  const auto toldAt = [&](double time) {
+    const QPoint at(static_cast<int>(std::lround(plot.transform(QwtPlot::xBottom, time))), 50);
+    QHelpEvent help(QEvent::ToolTip, at, plot.canvas()->mapToGlobal(at));
+    QApplication::sendEvent(plot.canvas(), &help);
+    return QToolTip::text();
+  };
+  EXPECT_EQ(toldAt(2.0), "");
+  EXPECT_EQ(toldAt(4.0), "4.000 s: wind on\nball: friction 0.2");
+  EXPECT_TRUE(waitFor([&] { return toldAt(6.0).isEmpty(); }));  // it fades
 }
 
 }  // namespace

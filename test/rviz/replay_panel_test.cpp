@@ -2,6 +2,9 @@
 // The slider of a replay, by mouse and keys, beside a replay of a bag that is made here; without a screen.
 #include "wait_for.h"
 
+#include "bodies_client.h"
+#include "body_properties.h"
+#include "body_table.h"
 #include "seek_bar.h"
 #include "transport_bar.h"
 
@@ -17,6 +20,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace rbs;
@@ -144,6 +148,35 @@ TEST_F(ReplayPanelTest, PlaysAndMovesTheSliderAndCannotRecord) {
   bar_.step();
   EXPECT_TRUE(waitFor([&] { return status_.recording.at(0) > before; }));
   EXPECT_LT(status_.recording.at(0), before + 1.5 * kStep);
+}
+
+TEST_F(ReplayPanelTest, BodiesAreReadAndNotChanged) {
+  BodiesClient bodies;
+  BodyProperties form(bodies);
+  const BodyTable table(bodies);
+  form.setVisible(true);
+  bodies.follow("/sim");
+  ASSERT_TRUE(waitFor([&] { return bodies.bodies().size() == 1 && bodies.isReplay(); }));
+  const QString name = QString::fromStdString(bodies.bodies()[0].name);
+  ASSERT_TRUE(waitFor([&] {
+    bodies.select({name});
+    return bodies.selection() == QStringList{name};
+  }));
+  EXPECT_FALSE(table.flags(table.index(0, BodyTable::Name)) & Qt::ItemIsEditable);
+  const QList<ValueField*> fields = form.findChildren<ValueField*>();
+  ASSERT_GT(fields.size(), 10);
+  ASSERT_TRUE(waitFor([&] { return fields[0]->text() == name; }));
+  for (const ValueField* const field : fields) EXPECT_FALSE(field->isEnabled()) << qPrintable(field->text());
+  EXPECT_FALSE(form.findChild<QComboBox*>()->isEnabled());
+  const auto position = [&] {
+    const auto x = std::find_if(fields.begin(), fields.end(),
+                                [](ValueField* field) { return field->accessibleName() == "Position x"; });
+    return x == fields.end() ? std::nan("") : (*x)->text().toDouble();
+  };
+  QTest::keyClick(&slider(), Qt::Key_End);
+  EXPECT_TRUE(waitFor([&] { return std::abs(position() - 10.0) < 1.5 * kStep; })) << position();
+  bodies.follow("/nobody");
+  EXPECT_FALSE(bodies.isReplay());
 }
 
 }  // namespace
