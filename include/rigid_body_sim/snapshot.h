@@ -212,16 +212,15 @@ struct Snapshot {
   std::uint64_t hash = 0;  ///< World::stateHash()
 
   // What the Simulator adds.
-  bool paused = false;      ///< true also while a step request is under way
-  std::uint64_t world = 0;  ///< number of the world, from 0: grows with every load, reset, undo and redo
-  std::uint64_t recorded =
-      0;                 ///< entries of a recording that this shows: the next has this Recorded::sequence
-  double elapsed = 0.0;  ///< physics time simulated in all its worlds, s; never goes back
-  std::string undo,      ///< the edit that Simulator::undo() takes back, in words; empty: none
-      redo;              ///< the undone edit that Simulator::redo() makes again; empty: none
-  std::uint64_t revision = 0;     ///< number of the last edit of Simulator::apply(), load() or reset(). An
-                                  ///< undo goes back to an earlier number
-  bool unsaved = false;           ///< whether no file holds the bodies as that edit has left them
+  bool paused = false;         ///< true also while a step request is under way
+  std::uint64_t world = 0;     ///< number of the world, from 0: grows with every load, reset, undo and redo
+  std::uint64_t recorded = 0;  ///< entries of a recording that it shows: Recorded::sequence of the next one
+  double elapsed = 0.0;        ///< physics time simulated in all its worlds, s; never goes back
+  std::string undo,            ///< the edit that Simulator::undo() takes back, in words; empty: none
+      redo;                    ///< the undone edit that Simulator::redo() makes again; empty: none
+  std::uint64_t revision = 0;  ///< number of the last edit of Simulator::apply(), load() or reset(). An
+                               ///< undo goes back to an earlier number
+  bool unsaved = false;        ///< whether no file holds the bodies as that edit has left them
   double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it, s
 
   /// Index of the body of this name in `bodies` and `states`, or -1. It searches all bodies.

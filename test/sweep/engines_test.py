@@ -12,11 +12,13 @@ import subprocess
 import sys
 import time
 import unittest
+from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import slurm_cluster  # noqa: E402
 from rigid_body_sim.sweep import batch, command, engines  # noqa: E402
 from rigid_body_sim.sweep.store import Store  # noqa: E402
+from rigid_body_sim.sweep.tree import Refused  # noqa: E402
 from sweep_file import PROGRAM, ROOT, SweepCase  # noqa: E402
 
 BALLS = '''
@@ -271,24 +273,41 @@ measure: {k: {python: "traps.py:value"}}
     def test_runs_that_end_their_worker_cost_no_other_by_one_process(self):
         self.check_traps('--workers', '1')
 
-    def test_a_run_that_ends_its_process_is_to_blame_and_no_other(self):
-        """Of two processes with two chunks each, one ends in its first."""
+    def processes(self, metric, *chunks):
+        """Two processes that have got these chunks of a plan of 40 runs, and what has ended of them by and by."""
         self.write(TRAPS, 'traps.py')
         file = self.write('''
 scene: ball_hits_wall
 steps: 10
+repeats: 10
 vary: {"bodies[ball].friction": {range: [1, 4], count: 4}}
-measure: {k: {python: "traps.py:value"}}
-''')
+measure: {k: {python: "traps.py:%s"}}
+''' % metric)
         text = command.read_plan(str(file), ROOT).text()
         engine = engines.Processes(2)
         self.addCleanup(engine.close)
-        for numbers in [2], [0], [1], [3]:  # friction 3 ends the process
+        for numbers in chunks:
             engine.submit(text, numbers)
-        ended = {}
-        while engine.pending:
-            ended.update({tuple(numbers): (records is not None, why) for numbers, records, why in engine.wait()})
-        self.assertEqual(ended, {(2,): (False, 'its process ended'), (0,): (True, ''), (1,): (False, ''), (3,): (True, '')})
+        while engine.running:
+            for numbers, records, why in engine.wait():
+                yield numbers, records is not None, why
+
+    def test_a_run_that_ends_its_process_is_to_blame_and_no_other(self):
+        ended = {tuple(numbers): rest for numbers, *rest in self.processes('value', [20], [0], [10], [30])}
+        self.assertEqual(ended, {(20, ): [False, 'its process ended'], (0, ): [True, ''], (10, ): [True, ''], (30, ): [True, '']})
+
+    def test_no_chunk_waits_for_a_long_one_while_a_process_has_nothing_to_do(self):
+        long = list(range(40))  # of a twentieth of a second each
+        ended = [numbers for numbers, *_ in self.processes('slowly', long, [0], [1], [2], [3])]
+        self.assertEqual(ended, [[0], [1], [2], [3], long])
+
+    def test_a_scheduler_of_dask_that_is_away_is_awaited(self):
+        engine = object.__new__(engines.DaskEngine)
+        engine.pending, client = {object(): [7]}, mock.Mock()
+        away = [Refused('no Dask scheduler answers'), OSError('gone'), client]
+        with mock.patch.object(engine, 'connected', side_effect=away), mock.patch.object(engines, 'POLL_SECONDS', 0.01):
+            self.assertEqual(list(engine.reconnect()), [([7], None, '')])
+        self.assertEqual((engine.client, engine.pending), (client, {}))
 
     def test_runs_that_end_their_worker_cost_no_other_by_two(self):
         self.check_traps('--workers', '2')

@@ -132,7 +132,9 @@ std::optional<Mismatch> Resimulation::take(const Recorded& entry) {
 }
 
 std::optional<Mismatch> Resimulation::finish() {
-  return world_ ? leaveWorld() : std::nullopt;
+  std::optional<Mismatch> found = world_ ? leaveWorld() : std::nullopt;
+  for (const auto& [moment, seen] : expected_) uncovered_ += seen.size();  // of worlds without a checkpoint
+  return found;
 }
 
 }  // namespace rbs

@@ -68,7 +68,7 @@ constexpr double kJump = 0.5;
 // many times in a step.
 constexpr double kMostSunk = 1e-4;
 constexpr int kMostHalvings = 8;
-// Share of its kinetic energy that an island may gain in a segment.
+// Share of its kinetic energy, and of that of a fall for one step, that an island may gain in a segment.
 constexpr double kGain = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
@@ -437,12 +437,12 @@ void Stepper::solve() {
   const std::vector<BodyMotion> start = island_.save();
   settle();
   goOver();
-  if (outcome_ == Outcome::Done && runsAway(start)) return giveUp(Outcome::NoSolution);
+  const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
+  if (outcome_ == Outcome::Done && runsAway(start)) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
-  if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate()))
-    giveUp(budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear);
+  if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate())) giveUp(failure);
 }
 
 // Goes to where the segment ends.

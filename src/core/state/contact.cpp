@@ -32,9 +32,18 @@ void Contact::addEarlier() {
 }
 
 void Contact::beginSolve() {
-  if (solved) addEarlier();
+  if (solved) {
+    addEarlier();
+  } else {
+    points_before.swap(points), exact_before = exact;
+  }
   points.clear();
   solved = true;
+}
+
+void Contact::takeBackSolves() {
+  if (solved) points.swap(points_before), exact = exact_before;
+  solved = false;
 }
 
 void Contacts::update(const Bodies& bodies, const IndexPairs& found,
@@ -48,6 +57,7 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
       if (place != active.end() && place->key == old.key) {
         place->exact = old.exact, place->axis.n_A = old.axis.n_A;
         place->points = std::move(old.points), place->earlier = std::move(old.earlier);
+        place->points_before = std::move(old.points_before);  // for its room alone
       } else if (!old.earlier.empty() || (!old.points.empty() && rests(old))) {
         old.state = {}, old.solved = false,
         old.axis.queries = old.axis.kept = 0;  // of the part that has ended

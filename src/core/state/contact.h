@@ -69,6 +69,9 @@ struct Contact {
   bool exact = false;               ///< the exact step solved its points
   bool solved = false;              ///< its points are of this step; false: of the last one
   std::vector<SolvedPoint> points;  ///< as the last solve left them
+  /// Where it is solved: what `points` and `exact` were when the step began.
+  std::vector<SolvedPoint> points_before;
+  bool exact_before = false;
   /// The impulses of this step of the World that `points` do not have: of located impacts, of parts of the
   /// step before the last, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;
@@ -104,6 +107,8 @@ struct Contact {
   void addEarlier();
   /// Makes room for the points of another solve. Impulses given in this step are kept.
   void beginSolve();
+  /// Takes back all solves of the step, but not the impulses that are in `earlier`.
+  void takeBackSolves();
   /// Drops all that is known: a body has been moved or reshaped.
   void forget() { points.clear(), earlier.clear(), exact = false, axis = {}; }
 };

@@ -231,7 +231,7 @@ void Pipeline::run(Context& context) {
     const Clock::time_point now = Clock::now();
     seconds_[row] += secondsBetween(mark, now);
     mark = now;
-    if (!context.step.woken.empty()) return;  // to be begun again
+    if (!context.step.woken.empty()) break;  // to be begun again
   }
   for (std::size_t row = 0; row < kInnerRows; ++row) row_seconds_[row] += context.step.row_seconds[row];
   context.step.report.seconds = secondsBetween(begin, mark);

@@ -112,9 +112,11 @@ void Restart::restoreContacts(Context& context, const IndexPairs& missed, const 
 
 void Restart::giveBack(Context& context) {
   Bodies& bodies = context.scene.bodies;
+  for (Contact& contact : context.scene.contacts.active) contact.takeBackSolves();
   restoreContacts(context, {}, std::vector<char>(bodies.size(), 1));
   for (Index i = 0; i < bodies.size(); ++i)
     bodies.pose[i] = context.step.before[i], bodies.twist[i] = context.step.twist_before[i];
+  context.step.report.repeated += context.scene.lists.in_islands.size();
 }
 
 void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) {

@@ -17,23 +17,25 @@ namespace {
 // something into a sleeper.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
+  if (!step.impacts.empty() && !context.scene.rest.empty()) return true;
   if (context.scene.lists.in_islands.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
   };
   const auto isConnected = [](const Island& island) { return !island.flies(); };
-  if (!step.impacts.empty() && !context.scene.rest.empty()) return true;
   return std::any_of(step.islands.begin(), step.islands.end(), isConnected) ||
          (!step.impacts.empty() && std::any_of(contacts.begin(), contacts.end(), stays));
 }
 
-std::vector<Index> sleepersAmong(const Context& context, const IndexPairs& pairs) {
+// Whether some of these pairs are with sleepers, which are to wake.
+bool wakeAmong(Context& context, const IndexPairs& pairs) {
   std::vector<Index> sleepers;
   for (const auto& [i, j] : pairs)
     for (const Index k : {i, j})
       if (context.scene.bodies.traits[k].asleep) sleepers.push_back(k);
-  return sleepers;
+  sleep::wakeGroups(context, sleepers);
+  return !sleepers.empty();
 }
 
 // Each push may reach one body further. At the fast settings what is left after a few times is left to the next step.
@@ -42,12 +44,12 @@ void advanceUntilNoneIsMissed(Context& context) {
   Restart restart(context);
   for (int times = 1;; ++times) {
     takeImpacts(context);
+    if (wakeAmong(context, context.step.late)) return restart.giveBack(context);
     advanceToEnd(context);
     const bool last = times == most_times || context.step.solve_budget.isLate();
     IndexPairs missed = last ? IndexPairs() : findMissedContacts(context);
+    if (wakeAmong(context, missed)) return restart.giveBack(context);
     missed.insert(missed.end(), context.step.late.begin(), context.step.late.end());
-    sleep::wakeGroups(context, sleepersAmong(context, missed));
-    if (!context.step.woken.empty()) return restart.giveBack(context);
     if (last || (missed.empty() && context.step.reached.empty())) return;
     restart.beginAgain(context, missed, times);
   }

@@ -298,12 +298,18 @@ unsigned World::threads() const {
 void World::Impl::advance(double to) {
   Context context{scene, step, analysis};
   assert(invariants::hold(invariants::broken(scene)));
+  const std::int64_t work = step.solve_budget.work;
+  double seconds = 0.0;
+  std::uint32_t repeated = 0;
   do {
     sleep::wake(scene, step.woken);
     if (!step.woken.empty()) recount();
     step.begin(scene, scene.time, to);
+    step.solve_budget.work = work;
     pipeline.run(context);
+    seconds += step.report.seconds, repeated += step.report.repeated;
   } while (!step.woken.empty());
+  step.report.seconds = seconds, step.report.repeated = repeated;
   assert(invariants::hold(invariants::broken(scene, step)));
   scene.contacts.endStep();
   scene.time = to;

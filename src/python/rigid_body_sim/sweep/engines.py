@@ -4,12 +4,14 @@
 `slots` is the number of chunks that run at once, `submit` gives one more, `wait` yields those that have ended as (numbers,
 records, why): without records the chunk is lost, by a fault of its own where `why` says something.
 """
+import collections
 import concurrent.futures
 import concurrent.futures.process
 import ctypes
 import multiprocessing
 import os
 import queue
+import resource
 import signal
 import time
 
@@ -26,50 +28,56 @@ def begin_worker():
     """Ctrl-C reaches all processes of the terminal: the one that has started this alone decides. When that is killed, this ends
     with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # blocked until here
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 class Processes:
     """Processes of this machine beside this one, so that what ends one does not end the sweep. Each is a pool of its own: what
-    ends one ends no other, and is to blame for it."""
+    ends one ends no other. A chunk waits here until a process has nothing to do."""
 
     def __init__(self, workers):
-        self.slots, self.pools, self.pending = workers, [None] * workers, {}
+        self.slots, self.pools = workers, [None] * workers
+        self.waiting, self.running = collections.deque(), {}  # chunks; the process and the chunk, by its future
+        _, most_files = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most_files, most_files))  # a pool has eight
 
     def submit(self, plan_text, numbers):
-        """To the process that has least to do. One that has ended is replaced."""
-        busy = [pool for pool, _ in self.pending.values()]
-        slot = min(range(self.slots), key=lambda slot: busy.count(self.pools[slot]))
-        try:
-            pool = self.pools[slot] or self.started(slot)
-            future = pool.submit(run_chunk, plan_text, numbers)
-        except BROKEN:
-            pool = self.started(slot)
-            future = pool.submit(run_chunk, plan_text, numbers)
-        self.pending[future] = pool, numbers
+        self.waiting.append((plan_text, numbers))
+        self.fill()
 
-    def started(self, slot):
-        context = multiprocessing.get_context('spawn')
-        self.pools[slot] = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
-        return self.pools[slot]
+    def fill(self):
+        busy = {slot for slot, _ in self.running.values()}
+        for slot in range(self.slots):
+            if self.waiting and slot not in busy:
+                plan_text, numbers = self.waiting.popleft()
+                self.running[self.begun(slot, plan_text, numbers)] = slot, numbers
+
+    def begun(self, slot, plan_text, numbers):
+        """The future of a chunk. A process that has ended while it had nothing to do is replaced."""
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # until begin_worker() has run in a new process
+        try:
+            if self.pools[slot]:
+                try:
+                    return self.pools[slot].submit(run_chunk, plan_text, numbers)
+                except BROKEN:
+                    pass
+            context = multiprocessing.get_context('spawn')
+            self.pools[slot] = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
+            return self.pools[slot].submit(run_chunk, plan_text, numbers)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
     def wait(self):
         """At least one chunk, unless none ends within half a second."""
-        done, _ = concurrent.futures.wait(self.pending, POLL_SECONDS, concurrent.futures.FIRST_COMPLETED)
-        for future in [future for future in self.pending if future in done]:
-            if future not in self.pending:
-                continue  # it was lost with one before it
-            pool, numbers = self.pending.pop(future)
+        done, _ = concurrent.futures.wait(self.running, POLL_SECONDS, concurrent.futures.FIRST_COMPLETED)
+        ended = [(self.running.pop(future)[1], future) for future in list(self.running) if future in done]
+        self.fill()
+        for numbers, future in ended:
             try:
                 yield numbers, future.result(), ''
             except BROKEN:
                 yield numbers, None, 'its process ended'
-                yield from self.lost_with(pool)
-
-    def lost_with(self, pool):
-        """Chunks that had not begun when their process ended."""
-        for future in [future for future, (of, _) in self.pending.items() if of is pool]:
-            yield self.pending.pop(future)[1], None, ''
 
     def close(self):
         for pool in filter(None, self.pools):
@@ -153,7 +161,7 @@ class DaskEngine:
                     break
                 self.client.close()
             except (Refused, OSError):
-                yield from self.lost_with(pool)
+                pass
             if time.monotonic() > deadline:
                 raise Refused(f'the scheduler at {self.address} has been away for {PATIENCE_SECONDS:g} s')
             time.sleep(POLL_SECONDS)
