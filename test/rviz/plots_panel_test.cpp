@@ -92,7 +92,7 @@ TEST_F(PlotsPanelTest, ForgetsTheChartOfAnotherSimulator) {
   EXPECT_FALSE(panel_.findChild<AccuracyView*>()->isEnabled());
 }
 
-// What happened at a line is told where the mouse rests on it, and nowhere else.
+// The tooltip of an event's line says what the event was. Elsewhere in the plot there is no tooltip.
 TEST(TimePlotTest, ALineTellsWhatHappened) {
   const Quantity& quantity = quantities().front();
   History history;
