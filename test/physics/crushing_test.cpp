@@ -135,6 +135,27 @@ TEST_P(Crushing, ASleeperThatWakesWithinAStepChangesNothingFarAway) {
   EXPECT_EQ(ends[0].q_WB.coeffs(), ends[1].q_WB.coeffs());
 }
 
+// A body that gravity alone moves, and that leaves the limits in a step that begins again, is frozen and named by the
+// step as it was taken in the end.
+TEST_P(Crushing, WhatLeavesTheLimitsInAStepThatBeginsAgainIsNamed) {
+  SceneDef scene = sliderCubesAndSleeper(GetParam(), 0.3);
+  BodyDef lost = ball("lost", 0.1, {0.0, 0.0, 0.0});
+  lost.mask = 0, lost.twist.v_WB.x() = 1e4;
+  lost.pose.p_WB.x() = Limits::max_position - lost.twist.v_WB.x() * (1.0 + 0.5 * scene.step);
+  scene.bodies.push_back(lost);
+  World world(scene);
+  advance(world, 1.0);
+  ASSERT_TRUE(isAsleep(world, "sleeper"));
+  ASSERT_STREQ(stateOf(world, "lost").method, "ballistic");
+  const Vec3 last = stateOf(world, "lost").pose.p_WB;
+  const std::vector<Warning> warnings = world.step().warnings;
+  ASSERT_FALSE(isAsleep(world, "sleeper"));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].kind, "non_finite");
+  EXPECT_EQ(stateOf(world, "lost").pose.p_WB, last);
+  EXPECT_TRUE(stateOf(world, "lost").twist.v_WB.isZero(0.0));
+}
+
 // A ball, 30 mm before a body that sleeps, flies off towards a wall and comes back in the same step. Its predicted motion
 // does not meet the sleeper, and no other body is awake.
 TEST_P(Crushing, ASleeperThatABallMeetsOnItsWayBackTakesItsMomentum) {

@@ -61,8 +61,7 @@ constexpr double kLeftOverlap = 1e-6;
 constexpr int kMostCorrections = 6;
 // A residual beyond this is no solution that is not quite converged, but none.
 constexpr double kUnsolved = 1e-2;
-// Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same,
-// and the feature of one that was elsewhere before.
+// Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same.
 constexpr double kJump = 0.5;
 // An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
 // many times in a step.
@@ -72,7 +71,6 @@ constexpr int kMostHalvings = 8;
 constexpr double kGain = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
-constexpr std::uint32_t kPassed = 0xfffffffe;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
 
@@ -189,7 +187,7 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     const Index known = touching_.matching(point);
     if (known != kNone && !isElsewhere({p_i, p_j}, touching_.points[known])) continue;
     if (!all) all = touching_;
-    if (known != kNone) all->points[all->matching(point)].feature = kPassed;
+    if (known != kNone) all->points[all->matching(point)].feature = SolvedPoint::kPassed;
     point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
     point.force_W.setZero(), point.impulse_W.setZero();
     law.r_i = point.p_W - step_.poseAt(bodies, contact.i, now_).p_WB;

@@ -21,8 +21,9 @@ namespace rbs {
 
 /// One point of a contact at the end of its last solve.
 struct SolvedPoint {
-  /// The feature of a point whose normal says nothing: its bodies share a centre.
-  static constexpr std::uint32_t kNoSide = 0xffffffff;
+  /// Features that no pair of shapes has. kNoSide: the bodies share a centre, so that the normal says nothing.
+  /// kLifted: the impulse by which a plane stopped a body. kPassed: the point was elsewhere on the bodies before.
+  static constexpr std::uint32_t kNoSide = 0xffffffff, kLifted = 0xfffffffe, kPassed = 0xfffffffd;
 
   std::uint32_t feature = 0;               ///< finds the same point again in the next step
   double normal = 0.0;                     ///< force along n_W, N, >= 0: the guess for the next solve

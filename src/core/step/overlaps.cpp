@@ -25,8 +25,6 @@ constexpr Index kFew = 3;
 constexpr Index kFewToSolve = 32;
 // Share of its smallest extent by which a body may go through a plane.
 constexpr double kThroughPlane = 0.5;
-// The feature of the impulse by which a plane stops a body: no pair of features has it.
-constexpr std::uint32_t kLifted = 0xffffffffu;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
 
@@ -165,7 +163,7 @@ void liftAbovePlane(Context& context, Index plane, Index i) {
   const double gained = std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W));
   v_W += gained * up_W;
   SolvedPoint point;
-  point.feature = kLifted;
+  point.feature = SolvedPoint::kLifted;
   point.p_W = bodies.pose[i].p_WB - up_W.dot(bodies.pose[i].p_WB - X_WP.p_WB) * up_W;
   point.n_W = plane < i ? up_W : Vec3(-up_W);
   point.separation = lift - below;

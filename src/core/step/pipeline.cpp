@@ -96,12 +96,12 @@ constexpr std::array kStages{
           }},
     Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
     Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
-    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
     Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
             return Items{step.islands.size(), "islands"};
           }},
     Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&BodyLists::in_islands>},
+    Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
     Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
     Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&BodyLists::in_islands>},
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&BodyLists::in_islands>},
