@@ -53,6 +53,25 @@ TEST(Contact, EarlierImpulsesAddUpWhateverTheirNormals) {
   EXPECT_LE((impulseOf(contact.earlier[1]) - first - second).norm(), 1e-15);
 }
 
+TEST(Contact, ALastNormalIsThatOfAForceElseOfAnOverlapThatHasASide) {
+  Contact contact;
+  EXPECT_TRUE(contact.lastNormal(0.0).n_W.isZero(0.0));
+  const auto add = [&](std::uint32_t feature, const Vec3& n_W, double separation, double force) {
+    contact.points.push_back(pointWith(feature, Vec3::Zero(), n_W));
+    contact.points.back().separation = separation, contact.points.back().normal = force;
+  };
+  add(1, Vec3::UnitX(), 1e-3, 0.0);
+  add(SolvedPoint::kNoSide, Vec3::UnitZ(), -0.1, 0.0);
+  EXPECT_TRUE(contact.lastNormal(0.0).n_W.isZero(0.0)) << "apart, and with one centre";
+  add(2, Vec3::UnitY(), -1e-3, 0.0);
+  EXPECT_EQ(contact.lastNormal(0.0).n_W, Vec3(Vec3::UnitY()));
+  EXPECT_FALSE(contact.lastNormal(0.0).loaded);
+  add(3, -Vec3::UnitX(), 1e-4, 5.0);
+  EXPECT_EQ(contact.lastNormal(5.0).n_W, Vec3(Vec3::UnitY())) << "a force that is too small";
+  EXPECT_EQ(contact.lastNormal(4.0).n_W, Vec3(-Vec3::UnitX()));
+  EXPECT_TRUE(contact.lastNormal(4.0).loaded);
+}
+
 TEST(Contact, ASecondSolveKeepsTheImpulsesOfThisStepAndNotThoseOfTheLast) {
   Contact contact;
   contact.points = {pointWith(1, Vec3(0.0, 0.0, 2.0))};

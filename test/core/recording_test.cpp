@@ -481,6 +481,28 @@ TEST(Recording, AChangedNumberIsFoundAtItsCommand) {
   EXPECT_EQ(mismatch->expected, session.entries[1].hash);
 }
 
+// What differs after steps that had a time limit may be the clock's fault. The mismatch says so, even where a later
+// setting has none.
+TEST(Recording, AMismatchTellsWhetherStepsHadATimeLimit) {
+  for (const bool limited : {false, true}) {
+    Session session(someBodies(), 100.0);
+    session.apply([&](World& world) {
+      Setting setting = world.scene().fidelity;
+      if (limited) setting.max_solve_ms = 1e4;
+      world.setFidelity(setting);
+    });
+    session.step(5);
+    session.apply([](World& world) { world.setFidelity(Fidelity::Accurate); });
+    push(session);
+    session.entries.back().hash ^= 1;
+    Resimulation resimulation;
+    const auto mismatch = resimulate(resimulation, session.entries);
+    ASSERT_TRUE(mismatch);
+    EXPECT_EQ(mismatch->at, "apply_impulse");
+    EXPECT_EQ(mismatch->clocked, limited);
+  }
+}
+
 TEST(Recording, ALostCommandIsFoundByTheNextHash) {
   Session session(someBodies(), 100.0);
   push(session);

@@ -58,7 +58,7 @@ std::optional<Mismatch> Resimulation::advance(std::uint64_t step) {
   std::optional<Mismatch> first;
   while (world_->steps() < step) {
     if (std::optional<Mismatch> found = leaveStep(); found && !first) first = std::move(found);
-    clocked_ = clocked_ || world_->scene().fidelity.max_solve_ms;
+    clocked_ = clocked_ || world_->scene().fidelity.max_solve_ms.has_value();
     world_->step();
     ++steps_;
     seconds_ += world_->scene().step;
