@@ -121,8 +121,7 @@ int main() {
     const int sweeps = problem.points.size() < 1000 ? 20000 : 200;
     print(alone(problem, [&](const System& s, BodyBlocks&) { return gaussSeidel(s, 1e-6, sweeps); }));
     print(alone(problem, [&](const System& s, BodyBlocks& m) { return admm(s, m, cold, 1e-6, 1000); }));
-    print(
-        alone(problem, [&](const System& s, BodyBlocks& m) { return interiorPoint(s, m, cold, 1e-6, 80); }));
+    print(alone(problem, [&](const System& s, BodyBlocks& m) { return interiorPoint(s, m, 1e-6, 80); }));
     print(alone(problem, [&](const System& s, BodyBlocks& m) {
       return newton(s, m, {cold, s.residuals(cold)}, 100.0, 1e-6, 60);
     }));

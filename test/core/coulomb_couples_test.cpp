@@ -39,9 +39,7 @@ const std::vector<Alone> kSolvers = {
     {"gauss_seidel", [](const System& s, BodyBlocks&) { return gaussSeidel(s, 1e-6, 20000); }},
     {"newton", [](const System& s, BodyBlocks& m) { return newton(s, m, cold(s), 10.0, 1e-6, 400); }},
     {"interior_point",
-     [](const System& s, BodyBlocks& m) {
-       return finished(s, m, interiorPoint(s, m, Impulses::Zero(3, s.columns()), 1e-6, 80));
-     }},
+     [](const System& s, BodyBlocks& m) { return finished(s, m, interiorPoint(s, m, 1e-6, 80)); }},
     {"path", [](const System& s, BodyBlocks& m) { return finished(s, m, followPath(s, m, 1e-6, 600)); }},
     {"admm", [](const System& s, BodyBlocks& m) { return admm(s, m, cold(s).r, 1e-6, 5000); }}};
 

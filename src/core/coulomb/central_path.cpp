@@ -11,8 +11,6 @@ namespace rbs::coulomb {
 namespace {
 
 constexpr double kSolved = 1e-3;  // what a solution of the linear equations may leave of their right side
-// The root of the first t, in units of the residual of the guess, and the least of it.
-constexpr double kBeside = 0.2, kNearest = 1e-8;
 
 }  // namespace
 
@@ -39,35 +37,34 @@ double CentralPath::Place::normalSum(const Couple& couple) const {
 
 // All products begin at the same t, in units of the whole island: so the lightest bodies' are the last to
 // close, which jams of 1e4 : 1 in masses need. At the same t for their own mass, half of such jams get stuck.
-CentralPath::CentralPath(const System& system, BodyBlocks& matrix, const Impulses& guess)
-    : system_(system), matrix_(matrix) {
+CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(system), matrix_(matrix) {
   const std::size_t size = system.points().size();
-  const Impulses u = system.relativeVelocitiesAbout(guess);
-  const double distance = std::max(kBeside * system.residuals(guess, u).worst(), kNearest);
-  const double t = distance * distance;
+  place.y = system.free();
+  // The size of the start is that of the velocities of points that close, and of the unit at least. A point
+  // that opens faster than that does so at the start too.
+  std::vector<Vec3> free;
+  double sum = 0.0;
+  for (const Point& point : system.points()) {
+    free.push_back(system.velocity(point, place.y));
+    if (free.back()[2] < 0.0) sum += free.back().squaredNorm();
+  }
+  const double start = std::max(1.0, std::sqrt(sum / static_cast<double>(size)));
   for (std::size_t k = 0; k < size; ++k) {
-    const Point& point = system.points()[k];
-    const double r_n = firstOf(t, point.response, guess(2, k), u(2, k));
-    const FrictionBarrier<2>& barrier = sliding_.emplace_back(point.sliding);
-    place.points.push_back(
-        {r_n, t / r_n, barrier.start(r_n, t, point.response, guess.col(k).head<2>(), u.col(k).head<2>())});
+    const double u_n = std::max(start, free[k][2]), r_n = start * start / u_n;
+    const FrictionBarrier<2>& barrier = sliding_.emplace_back(system.points()[k].sliding);
+    place.points.push_back({r_n, u_n, barrier.start(r_n, u_n)});
     count_ += barrier.isBall() ? 2 : 1;
   }
-  for (std::size_t k = 0; k < system.couples().size(); ++k) {
-    const Couple& couple = system.couples()[k];
-    const double n = place.normalSum(couple), rho = couple.response;
-    const Vec3 x = guess.col(size + k), w = u.col(size + k);
+  for (const Couple& couple : system.couples()) {
+    const double n = place.normalSum(couple), speed = start * start / n;
     const CoupleBarriers& barriers = couples_.emplace_back(
         CoupleBarriers{FrictionBarrier<2>(couple.rolling), FrictionBarrier<1>(couple.spinning)});
-    place.couples.push_back({barriers.rolling.start(n, t, rho, x.head<2>(), w.head<2>()),
-                             barriers.spinning.start(n, t, rho, x.tail<1>(), w.tail<1>())});
+    place.couples.push_back({barriers.rolling.start(n, speed), barriers.spinning.start(n, speed)});
     count_ += barriers.rolling.isBall() + barriers.spinning.isBall();
   }
   D_.resize(system.columns());
   g_.resize(couples_.size());
   off_.resize(3, system.columns());
-  place.y = system.free();
-  system.push(impulses(), place.y);
 }
 
 Impulses CentralPath::impulses() const {

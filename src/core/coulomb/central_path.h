@@ -15,14 +15,6 @@
 // that the start has. The start is on it, at share 1; the solution at t = 0 and share 0. Since the problem is
 // not monotone, the path may turn back at some t on its way.
 //
-// The start is the place with products t beside a guess. Of two numbers a, b > 0 whose product is to be t, those beside
-// a' and b' are the ones with rho a - b = rho a' - b' = z, rho being worth in b what a unit is in a:
-//   a = (z + (z^2 + 4 rho t)^(1/2))/(2 rho),   b = t/a
-// (Chen and Mangasarian 1996). So they tend to the guess with t where that is complementary. r_n and u_n are a and b. Of
-// the vectors of a barrier, b = (x, c) has c = mu r_n already and h = t b^-1. Their products are those of their spectral
-// values, c - |x| with |w| + a and c + |x| with a - |w|. The first pair, which is the guess's c - |x'| and 2 |w'|,
-// gives |x|, and x has the direction of rho x' - w'.
-//
 // Newton's step (du, dr, dy, and so on), with a wanted change c of r_n u_n, is
 //   dr_n = (c - r_n du_n)/u_n
 // and that of the barriers, so that dr = e - D du at each point, D having the column of dr_n/du_n also in its
@@ -61,8 +53,7 @@ class CentralPath {
     double normalSum(const Couple& couple) const;
   };
 
-  /// Starts beside the impulses of a guess, at most at the distance of its residual. A guess of zeros is one, too.
-  CentralPath(const System& system, BodyBlocks& matrix, const Impulses& guess);
+  CentralPath(const System& system, BodyBlocks& matrix);
 
   Place place;
   Impulses impulses() const;

@@ -15,8 +15,6 @@ namespace {
 
 // A guess may miss the aim by so much, or rounding would unsettle rest.
 constexpr double kWarmStart = 10.0;
-// Loads that changed in size only leave a guess this near.
-constexpr double kSameLoads = 0.1;
 // Where less than this is asked, the rounding of double would show in the residuals of a guess.
 constexpr double kEveryDigit = 1e-10;
 
@@ -48,7 +46,7 @@ struct Case {
   bool wants_every_digit = tolerance < 1e-9;
   // A little more than asked, so that the same impulses pass as the guess of the next step.
   double target = 0.1 * aim;
-  double rough = std::max(0.1 * tolerance, 3e-6);  // for those that Newton's method finishes
+  double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
 
   Answer cold() const {
     const Impulses zero = Impulses::Zero(3, system.columns());
@@ -80,7 +78,7 @@ Answer sweeps(const Case& at, double tolerance, int cap) {
   return gaussSeidel(at.system, tolerance, cap);
 }
 Answer interior(const Case& at, double tolerance, int cap) {
-  return interiorPoint(at.system, at.matrix, at.best.r, tolerance, cap);
+  return interiorPoint(at.system, at.matrix, tolerance, cap);
 }
 Answer path(const Case& at, double tolerance, int cap) {
   return followPath(at.system, at.matrix, tolerance, cap);
@@ -97,8 +95,7 @@ Answer admmFromBest(const Case& at, double tolerance, int cap) {
 // every digit is asked.
 constexpr Attempt kAttempts[] = {
     // Loads that changed in size only.
-    {CoulombSolver::Newton, newtonFromGuess,
-     [](const Case& at) { return at.is_warm && (at.slips || at.best.within(kSameLoads)); }, &Case::aim,
+    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_warm; }, &Case::aim,
      &Case::target, 5, 0},
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::aim,
      &Case::target, 100, 10},
@@ -107,10 +104,10 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::Admm, admmFromRest, [](const Case& at) { return at.is_large; }, &Case::tolerance,
      &Case::rough, 100, 10},
     {CoulombSolver::InteriorPoint, interior, [](const Case& at) { return at.wants_every_digit; },
-     &Case::tolerance, &Case::rough, 80, 40, 3},
+     &Case::tolerance, &Case::rough, 80, 40},
     {CoulombSolver::InteriorPoint, interior,
      [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
-     30, 3},
+     20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::tolerance,
      &Case::target, 30, 0},
     // The central path may turn back where the interior point gets stuck.
@@ -168,13 +165,10 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
     for (const Attempt& attempt : kAttempts) {
       for (int round = 0; round < attempt.rounds; ++round) {
         if (at.best.within(at.*attempt.enough) || !attempt.applies(at)) break;
-        const double before = at.best.residuals.beyond_rounding;
         const Answer answer = attempt.solve(at, at.*attempt.tolerance, attempt.cap);
         consider(attempt.solver, answer);
         if (attempt.finish > 0 && !at.best.within(aim))
-          consider(attempt.solver,
-                   newton(system, matrix, answer, 10.0, at.target, attempt.finish, tolerance));
-        if (!(at.best.residuals.beyond_rounding < before)) break;
+          consider(attempt.solver, newton(system, matrix, answer, 1e3, at.target, attempt.finish, tolerance));
       }
     }
     best = std::move(at.best);

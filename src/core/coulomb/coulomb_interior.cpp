@@ -20,9 +20,8 @@ constexpr int kShortSteps = 6;  // in a row, until it is stuck
 
 }  // namespace
 
-Answer interiorPoint(const System& system, BodyBlocks& matrix, const Impulses& guess, double tolerance,
-                     int cap) {
-  CentralPath path(system, matrix, guess);
+Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap) {
+  CentralPath path(system, matrix);
   CentralPath::Place predictor, corrector;
   Answer best;
   best.r = Impulses::Zero(3, system.columns());
@@ -37,7 +36,7 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, const Impulses& g
     path.place.add(part, corrector);
     short_steps = part < kShortStep ? short_steps + 1 : 0;
     const Impulses r = path.impulses();
-    const Residuals residuals = system.residuals(r, system.relativeVelocitiesAbout(r));
+    const Residuals residuals = system.residuals(r);
     if (residuals.beyond_rounding < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;
     if (best.within(tolerance)) break;
   }

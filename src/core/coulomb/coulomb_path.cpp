@@ -38,10 +38,10 @@ constexpr int kFurtherBack = 3;
 }  // namespace
 
 Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, int cap) {
+  CentralPath path(system, matrix);
+  CentralPath::Place tangent, correction;
   Answer best;
   best.r = Impulses::Zero(3, system.columns());
-  CentralPath path(system, matrix, best.r);
-  CentralPath::Place tangent, correction;
   best.residuals = system.residuals(best.r);
 
   struct Mark {
@@ -108,7 +108,7 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
     path.place.add(1.0, correction).add(beta, tangent);
     now = {path.place, now.log_t + beta, std::copysign(1.0, cosine) * direction};
     const Impulses r = path.impulses();
-    const Residuals residuals = system.residuals(r, system.relativeVelocitiesAbout(r));
+    const Residuals residuals = system.residuals(r);
     if (residuals.beyond_rounding < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;
     if (best.within(tolerance)) break;
   }

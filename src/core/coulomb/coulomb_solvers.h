@@ -29,10 +29,9 @@ Answer gaussSeidel(const System& system, double tolerance, int cap);
 Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, double stiffness,
               double tolerance, int cap, double enough = 0.0);
 
-/// Interior point, from beside a guess. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton`
-/// is to finish.
-Answer interiorPoint(const System& system, BodyBlocks& matrix, const Impulses& guess, double tolerance,
-                     int cap);
+/// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton` is to
+/// finish.
+Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);
 
 /// The interior point's path by its arc length, slower and through more. Iterations are factorisations.
 Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, int cap);

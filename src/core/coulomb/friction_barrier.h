@@ -27,12 +27,6 @@ inline double roomWithin(double x, double d) {
   return d < 0.0 ? -x / d : std::numeric_limits<double>::infinity();
 }
 
-/// The first of two positive numbers of product t that lie beside `first` and `second`: rho first - second is theirs.
-inline double firstOf(double t, double rho, double first, double second) {
-  const double z = rho * first - second, root = std::sqrt(z * z + 4.0 * rho * t);
-  return z > 0.0 ? (z + root) / (2.0 * rho) : 2.0 * t / (root - z);  // in the form that does not cancel
-}
-
 /// The pair, or a change of it; zero where the set is no ball.
 template <int n>
 struct ConePair {
@@ -100,17 +94,10 @@ class FrictionBarrier {
   explicit FrictionBarrier(const FrictionSet<n>& set) : set_(set) {}
 
   bool isBall() const { return set_.isBall(); }
-  /// The place with the product t e under the normal impulse N beside an impulse x and a slip w: see central_path.h.
-  Pair start(double N, double t, double rho, const Vec& x, const Vec& w) const {
+  /// A place with the product N speed: no impulse under the normal impulse N, and no slip.
+  Pair start(double N, double speed) const {
     Pair pair;
-    if (!isBall()) return pair;
-    const double c = set_.factor * N;
-    const double left = std::min(c, firstOf(t, rho, c - x.norm(), 2.0 * w.norm()));
-    const Vec z = rho * x - w;
-    if (z.norm() > 0.0) pair.b.template head<n>() = (c - left) / z.norm() * z;
-    pair.b[n] = c;
-    pair.h << -pair.b.template head<n>(), c;
-    pair.h *= t / (left * (2.0 * c - left));
+    if (isBall()) pair.b[n] = set_.factor * N, pair.h[n] = speed / set_.factor;
     return pair;
   }
   Vec impulse(const Pair& pair, double N) const {

@@ -8,8 +8,9 @@
 
 namespace rbs {
 
-void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all, double gain) {
-  gain_ = gain;
+void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all, double gain,
+                       double falls) {
+  gain_ = gain, falls_ = falls;
   const StepStore& step = context.step;
   std::vector<Index> found;  // islands
   for (const SolverBlock& block : contacts.blocks) {
@@ -26,23 +27,39 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
 
 // Takes the energy from the motions about the common centre first, which keeps the momentum.
 void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const {
+  struct Sum {
+    double mass = 0.0, energy = 0.0, given = 0.0, fall = 0.0, share = 1.0, rest = 1.0;
+    Vec3 momentum = Vec3::Zero(), common = Vec3::Zero();
+  };
+  std::vector<Sum> sums(islands_.size());
+  for (Index k = 0; k < islands_.size(); ++k) sums[k].given = islands_[k].energy;
+  for (const SolverBody& s : contacts.bodies) {
+    const Index k = islands_.placeOf(context, s);
+    if (k == kNone) continue;
+    sums[k].given += loadWork(context, s);
+    sums[k].fall +=
+        context.step.load[s.body].a_W.norm() * context.scene.bodies.traits[s.body].length / s.inv_mass;
+    sums[k].mass += 1.0 / s.inv_mass, sums[k].momentum += s.v / s.inv_mass;
+    sums[k].energy += kineticEnergy(context, s);
+  }
+  bool some = false;
   for (Index k = 0; k < islands_.size(); ++k) {
-    double mass = 0.0, energy = 0.0, given = islands_[k].energy;
-    Vec3 momentum = Vec3::Zero();
-    for (const SolverBody& s : contacts.bodies) {
-      if (islands_.placeOf(context, s) != k) continue;
-      given += loadWork(context, s);
-      mass += 1.0 / s.inv_mass, momentum += s.v / s.inv_mass, energy += kineticEnergy(context, s);
-    }
+    Sum& sum = sums[k];
     const double kinematic_speed = islands_[k].kinematic_speed;
-    const double most = std::max(0.0, given + 0.5 * mass * kinematic_speed * kinematic_speed);
-    if (energy <= (1.0 + gain_) * most) continue;
-    const Vec3 common = momentum / mass;
-    const double together = 0.5 * mass * common.squaredNorm(), apart = energy - together;
-    const double share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
-    const double rest = together > most ? std::sqrt(most / together) : 1.0;
-    for (SolverBody& s : contacts.bodies)
-      if (islands_.placeOf(context, s) == k) s.v = rest * common + share * (s.v - common), s.w *= share;
+    const double most = std::max(0.0, sum.given + 0.5 * sum.mass * kinematic_speed * kinematic_speed);
+    if (sum.energy <= (1.0 + gain_) * (most + falls_ * sum.fall)) continue;
+    some = true;
+    sum.common = sum.momentum / sum.mass;
+    const double together = 0.5 * sum.mass * sum.common.squaredNorm(), apart = sum.energy - together;
+    sum.share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
+    sum.rest = together > most ? std::sqrt(most / together) : 1.0;
+  }
+  if (!some) return;
+  for (SolverBody& s : contacts.bodies) {
+    const Index k = islands_.placeOf(context, s);
+    if (k == kNone || (sums[k].share == 1.0 && sums[k].rest == 1.0)) continue;
+    s.v = sums[k].rest * sums[k].common + sums[k].share * (s.v - sums[k].common);
+    s.w *= sums[k].share;
   }
 }
 

@@ -19,14 +19,15 @@ namespace rbs {
 class EnergyLimit {
  public:
   /// Finds the islands with deep overlaps, or all of them, and what they may have at the end. They may gain `gain`, a
-  /// share of it.
-  void find(const Context& context, const SolverContacts& contacts, bool all, double gain = 0.0);
+  /// share of it and of `falls` times what each body gains in a fall by its own length.
+  void find(const Context& context, const SolverContacts& contacts, bool all, double gain = 0.0,
+            double falls = 0.0);
   /// Takes away from the velocities what an island has gained beyond that.
   void apply(const Context& context, SolverContacts& contacts) const;
 
  private:
   IslandEnergies islands_;
-  double gain_ = 0.0;
+  double gain_ = 0.0, falls_ = 0.0;
 };
 
 }  // namespace rbs

@@ -20,8 +20,8 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The length of a sub-step that these edges ask for, s; at most the setting's.
-double subStep(const Context& context, const std::vector<Edge>& edges);
+/// The longest sub-step in which contacts can follow the bodies of these edges, s; infinite where nothing moves.
+double longestSubStep(const Context& context, const std::vector<Edge>& edges);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace soft_step

@@ -4,6 +4,8 @@
 #include "effects_built.h"
 #include "solver/rolling.h"
 
+#include <limits>
+
 namespace rbs::soft_step {
 
 namespace {
@@ -29,10 +31,10 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-double subStep(const Context& context, const std::vector<Edge>& edges) {
+double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  double h = step.h() / step.solver.sub_steps;
+  double h = std::numeric_limits<double>::infinity();
   for (const Edge& edge : edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];

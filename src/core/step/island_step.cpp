@@ -75,7 +75,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 
 // Whether an island is advanced by sub-steps of its own.
 bool isHasty(const Context& context, const Island& island) {
-  return soft_step::subStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
+  return soft_step::longestSubStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
 }
 
 template <class T>
