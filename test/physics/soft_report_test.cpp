@@ -26,6 +26,21 @@ SceneDef column(int balls) {
   return scene;
 }
 
+// A load F sinks a mass m in by F/(m w^2), w being a fixed share of the rate of sub-steps: by a quarter where they are twice
+// as many. That there are as many as the setting asks for is seen there.
+TEST_P(SoftReport, AsManySubStepsAreTakenAsTheSettingAsksFor) {
+  double depth = 0.0;
+  for (const unsigned n : {8, 16, 64, 128, 256, 512, 1000}) {
+    SceneDef scene = column(1);
+    scene.fidelity = GetParam(), scene.fidelity.sub_steps = n;
+    World world(scene);
+    advance(world, 1.0);
+    const double scaled = world.step().deepest_penetration * n * n;
+    if (depth > 0.0) EXPECT_NEAR(scaled, depth, 0.02 * depth) << n;
+    depth = scaled;
+  }
+}
+
 // The change of momentum in a step is what its loads and its contacts give.
 TEST_P(SoftReport, ImpulsesBalanceTheMomentum) {
   SceneDef scene = onFloor(kStep, 0.5);
