@@ -208,8 +208,8 @@ TEST_P(Crushing, SmallBallsBetweenHeavyBodiesArePartedWithinTheirEnergy) {
 
 // The forces of the exact step, 508 N on a rod of 5 g, are no good guess for sub-steps in which it turns by up to 0.5 rad:
 // it got up to 5e10 times the energy of all bodies in a step. No impulse is given to it then that gains as much.
-TEST(SoftStep, ARodThatIsWedgedInGainsNothingAtAnyNumberOfSubSteps) {
-  const SceneFile file = readScene(RBS_SCENES "/../test/physics/wedged_rod.yaml");
+TEST(SoftStep, ARodThatIsSqueezedGainsNoEnergyAtAnyNumberOfSubSteps) {
+  const SceneFile file = readScene(RBS_SCENES "/../test/physics/squeezed_rod.yaml");
   for (const Fidelity preset : {Fidelity::Preview, Fidelity::Interactive})
     for (unsigned n = 1; n <= 40; ++n) {
       SceneDef scene = file.scene;

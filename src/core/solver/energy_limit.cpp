@@ -27,6 +27,7 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
 
 // Takes the energy from the motions about the common centre first, which keeps the momentum.
 void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const {
+  if (islands_.empty()) return;
   struct Sum {
     double mass = 0.0, energy = 0.0, given = 0.0, fall = 0.0, share = 1.0, rest = 1.0;
     Vec3 momentum = Vec3::Zero(), common = Vec3::Zero();

@@ -9,7 +9,8 @@
 // can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to
 // it. Where bodies only need more sub-steps than the setting has, contacts can follow them but for the
 // extremes: a plate of 5 mm between a slab and a heavy body left with 1e6 rad/s. They may gain a small share
-// in the whole solve, which others do not reach; one that gains more is left with none of it.
+// in the whole solve, which others do not reach; one that gains more is left with none of it. Close to these limits
+// contacts can be followed too, but not always: there only a gain that no parting gives is taken away.
 #pragma once
 
 #include "solver/island_energy.h"
