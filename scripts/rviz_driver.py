@@ -60,6 +60,11 @@ class Screen:
     def run(self, *command):
         return subprocess.run(command, env=self.env, check=True, stdout=subprocess.PIPE).stdout
 
+    def output(self, *command):
+        """What a command prints, or None if it fails."""
+        done = subprocess.run(command, env=self.env, check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        return None if done.returncode else done.stdout
+
     def xdotool(self, *arguments):
         return self.run('xdotool', *(str(argument) for argument in arguments)).decode()
 
@@ -113,9 +118,7 @@ class Rviz:
 
     def focus(self):
         """Hands the keys to RViz. There is no window manager to do it; a window takes none before it can be seen."""
-        command = ['xdotool', 'windowfocus', str(self.window)]
-        wait_until(lambda: subprocess.run(command, env=self.screen.env, check=False, stderr=subprocess.DEVNULL).returncode == 0,
-                   'RViz takes the keys')
+        wait_until(lambda: self.screen.output('xdotool', 'windowfocus', str(self.window)) is not None, 'RViz takes the keys')
 
     def output(self):
         """All that RViz has printed so far."""
@@ -125,7 +128,8 @@ class Rviz:
     def _tree(self):
         if self.process.poll() is not None:
             raise RuntimeError('RViz ended:\n' + self.output())
-        return self.screen.run('xwininfo', '-root', '-tree').decode()
+        # It fails where a window, such as a menu's, closes while the tree is read.
+        return wait_until(lambda: self.screen.output('xwininfo', '-root', '-tree'), 'the tree of windows is read').decode()
 
     def _find_window(self):
         match = re.search(r'(0x[0-9a-f]+) "[^"]*- RViz"', self._tree())
