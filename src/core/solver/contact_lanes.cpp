@@ -252,6 +252,20 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bo
   }
 }
 
+void ContactLanes::scaleImpulses(const std::function<double(const SolverBlock&)>& share) {
+  for (const Bundle& bundle : bundles_)
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (bundle.block[lane] == kNone) continue;
+      const double factor = share(contacts_.blocks[bundle.block[lane]]);
+      for (int k = 0; k < bundle.size; ++k) {
+        normal_[bundle.normal + k].impulse[lane] *= factor;
+        if (!bundle.rough) continue;
+        friction_[bundle.friction + k].impulse1[lane] *= factor;
+        friction_[bundle.friction + k].impulse2[lane] *= factor;
+      }
+    }
+}
+
 void ContactLanes::giveBack() {
   workers_.share(places_.size(), kLanes * kBundlesOfAPart, [this](auto, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) giveBackBlock(static_cast<Index>(k));

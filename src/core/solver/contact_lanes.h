@@ -96,6 +96,8 @@ class ContactLanes {
 
   /// Gives the bodies the impulses of the last sub-step again.
   void warmStart();
+  /// Multiplies the impulses of this sub-step by what `share` says of their block.
+  void scaleImpulses(const std::function<double(const SolverBlock&)>& share);
   /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
   /// then.
   enum class Pass {

@@ -158,10 +158,13 @@ void ContactLanes::follow() {
 RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
   for (std::size_t b = begin; b < end; ++b) {
     const Bundle& bundle = bundles_[b];
-    const auto turned = [](const SolverBody* body) { return body->turned_axes; };
-    if (std::any_of(bundle.i.begin(), bundle.i.end(), turned) ||
-        std::any_of(bundle.j.begin(), bundle.j.end(), turned))
+    std::array<bool, kLanes> turned;
+    for (int lane = 0; lane < kLanes; ++lane)
+      turned[lane] = bundle.i[lane]->turned_axes || bundle.j[lane]->turned_axes;
+    if (std::any_of(turned.begin(), turned.end(), [](bool one) { return one; })) {
       findTurns(bundle);
+      findMasses(bundle, turned);
+    }
     // c, with n . (theta x r + theta x (theta x r)/2) = c . r
     const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then,
                              const Lanes& turns, Lanes* c) {

@@ -8,9 +8,7 @@
 
 namespace rbs {
 
-void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all, double gain,
-                       double falls) {
-  gain_ = gain, falls_ = falls;
+void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all) {
   const StepStore& step = context.step;
   std::vector<Index> found;  // islands
   for (const SolverBlock& block : contacts.blocks) {
@@ -29,7 +27,7 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
 void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const {
   if (islands_.empty()) return;
   struct Sum {
-    double mass = 0.0, energy = 0.0, given = 0.0, fall = 0.0, share = 1.0, rest = 1.0;
+    double mass = 0.0, energy = 0.0, given = 0.0, share = 1.0, rest = 1.0;
     Vec3 momentum = Vec3::Zero(), common = Vec3::Zero();
   };
   std::vector<Sum> sums(islands_.size());
@@ -38,8 +36,6 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     const Index k = islands_.placeOf(context, s);
     if (k == kNone) continue;
     sums[k].given += loadWork(context, s);
-    sums[k].fall +=
-        context.step.load[s.body].a_W.norm() * context.scene.bodies.traits[s.body].length / s.inv_mass;
     sums[k].mass += 1.0 / s.inv_mass, sums[k].momentum += s.v / s.inv_mass;
     sums[k].energy += kineticEnergy(context, s);
   }
@@ -48,7 +44,7 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     Sum& sum = sums[k];
     const double kinematic_speed = islands_[k].kinematic_speed;
     const double most = std::max(0.0, sum.given + 0.5 * sum.mass * kinematic_speed * kinematic_speed);
-    if (sum.energy <= (1.0 + gain_) * (most + falls_ * sum.fall)) continue;
+    if (sum.energy <= most) continue;
     some = true;
     sum.common = sum.momentum / sum.mass;
     const double together = 0.5 * sum.mass * sum.common.squaredNorm(), apart = sum.energy - together;

@@ -65,7 +65,7 @@ constexpr double kUnsolved = 1e-2;
 constexpr double kJump = 0.5;
 // An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
 // many times in a step.
-constexpr double kMostSunk = 1e-4;
+constexpr double kMostSunk = 2e-5;
 constexpr int kMostHalvings = 8;
 // Share of its kinetic energy, and of that of a fall for one step, that an island may gain in a segment.
 constexpr double kGain = 0.1;

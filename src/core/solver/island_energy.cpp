@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace rbs {
 
@@ -17,14 +18,24 @@ double loadWork(const Context& context, const SolverBody& s) {
   return load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
 }
 
+void SomeIslands::set(std::vector<Index> islands) {
+  islands_ = std::move(islands);
+  std::sort(islands_.begin(), islands_.end());
+  islands_.erase(std::unique(islands_.begin(), islands_.end()), islands_.end());
+}
+
+Index SomeIslands::placeOf(Index island) const {
+  const auto known = std::lower_bound(islands_.begin(), islands_.end(), island);
+  return known == islands_.end() || *known != island ? kNone : static_cast<Index>(known - islands_.begin());
+}
+
 void IslandEnergies::begin(const Context& context, const SolverContacts& contacts,
                            std::vector<Index> islands) {
-  std::sort(islands.begin(), islands.end());
-  islands.erase(std::unique(islands.begin(), islands.end()), islands.end());
-  for (const Index island : islands) islands_.push_back({island});
+  islands_.set(std::move(islands));
   if (islands_.empty()) return;
+  energies_.resize(islands_.size());
   for (const SolverBody& s : contacts.bodies)
-    if (const Index k = placeOf(context, s); k != kNone) islands_[k].energy += kineticEnergy(context, s);
+    if (const Index k = placeOf(context, s); k != kNone) energies_[k].energy += kineticEnergy(context, s);
   for (const SolverBlock& block : contacts.blocks) {
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
     for (const auto& [kinematic, pushed, reach] :
@@ -33,18 +44,9 @@ void IslandEnergies::begin(const Context& context, const SolverContacts& contact
       const Index k = placeOf(context, *pushed);
       if (k == kNone) continue;
       const double speed = kinematic->v.norm() + reach * kinematic->w.norm();
-      islands_[k].kinematic_speed = std::max(islands_[k].kinematic_speed, speed);
+      energies_[k].kinematic_speed = std::max(energies_[k].kinematic_speed, speed);
     }
   }
-}
-
-Index IslandEnergies::placeOf(const Context& context, const SolverBody& s) const {
-  if (s.inv_mass == 0.0) return kNone;
-  const Index island = context.step.island[s.body];
-  const auto known = std::lower_bound(islands_.begin(), islands_.end(), island,
-                                      [](const IslandEnergy& one, Index k) { return one.island < k; });
-  if (known == islands_.end() || known->island != island) return kNone;
-  return static_cast<Index>(known - islands_.begin());
 }
 
 }  // namespace rbs

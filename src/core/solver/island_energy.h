@@ -13,8 +13,25 @@ double kineticEnergy(const Context& context, const SolverBody& s);
 /// Work of its load since the start of the soft step, J.
 double loadWork(const Context& context, const SolverBody& s);
 
+/// Some islands of a batch.
+class SomeIslands {
+ public:
+  /// In any order; one may be listed several times.
+  void set(std::vector<Index> islands);
+  bool empty() const { return islands_.empty(); }
+  std::size_t size() const { return islands_.size(); }
+  /// The place of an island among these; kNone when it is not one of them.
+  Index placeOf(Index island) const;
+  /// The same of the island of a body; kNone for a body that has none.
+  Index placeOf(const Context& context, const SolverBody& s) const {
+    return s.inv_mass == 0.0 ? kNone : placeOf(context.step.island[s.body]);
+  }
+
+ private:
+  std::vector<Index> islands_;  // ascending
+};
+
 struct IslandEnergy {
-  Index island;
   double energy = 0.0;           ///< kinetic, at the start, J
   double kinematic_speed = 0.0;  ///< of the fastest moving kinematic body in contact, m/s; 0: there is none
 };
@@ -26,12 +43,13 @@ class IslandEnergies {
   void begin(const Context& context, const SolverContacts& contacts, std::vector<Index> islands);
   bool empty() const { return islands_.empty(); }
   std::size_t size() const { return islands_.size(); }
-  const IslandEnergy& operator[](std::size_t k) const { return islands_[k]; }
+  const IslandEnergy& operator[](std::size_t k) const { return energies_[k]; }
   /// The place of the island of a body; kNone when no bound is kept for it.
-  Index placeOf(const Context& context, const SolverBody& s) const;
+  Index placeOf(const Context& context, const SolverBody& s) const { return islands_.placeOf(context, s); }
 
  private:
-  std::vector<IslandEnergy> islands_;  // by island
+  SomeIslands islands_;
+  std::vector<IslandEnergy> energies_;  // by place
 };
 
 }  // namespace rbs

@@ -42,6 +42,7 @@
 #include "solver/energy_limit.h"
 #include "solver/inner_step.h"
 #include "solver/restitution.h"
+#include "solver/warm_start.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,13 +55,6 @@ inline constexpr double kPushedShare = 0.01;
 /// A turn in one sub-step below which a body's gyroscopic torque changes its spin by less than this share.
 inline constexpr double kSteadyTurn = 1e-6;
 
-/// Share of its energy that an island gains in no solve that needs more sub-steps than the setting has, but for those in
-/// which the solver runs away.
-inline constexpr double kRunaway = 0.1;
-/// The same of its energy and of a fall by its length, where the sub-steps of the setting are within this factor of those
-/// in which contacts can just be followed. It is far above what overlaps that are parted gain: a rod of 5 g that heavy
-/// bodies pressed on a slab got 1e10 times what the island had.
-inline constexpr double kSurelyRunaway = 9.0, kNearly = 4.0;
 /// Most sub-steps of a step.
 inline constexpr double kMostSubSteps = 256.0;
 
@@ -92,8 +86,6 @@ class SoftStep : public InnerRows {
     const double longest = longestSubStep(context, batch.edges), shortest = context.step.h() / kMostSubSteps;
     const double of_setting = context.step.h() / context.step.solver.sub_steps;
     too_fast_ = longest < std::min(of_setting, shortest);
-    may_run_away_ = longest < kNearly * of_setting;
-    follows_ = longest >= of_setting;
     h_full_ = std::min(of_setting, std::max(longest, shortest));
     sub_steps_ = std::max(1, static_cast<int>(std::ceil(dt_ / h_full_ - 1e-9)));
     h_ = dt_ / sub_steps_;
@@ -105,8 +97,6 @@ class SoftStep : public InnerRows {
     lanes_.take();
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
     energy_.find(context_, contacts_, too_fast_);
-    if (may_run_away_)
-      runaway_.find(context_, contacts_, true, follows_ ? kSurelyRunaway : kRunaway, follows_ ? 1.0 : 0.0);
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.begin(context_, contacts_);
   }
@@ -121,6 +111,7 @@ class SoftStep : public InnerRows {
   [[gnu::always_inline]] void integrate();
   void warmStart() {
     lanes_.warmStart();
+    warm_start::limit(context_, contacts_, lanes_, h_);
     forKinds([&](auto& kind) { kind.warmStart(contacts_); });
   }
   void solve() {
@@ -136,7 +127,6 @@ class SoftStep : public InnerRows {
     lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
     lanes_.addUp();
     if (too_fast_) energy_.apply(context_, contacts_);
-    if (may_run_away_) runaway_.apply(context_, contacts_);
   }
   void rebound() {
     lanes_.giveBack();
@@ -165,14 +155,12 @@ class SoftStep : public InnerRows {
   SolverContacts contacts_;
   ContactLanes lanes_;
   std::tuple<Kinds...> kinds_;
-  EnergyLimit energy_, runaway_;
+  EnergyLimit energy_;
   Restitution restitution_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
   bool too_fast_;  // for the most sub-steps: no contact can be followed, and no energy may be gained
-  bool follows_;   // contacts can be followed in the sub-steps of the setting
-  bool may_run_away_;
   Softness soft_;
 };
 
@@ -184,6 +172,7 @@ inline void SoftStep<Kinds...>::addLoads() {
     s.v += h_ * load.a_W;
     s.v_free = s.v;
     s.w += h_ * (s.inv_inertia_W * load.torque_W);
+    s.w_free = s.w;
   }
 }
 

@@ -54,7 +54,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   SolverBody s;
   s.v = store.twist[i].v_WB;
   s.w = store.twist[i].w_WB;
-  s.v_free = s.v;
+  s.v_free = s.v, s.w_free = s.w;
   s.moved.setZero();
   s.turned.setZero();
   s.inv_mass = store.inertia[i].inv_mass;

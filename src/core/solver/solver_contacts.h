@@ -13,9 +13,9 @@ namespace rbs {
 
 /// A body as the solver moves it.
 struct SolverBody {
-  Vec3 v, w;           // m/s, rad/s
-  Vec3 v_free;         // after this sub-step's load, before its impulses
-  Vec3 moved, turned;  // since the start, m, rad
+  Vec3 v, w;            // m/s, rad/s
+  Vec3 v_free, w_free;  // after this sub-step's load, before its impulses
+  Vec3 moved, turned;   // since the start, m, rad
   Mat3 inv_inertia_W;
   double inv_mass;
   bool turned_axes;  // inv_inertia_W has changed in this sub-step

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "solver/warm_start.h"
+
+#include "solver/island_energy.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace rbs::warm_start {
+
+namespace {
+
+struct Sum {
+  double along = 0.0;     // l_0.u, J
+  double response = 0.0;  // l_0.A l_0, J
+  double most = 0.0;      // that it may add, J
+  double share() const { return along + 0.5 * response <= most ? 1.0 : std::max(0.0, -along / response); }
+};
+
+// What a body gains in a sub-step of h s by its load from rest, J.
+double fallEnergy(const Context& context, const SolverBody& s, double h) {
+  return 0.5 * h * h * context.step.load[s.body].a_W.squaredNorm() / s.inv_mass;
+}
+
+// Whether a guess gives a body more energy than a fall does; if it does so to none, it adds less than kFalls allow.
+bool isFaster(const Context& context, const SolverBody& s, double h) {
+  if (s.inv_mass == 0.0) return false;
+  const double length = context.scene.bodies.traits[s.body].length;
+  const double gain = s.v.squaredNorm() - s.v_free.squaredNorm() +
+                      length * length * std::max(0.0, s.w.squaredNorm() - s.w_free.squaredNorm());
+  return 0.5 * gain / s.inv_mass > fallEnergy(context, s, h);
+}
+
+void addBody(const Context& context, const SolverBody& s, double h, Sum& sum) {
+  const Quat q_BW = context.scene.bodies.pose[s.body].q_WB.conjugate();
+  const Vec3 dv = s.v - s.v_free, w_B = q_BW * s.w_free, dw_B = q_BW * (s.w - s.w_free);
+  const Vec3 moment_B = context.scene.bodies.inertia[s.body].moments.cwiseProduct(dw_B);
+  sum.along += dv.dot(s.v_free) / s.inv_mass + moment_B.dot(w_B);
+  sum.response += dv.squaredNorm() / s.inv_mass + moment_B.dot(dw_B);
+  sum.most += kFalls * fallEnergy(context, s, h);
+}
+
+bool isKinematic(const SolverBody& s) {
+  return s.inv_mass == 0.0 && !s.still;
+}
+
+// What the motion of kinematic bodies adds to l_0.u.
+double workOfKinematic(const SolverContacts& contacts, const SolverBlock& block) {
+  const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
+  double work = 0.0;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    const SolverPoint& point = contacts.points[k];
+    const Vec3 p = point.l_n * block.n + point.l_t.x() * block.t1 + point.l_t.y() * block.t2;
+    if (isKinematic(i)) work -= p.dot(i.v + i.w.cross(point.r_i));
+    if (isKinematic(j)) work += p.dot(j.v + j.w.cross(point.r_j));
+  }
+  return work;
+}
+
+}  // namespace
+
+void limit(const Context& context, SolverContacts& contacts, ContactLanes& lanes, double h) {
+  std::vector<Index> found;
+  for (const SolverBody& s : contacts.bodies)
+    if (isFaster(context, s, h)) found.push_back(context.step.island[s.body]);
+  if (found.empty()) return;
+  SomeIslands islands;
+  islands.set(std::move(found));
+
+  std::vector<Sum> sums(islands.size());
+  for (const SolverBody& s : contacts.bodies)
+    if (const Index k = islands.placeOf(context, s); k != kNone) addBody(context, s, h, sums[k]);
+  if (std::any_of(contacts.bodies.begin(), contacts.bodies.end(), isKinematic)) {
+    lanes.giveBack();
+    for (const SolverBlock& block : contacts.blocks)
+      if (const Index k = islands.placeOf(contacts.islandOf(block)); k != kNone)
+        sums[k].along += workOfKinematic(contacts, block);
+  }
+  if (std::all_of(sums.begin(), sums.end(), [](const Sum& sum) { return sum.share() == 1.0; })) return;
+
+  for (SolverBody& s : contacts.bodies) {
+    const Index k = islands.placeOf(context, s);
+    if (k == kNone) continue;
+    const double share = sums[k].share();
+    s.v = s.v_free + share * (s.v - s.v_free);
+    s.w = s.w_free + share * (s.w - s.w_free);
+  }
+  lanes.scaleImpulses([&](const SolverBlock& block) {
+    const Index k = islands.placeOf(contacts.islandOf(block));
+    return k == kNone ? 1.0 : sums[k].share();
+  });
+}
+
+}  // namespace rbs::warm_start
