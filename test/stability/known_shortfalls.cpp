@@ -24,8 +24,6 @@ const std::vector<Shortfall>& knownShortfalls() {
       {"A38", "interactive", "places after 60 steps, boxes of 100 m against 0.05 m, of the size", "0.00097",
        "rounding decides the order of the first touches, and one pass a sub-step does not bring the answers "
        "together"},
-      {"A42", "interactive", "speed of the wave at 60 Hz against 120 Hz, relative", "0.012",
-       "dominoes that lean on each other are soft contacts, whose error goes with the step"},
       {"A43", "interactive", "movement of any block", "0.018 m", "soft contacts sink in under thirty layers"},
       {"A44", "accurate", "impulses, relative, 1 : 1e+06, 10 boxes", "9.9e-07",
        "`accurate` solves contacts to 1e-6, and beyond only where a few iterations get there"},

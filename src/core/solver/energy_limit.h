@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Islands in which bodies overlap deeply gain no energy.
 //
-// Each pair that overlaps parts no faster than its cap. But what is wedged between two would need v /
+// Each pair that overlaps parts no faster than its cap. But what is squeezed between two would need v /
 // sin(alpha) to part from both at v, if their sides are alpha from parallel (a light body between heavy ones
 // left at 2 km/s), and in a chain or a crowd the speeds of the pairs add up. So an island in which bodies
 // overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
 // bodies may give it. Nor does one whose bodies turn or travel too fast for the most sub-steps: no contact
-// can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to
-// it.
+// can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to it.
 #pragma once
 
 #include "solver/island_energy.h"

@@ -57,6 +57,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.v_free = s.v, s.w_free = s.w;
   s.moved.setZero();
   s.turned.setZero();
+  s.turned_axes_at.setZero();
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));

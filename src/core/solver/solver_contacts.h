@@ -17,6 +17,7 @@ struct SolverBody {
   Vec3 v_free, w_free;  // after this sub-step's load, before its impulses
   Vec3 moved, turned;   // since the start, m, rad
   Mat3 inv_inertia_W;
+  Vec3 turned_axes_at;  // `turned` for which inv_inertia_W holds
   double inv_mass;
   bool turned_axes;  // inv_inertia_W has changed in this sub-step
   bool still;        // nothing moves it: neither impulses nor a motion of its own

@@ -23,13 +23,14 @@ double fallEnergy(const Context& context, const SolverBody& s, double h) {
   return 0.5 * h * h * context.step.load[s.body].a_W.squaredNorm() / s.inv_mass;
 }
 
-// Whether a guess gives a body more energy than a fall does; if it does so to none, it adds less than kFalls allow.
+// Whether a guess gives a body more energy than kFalls allow it. If it does so to none, it does not to an island.
 bool isFaster(const Context& context, const SolverBody& s, double h) {
-  if (s.inv_mass == 0.0) return false;
-  const double length = context.scene.bodies.traits[s.body].length;
-  const double gain = s.v.squaredNorm() - s.v_free.squaredNorm() +
-                      length * length * std::max(0.0, s.w.squaredNorm() - s.w_free.squaredNorm());
-  return 0.5 * gain / s.inv_mass > fallEnergy(context, s, h);
+  const double along = s.v.squaredNorm() - s.v_free.squaredNorm(),
+               turning = s.w.squaredNorm() - s.w_free.squaredNorm();
+  if ((along <= 0.0 && turning <= 0.0) || s.inv_mass == 0.0) return false;
+  const double radius = context.scene.bodies.traits[s.body].bounding_radius;
+  return 0.5 * (along + radius * radius * std::max(0.0, turning)) / s.inv_mass >
+         kFalls * fallEnergy(context, s, h);
 }
 
 void addBody(const Context& context, const SolverBody& s, double h, Sum& sum) {
