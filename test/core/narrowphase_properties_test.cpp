@@ -34,6 +34,17 @@ Shape inUnits(const Shape& shape, double unit) {
   for (Vec3& p : points) p *= unit;
   return oracle::hullShape(points);
 }
+// In units that are a power of two: every number keeps its digits.
+Shape inBinaryUnits(const Shape& shape, double unit) {
+  const auto* hull = std::get_if<ConvexHull>(&shape);
+  if (hull == nullptr) return scaled(shape, unit);
+  auto polyhedron = std::make_shared<Polyhedron>(*hull->polyhedron);
+  for (Vec3& vertex : polyhedron->vertices) vertex *= unit;
+  for (Polyhedron::Face& face : polyhedron->faces) face.offset *= unit;
+  polyhedron->bounds = {unit * polyhedron->bounds.lo, unit * polyhedron->bounds.hi};
+  polyhedron->bounding_radius *= unit;
+  return ConvexHull{polyhedron};
+}
 Pose inUnits(const Pose& pose, double unit) {
   return {unit * pose.p_WB, pose.q_WB};
 }
@@ -53,7 +64,7 @@ TEST_P(Properties, Hold) {
   const long pairs = wanted != nullptr ? std::strtol(wanted, nullptr, 10) : kind.pairs;
   const std::uint64_t seed = 3;
   Random random(seed);
-  int moved_wrong = 0, scaled_wrong = 0, jumps = 0, judged_wrong = 0, kept_wrong = 0;
+  int moved_wrong = 0, scaled_wrong = 0, rounded_wrong = 0, jumps = 0, judged_wrong = 0, kept_wrong = 0;
   for (long k = 0; k < pairs; ++k) {
     const Pair pair = randomPair(random, kind.a, kind.b);
     const Gap found = gap(pair.a, pair.X_WA, pair.b, pair.X_WB);
@@ -79,6 +90,16 @@ TEST_P(Properties, Hold) {
       ADD_FAILURE() << "in units of " << unit << ": " << oracle::number(scaled_gap) << " for "
                     << oracle::number(found.distance) << "\n"
                     << where;
+
+    for (const double power : {0x1p-8, 0x1p8}) {
+      const Gap other = gap(inBinaryUnits(pair.a, power), inUnits(pair.X_WA, power),
+                            inBinaryUnits(pair.b, power), inUnits(pair.X_WB, power));
+      if ((other.distance != power * found.distance || other.n_W != found.n_W) && ++rounded_wrong == 1)
+        ADD_FAILURE() << "in units of " << power << ": " << oracle::number(other.distance / power) << " for "
+                      << oracle::number(found.distance) << ", normals apart by "
+                      << (other.n_W - found.n_W).norm() << "\n"
+                      << where;
+    }
 
     for (const double margin : {0.0, found.distance * random.uniform(0.5, 1.5), 1e-3 * size}) {
       if (margin < 0.0 || std::abs(found.distance - margin) <= exact + 1e-13 * size) continue;
@@ -119,6 +140,7 @@ TEST_P(Properties, Hold) {
   }
   EXPECT_EQ(moved_wrong, 0);
   EXPECT_EQ(scaled_wrong, 0);
+  EXPECT_EQ(rounded_wrong, 0);
   EXPECT_EQ(jumps, 0);
   EXPECT_EQ(judged_wrong, 0);
   EXPECT_EQ(kept_wrong, 0);

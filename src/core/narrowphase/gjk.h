@@ -184,7 +184,8 @@ GjkResult gjk(const Support& support, const Simplex& start, const Finish& finish
     // Where v is so short that rounding turns it, what lies beyond its plane spans the right one with points
     // of the simplex, though it is not nearer to the origin than these by more than rounding.
     Simplex around = result.simplex;
-    for (double before = -1.0; unproved < result.upper - result.lower && before < result.lower;) {
+    for (double before = -std::numeric_limits<double>::infinity();
+         unproved < result.upper - result.lower && before < result.lower;) {
       const Vec3 n = result.finished ? result.n : Vec3(-(last ? result.v : best_v).normalized());
       const SupportPoint p = support(n);
       if (around.size == 4 || around.contains(p.w)) break;
