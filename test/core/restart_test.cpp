@@ -143,7 +143,8 @@ TEST_P(Restarts, OfSeveralGroupsAreIndependent) {
 }
 
 // The striking ball rebounds and strikes another one behind it, which the broad phase did not find near
-// anything. It begins again with the rest: it may not keep a velocity that nothing gives it.
+// anything. It begins again with the rest: it may not keep a velocity that nothing gives it. At the exact settings
+// nothing has to.
 TEST_P(Restarts, TakeAlongWhatAnImpactHasReached) {
   SceneDef scene = slope(GetParam());
   addRow("row_", 0.0, scene);
@@ -158,7 +159,8 @@ TEST_P(Restarts, TakeAlongWhatAnImpactHasReached) {
   behind.material.restitution = 1.0;
   world.addBody(behind);
   const Snapshot before = world.snapshot();
-  EXPECT_GE(world.step().repeated, kRowBodies + 1);
+  const std::uint32_t repeated = world.step().repeated;
+  if (GetParam() < Fidelity::Accurate) EXPECT_GE(repeated, kRowBodies + 1);
   const Vec3 v_W = stateOf(world, "behind").twist.v_WB;
   EXPECT_LT(v_W.x(), -1.0) << "it was struck";
   const double mass = (*before.bodies)[before.find("behind")].mass;

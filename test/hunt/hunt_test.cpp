@@ -9,18 +9,28 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
 #include <string>
 #include <vector>
 
 namespace rbs::hunt {
 namespace {
 
+// As it is, and with its bodies off by rounding: of a heap of 12 bodies another course each time.
 TEST(Hunt, WhatWasFoundHolds) {
   const std::vector<SceneEntry> kept = listScenes(RBS_HUNT_KEPT);
   EXPECT_GE(kept.size(), 8u);
   for (const SceneEntry& entry : kept) {
-    const auto broken = firstBroken(readScene(findScene(RBS_HUNT_KEPT, entry.name)).scene, {60});
-    EXPECT_FALSE(broken) << entry.name << ": " << text(*broken);
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<> off(-1e-13, 1e-13);
+    for (int k = 0; k < 5; ++k) {
+      SceneDef scene = readScene(findScene(RBS_HUNT_KEPT, entry.name)).scene;
+      for (BodyDef& body : scene.bodies)
+        if (k > 0 && body.kind == BodyKind::Dynamic)
+          body.pose.p_WB += Vec3(off(random), off(random), off(random));
+      const auto broken = firstBroken(scene, {60});
+      EXPECT_FALSE(broken) << entry.name << ", off for the time " << k << ": " << text(*broken);
+    }
   }
 }
 
@@ -33,26 +43,23 @@ TEST(Hunt, RandomScenesHold) {
 
 // Steps of a quarter of the length end nearer to those of a sixteenth, where solves converge; or both err by
 // less than kSmall. Most steps have no error at all. In the middle of the others it is divided by three or
-// more: they have stops, feet that come down and points that come round. One may err as much: in seed 23 a body that
-// contacts carry rebounds, and only finer steps see it (docs/stability.md).
+// more: they have stops, feet that come down and points that come round.
 TEST(Hunt, ErrorsFallWithTheStep) {
   constexpr double kSmall = 1e-3, kNone = 1e-9;
   std::vector<double> gains;
   int exact = 0;
-  std::string larger;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SceneDef scene = randomScene(seed);
     scene.fidelity = Fidelity::Reference;
     const std::optional<double> whole = stepError(scene, 1, 16), quarter = stepError(scene, 4, 16);
     if (!whole || !quarter) continue;
-    if (*quarter > std::max(*whole, kSmall)) larger += std::to_string(seed) + " ";
+    EXPECT_LE(*quarter, std::max(*whole, kSmall)) << "seed " << seed;
     if (*whole < kNone && *quarter < kNone) {
       ++exact;
     } else {
       gains.push_back(*whole / *quarter);
     }
   }
-  EXPECT_TRUE(larger.empty() || larger == "23 ") << "seeds " << larger;
   EXPECT_GT(exact, 50);
   ASSERT_GT(gains.size(), 5u);
   const auto middle = gains.begin() + static_cast<std::ptrdiff_t>(gains.size() / 2);

@@ -39,7 +39,8 @@ SceneDef platesAndBall(double speed, double mass_ratio) {
 }
 
 // The lower plate is at rest and 50 mm from the slab, so no prediction of its own motion meets it. The plate above
-// pushes it there within the step, and, at these speeds, through it and out on the other side.
+// pushes it there within the step, and, at these speeds, through it and out on the other side. At the fast settings the step
+// begins again then; at the exact ones the plates only go back to when the lower one met the slab.
 TEST_P(Crushing, APlateIsNotPushedThroughWhatItsOwnMotionWouldNotHaveMet) {
   for (const double speed : {5.0, 10.0, 20.0, 40.0}) {
     SceneDef scene = platesAndBall(speed, 5.0);
@@ -52,7 +53,7 @@ TEST_P(Crushing, APlateIsNotPushedThroughWhatItsOwnMotionWouldNotHaveMet) {
         EXPECT_GT(stateOf(world, name).pose.p_WB.z(), -0.5 * kSlab)
             << name << ", " << speed << " m/s, step " << k;
     }
-    EXPECT_GT(repeated, 0u) << speed << " m/s";
+    if (GetParam() < Fidelity::Accurate) EXPECT_GT(repeated, 0u) << speed << " m/s";
   }
 }
 

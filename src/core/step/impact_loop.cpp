@@ -4,6 +4,7 @@
 #include "broadphase/bounds.h"
 #include "broadphase/bounds_tree.h"
 #include "solver/contact_preparation.h"
+#include "step/early_meetings.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
 #include "step/islands.h"
@@ -126,24 +127,72 @@ class ImpactLoop {
     if (traits[i].asleep || traits[j].asleep) step_.late.emplace_back(i, j);
   }
 
-  // Brings both islands to the impact if the budget allows it.
-  bool bringBoth(const PendingImpact& impact) {
+  enum class Brought {
+    Both,       ///< both are where the impact is
+    Early,      ///< something else comes first: the impact is awaited again
+    Expensive,  ///< the budget does not allow it
+  };
+
+  // Brings both islands to the impact if the budget allows it, unless their contacts bring others together before.
+  Brought bringBoth(const PendingImpact& impact) {
     constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
-    if (cost > 0 && isStoppedByContacts(impact)) return false;
+    if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
     std::uint64_t& budget = cutBudgetOf(impact);
-    if (cost > budget) return false;
+    if (cost > budget) return Brought::Expensive;
     budget -= cost;
-    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island) advanceTo(context_, *island, impact.time);
-    return true;
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)}) {
+      if (!island) continue;
+      if (!isLookedAt(*island, impact.time)) {
+        advanceTo(context_, *island, impact.time);
+        continue;
+      }
+      const double from = island->time;
+      const auto unkept = [this, from](Index i) { return unkeptFrom(i, from); };
+      if (const auto early = advanceUnlessEarly(context_, *island, impact.time, unkept)) {
+        ++early_[{early->i, early->j}];
+        queue_.push(*early);
+        queue_.push(impact);
+        return Brought::Early;
+      }
+    }
+    return Brought::Both;
+  }
+
+  // Whether contacts may bring bodies of an island together before `time`: at the exact settings, where an overlap is
+  // none that soft contacts leave anyway.
+  bool isLookedAt(const Island& island, double time) const {
+    return step_.solver.exact && island.exact && !island.flies() && island.time < time;
+  }
+
+  // What body i may meet that no contact keeps apart from it, and that is not ahead of `from`.
+  std::vector<Index> unkeptFrom(Index i, double from) {
+    constexpr int kMostEarly = 4;  // for each pair: the way to its impact is halved each time or more
+    std::vector<Index> found;
+    const auto add = [&](Index j) {
+      const auto [a, b] = std::minmax(i, j);
+      if (!mayCollide(context_.scene.bodies.traits[a], context_.scene.bodies.traits[b])) return;
+      if (step_.isCrowded(a) && step_.isCrowded(b)) return;
+      if (step_.island[j] != step_.island[i] && step_.timeOf(j) > from) return;
+      const Index contact = contacts_.find(a, b, found_);
+      if (contact != kNone && (contacts_.active[contact].state.isDepenetrating() ||
+                               (contact < has_edge_.size() && has_edge_[contact])))
+        return;
+      const auto known = early_.find({a, b});
+      if (known == early_.end() || known->second < kMostEarly) found.push_back(j);
+    };
+    for (const Index j : tree_.of(i)) add(j);
+    for (const Index j : context_.scene.lists.planes) add(j);
+    return found;
   }
 
   void take(const PendingImpact& impact) {
     noteSleeper(impact.i, impact.j);
-    if (!bringBoth(impact) || isCollapsing(impact)) {
+    const Brought brought = bringBoth(impact);
+    if (brought == Brought::Early) return;
+    if (brought == Brought::Expensive || isCollapsing(impact)) {
       ++islandOf(impact).deferred_impacts;
       connect(impact.i, impact.j);
       return;
@@ -308,7 +357,8 @@ class ImpactLoop {
   std::uint64_t lossy_budget_, elastic_budget_, query_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, Meetings> meetings_;
-  std::set<Index> warned_;  // roots of sets whose impacts went over a budget
+  std::map<std::pair<Index, Index>, int> early_;  // how often a pair came before its time
+  std::set<Index> warned_;                        // roots of sets whose impacts went over a budget
 };
 
 }  // namespace

@@ -175,6 +175,12 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   return prediction;
 }
 
+double separationAt(const Context& context, Index i, Index j, double time) {
+  const std::vector<Traits>& traits = context.scene.bodies.traits;
+  return gap(traits[i].shape, courseOf(context, i).at(time), traits[j].shape, courseOf(context, j).at(time))
+      .distance;
+}
+
 bool losesEnergy(const SceneStore& scene, Index i, Index j) {
   return scene.restitutionOf(i, j) < 1.0 || scene.frictionOf(i, j) > 0.0;
 }

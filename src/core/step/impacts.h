@@ -22,6 +22,9 @@ struct Prediction {
 /// `axis` is that of the contact of the pair, i before j; of a pair without one: none.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis);
 
+/// Separation of two bodies on their courses at a time, m; negative where they overlap.
+double separationAt(const Context& context, Index i, Index j, double time);
+
 /// Whether a body's course is known: nothing carries it now, and no torque turns it by more than matters.
 bool isFree(const Context& context, Index i);
 
