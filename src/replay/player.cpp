@@ -122,7 +122,8 @@ std::uint32_t Player::step(std::uint32_t n) {
 void Player::seek(double time) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const double length = inSeconds(recording_.length());
-  if (!(time >= 0.0 && time <= length))
+  constexpr double kRounding = 0.5e-9;  // s: times are those of whole nanoseconds
+  if (!(time >= 0.0 && time <= length + kRounding))
     throw InvalidInput({{"time", words(time), words("a time of the recording, 0 to ", length, " s")}});
   position_ = std::min(static_cast<Nanoseconds>(std::llround(time * kSecond)), recording_.length());
   show(false);
