@@ -279,6 +279,18 @@ TEST(BroadPhase, NoPlaneOfCentresMakesItTestAllPairs) {
   }
 }
 
+// Its groups are of neighbours, whatever the order of creation.
+TEST(BroadPhase, TheTreeTestsFewGroups) {
+  const std::size_t n = 4000;
+  Random random(83);
+  Crowd crowd;
+  for (std::size_t k = 0; k < n; ++k) crowd.add(ball("", 0.15, random.inCube(6.0)));
+  crowd.admit();
+  crowd.run();  // notices
+  EXPECT_LT(crowd.run(), 60 * n);
+  EXPECT_EQ(crowd.pairs(), crowd.expected());
+}
+
 // --- the tree alone
 
 // Bounds of all sizes, some of which are points or lines, in a box of any shape: a cube, a plate or a rod.

@@ -91,4 +91,39 @@ TEST(ImpactLaw, KeepsMomentumGainsNoEnergyAndEndsTheApproach) {
   EXPECT_LT(full, impacts);
 }
 
+// A plate lands on one edge of its lower face while the other one rises, more slowly than the blow would make it fall.
+// No point may be left closing, and what bears no impulse gets no rebound. With P1 and P2 the impulses at edges that are
+// 2 a apart, W = 1/m + a²/I and V = 1/m - a²/I:  u1' = u1 + W P1 + V P2,  u2' = u2 + V P1 + W P2.
+TEST(ImpactLaw, AnEdgeThatRisesIsHeldButDoesNotRebound) {
+  const double m = 2.0, a = 0.5, inertia = m * a * a / 3.0;
+  for (const double e : {0.0, 0.3, 0.6, 0.8})  // with 1 the edge that is held would give energy
+    for (const double rises : {0.0, 0.1, 0.4, 0.9, 3.0}) {
+      ImpactSide ground, plate;
+      ground.p_WB = Vec3::Zero();
+      ground.inv_mass = 0.0, ground.inv_inertia_W.setZero();
+      plate.p_WB.setZero();
+      plate.inv_mass = 1.0 / m;
+      plate.inv_inertia_W = Vec3(1.0 / inertia, 1.0 / inertia, 1.0 / inertia).asDiagonal();
+      const double u1 = -1.0, u2 = rises;
+      plate.twist = {Vec3(0.0, 0.0, 0.5 * (u1 + u2)), Vec3(0.0, 0.5 * (u1 - u2) / a, 0.0)};
+      Manifold manifold = pointAt({-a, 0.0, 0.0}, Vec3::UnitZ());
+      manifold.size = 2;
+      manifold.points[0].p_W = {a, 0.0, 0.0};
+      manifold.points[1].p_W = {-a, 0.0, 0.0};
+      plate.twist.w_WB = -plate.twist.w_WB;
+      const auto speedAt = [&](double x) { return plate.twist.v_WB.z() - x * plate.twist.w_WB.y(); };
+      ASSERT_NEAR(speedAt(-a), u2, 1e-12);
+      ASSERT_NEAR(speedAt(a), u1, 1e-12);
+      const double W = 1.0 / m + a * a / inertia, V = 1.0 / m - a * a / inertia;
+      double P1 = -(1.0 + e) * u1 / W, P2 = 0.0;
+      if (u2 + V * P1 < 0.0) {  // both bear: u1' = -e u1, u2' = 0
+        const double determinant = W * W - V * V, b1 = -(1.0 + e) * u1, b2 = -u2;
+        P1 = (W * b1 - V * b2) / determinant, P2 = (W * b2 - V * b1) / determinant;
+      }
+      collideBodies(ground, plate, manifold, 0.0, e);
+      EXPECT_NEAR(speedAt(a), u1 + W * P1 + V * P2, 1e-10) << "e = " << e << ", rises at " << rises;
+      EXPECT_NEAR(speedAt(-a), u2 + V * P1 + W * P2, 1e-10) << "e = " << e << ", rises at " << rises;
+    }
+}
+
 }  // namespace

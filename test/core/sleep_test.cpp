@@ -104,6 +104,22 @@ TEST(Sleep, WhatRidesOnACreepingBodyStaysAwake) {
   EXPECT_NEAR(stateOf(world, "rider").pose.p_WB.x(), 1e-3, 1e-4);
 }
 
+// Nothing slows a ball that spins about the vertical at its only point of contact. Its centre is at rest.
+TEST(Sleep, WhatSpinsOnTheSpotStaysAwake) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double spin : {0.0, 0.01, 3.0}) {
+      SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+      scene.effects[Effect::Sleeping] = true;
+      scene.fidelity = fidelity;
+      scene.bodies.push_back(ball("ball", 0.15, {0.0, 0.0, 0.15}));
+      scene.bodies.back().twist.w_WB.z() = spin;
+      World world(scene);
+      advance(world, 4.0);
+      EXPECT_EQ(asleep(world), spin > 0.0 ? 0u : 1u) << fidelityName(fidelity) << ", " << spin << " rad/s";
+      EXPECT_NEAR(stateOf(world, "ball").twist.w_WB.z(), spin, 1e-9 * spin) << fidelityName(fidelity);
+    }
+}
+
 TEST(Sleep, TheEndOfAWrenchIsNoEditAndWakesNobody) {
   SceneDef scene = crates(true);
   scene.bodies.push_back(box("sled", Vec3::Constant(0.4), {0.0, 20.0, 0.2}));

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -55,6 +56,35 @@ TEST_P(Crushing, APlateIsNotPushedThroughWhatItsOwnMotionWouldNotHaveMet) {
     }
     if (GetParam() < Fidelity::Accurate) EXPECT_GT(repeated, 0u) << speed << " m/s";
   }
+}
+
+// As above, with cubes above a plane, which itself stops a body only at half of its size.
+TEST_P(Crushing, ACubeIsNotPushedIntoAPlaneThatItsOwnMotionWouldNotHaveMet) {
+  if (GetParam() == Fidelity::Preview) GTEST_SKIP() << "it sinks in by up to 0.46 of its size";
+  constexpr double kSize = 0.2, kRadius = 0.1;
+  for (const double gap : {0.05, 0.1})
+    for (const double speed : {2.0, 5.0, 10.0})
+      for (const double ratio : {5.0, 50.0}) {
+        SceneDef scene = emptySpace(1.0 / 60.0);
+        scene.fidelity = GetParam();
+        scene.bodies.push_back(floorOf(0.5));
+        for (const int k : {0, 1}) {
+          scene.bodies.push_back(
+              box("cube_" + std::to_string(k), {0.4, 0.4, kSize}, {0.0, 0.0, gap + (k + 0.5) * kSize}));
+          scene.bodies.back().mass = 32.0;
+        }
+        scene.bodies.push_back(ball("ball", kRadius, {0.02, 0.03, gap + 2.0 * kSize + kRadius + 1e-3}));
+        scene.bodies.back().mass = 32.0 * ratio;
+        scene.bodies.back().twist.v_WB.z() = -speed;
+        World world(ordered(scene));
+        double lowest = 1.0;
+        for (int k = 0; k < 30; ++k) {
+          world.step();
+          for (const char* name : {"cube_0", "cube_1"})
+            lowest = std::min(lowest, stateOf(world, name).pose.p_WB.z());
+        }
+        EXPECT_GT(lowest, 0.47 * kSize) << gap << " m above, " << speed << " m/s, 1 : " << ratio;
+      }
 }
 
 // By the step of interactive each sub-step would carry the impulse one contact further, and the ball through both
@@ -306,12 +336,15 @@ class RandomScene {
   Pose X_WS_;
 };
 
-// At `preview` two of sixty fall short (docs/stability.md).
+// At `preview` two of the first sixty fall short (docs/stability.md). Scene 205 got 4.7 times its energy at `reference` from
+// a solve that had not found the forces.
 TEST_P(Crushing, NothingGoesThroughAThinSlabOrGainsEnergy) {
-  constexpr unsigned kScenes = 60;
+  std::vector<unsigned> seeds(60);
+  std::iota(seeds.begin(), seeds.end(), 1u);
+  seeds.push_back(205);
   const int allowed = GetParam() == Fidelity::Preview ? 2 : 0;
   int through = 0;
-  for (unsigned seed = 1; seed <= kScenes; ++seed) {
+  for (const unsigned seed : seeds) {
     RandomScene random(seed);
     random.scene.fidelity = GetParam();
     World world(random.scene);

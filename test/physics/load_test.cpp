@@ -52,6 +52,19 @@ TEST_P(Load, ABodyThatIsMadeLightUnderALoadIsNotShotAway) {
   EXPECT_LT(fastest, 10.0);
 }
 
+// On a smooth floor a torque about the vertical turns a crate by the moment of inertia about it alone.
+TEST_P(Load, ATorqueTurnsWhatStandsByItsOwnMomentOfInertia) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(box("crate", Vec3(0.8, 1.2, 0.4), Vec3(0.0, 0.0, 0.2)));
+  scene.bodies.back().mass = 30.0, scene.bodies.back().material.friction = 0.0;
+  World world(ordered(scene));
+  world.applyWrench(world.find("crate"), Vec3::Zero(), Vec3(0.0, 0.0, 2.0), Vec3::Zero(), 10.0);
+  advance(world, 1.0);
+  const double moment = 30.0 * (0.8 * 0.8 + 1.2 * 1.2) / 12.0;
+  EXPECT_NEAR(stateOf(world, "crate").twist.w_WB.z(), 2.0 / moment, 1e-6);
+}
+
 // The force is done on the point that it was applied to, wherever the rod turns it: its work is the force
 // times the way of that point.
 TEST_P(Load, TheForceOfAWrenchMovesWithItsPoint) {

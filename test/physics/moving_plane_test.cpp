@@ -31,6 +31,8 @@ double deepest(Fidelity fidelity, const Case& c) {
   scene.fidelity = fidelity;
   BodyDef plane = body("plane", Plane{}, Vec3::Zero());
   plane.kind = BodyKind::Kinematic;
+  plane.pose.q_WB =
+      Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()));  // it turns about an axis of the world, not its own
   plane.twist = {c.speed * Vec3::UnitZ(), -c.rate * Vec3::UnitY()};
   BodyDef other = body("body", c.shape, {c.distance, 0.0, c.clearance + reach(c.shape, -Vec3::UnitZ())});
   other.material.friction = 0.0;

@@ -42,6 +42,28 @@ TEST_P(Overlap, APyramidPartsWhateverTheOrderOfItsBoxes) {
   }
 }
 
+// Of a crowd two columns are left, which are no crowd: they part the short way. A normal that tells no side, as of
+// bodies that nearly share a centre, must not send them the long way, through each other.
+TEST_P(Overlap, TwoOfACrowdPartTheShortWay) {
+  for (const double tilt : {-1.0, -0.5, 0.0, 0.5, 1.0})
+    for (const double side : {-1.0, 1.0}) {
+      SceneDef scene = emptySpace(1.0 / 60.0);
+      scene.fidelity = GetParam();
+      const Quat q_WB(Eigen::AngleAxisd(tilt, Vec3::UnitX()));
+      const Vec3 offset = q_WB * Vec3(0.0, 0.02 * side, 0.0);
+      for (int k = 0; k < 6; ++k) {
+        scene.bodies.push_back(box("column_" + std::to_string(k), {0.3, 0.1, 2.0}, (k % 2) * offset));
+        scene.bodies.back().pose.q_WB = q_WB;
+      }
+      World world(ordered(scene));
+      world.step();
+      for (int k = 0; k < 4; ++k) world.removeBody(world.find("column_" + std::to_string(k)));
+      advance(world, 3.0);
+      const Vec3 apart = stateOf(world, "column_5").pose.p_WB - stateOf(world, "column_4").pose.p_WB;
+      EXPECT_GT(apart.dot(offset.normalized()), 0.09) << tilt << ' ' << side << "; " << apart.transpose();
+    }
+}
+
 // A heavy block falls on a ball that lies on a plane, at up to 600 m/s. What gets between the two is pushed
 // into the plane by half of its size at most.
 TEST_P(Overlap, NothingGoesThroughAPlaneByMoreThanHalfItsSize) {

@@ -36,6 +36,18 @@ TEST(ChoiceOfSolver, StacksOfSixBecomeExact) {
   }
 }
 
+// The height counts and not the number of contacts: two columns on one slab, which is the first level.
+TEST(ChoiceOfSolver, TwoColumnsOfFiveOnASlabBecomeExact) {
+  for (const int boxes : {3, 4, 5, 6}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.bodies.push_back(box("slab", Vec3(4.0, 2.0, 1.0), Vec3(0.0, 0.0, 0.5)));
+    for (const double x : {-1.0, 1.0})
+      for (int k = 0; k < boxes; ++k) scene.bodies.push_back(box("", Vec3::Ones(), Vec3(x, 0.0, 1.5 + k)));
+    World world(ordered(sliding(scene)));
+    EXPECT_EQ(isExact(world, 60), boxes >= 5) << boxes;
+  }
+}
+
 // Nothing is known of the forces in what has just been put together: the exact step finds them, and they say
 // which method goes on.
 TEST(ChoiceOfSolver, WhatIsPutTogetherBeginsExact) {
@@ -62,8 +74,10 @@ TEST(ChoiceOfSolver, SlendernessOfTenIsExact) {
   for (const double length : {5.0, 9.5, 10.5, 30.0}) {
     SceneDef scene = onFloor(1.0 / 60.0, 0.5);
     scene.bodies.push_back(box("rod", Vec3(0.1 * length, 0.1, 0.1), Vec3(0.0, 0.0, 0.05)));
-    World world(ordered(scene));
-    EXPECT_EQ(isExact(world), std::sqrt(length * length + 2.0) >= 10.0) << length;
+    for (const bool slides : {false, true}) {
+      World world(ordered(slides ? sliding(scene) : scene));
+      EXPECT_EQ(isExact(world, 60), std::sqrt(length * length + 2.0) >= 10.0) << length;
+    }
   }
 }
 

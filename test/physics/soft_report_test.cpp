@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 namespace rbs::test {
 namespace {
@@ -68,6 +69,58 @@ TEST_P(SoftReport, ImpulsesBalanceTheMomentum) {
   EXPECT_GT(steps_in_contact, 100);
 }
 
+// Where nothing rubs, all that a plane gives is normal, also of a point that is found anew several times in a step.
+TEST_P(SoftReport, WithoutFrictionAPlaneGivesNormalImpulsesAlone) {
+  int points = 0;
+  for (const double spin : {1.0, 5.0, 10.0, 20.0, 40.0})
+    for (const Vec3& axis : {Vec3(1.0, 0.0, 0.0), Vec3(1.0, 2.0, 0.5)}) {
+      SceneDef scene = onFloor(kStep, 0.0);
+      scene.fidelity = GetParam();
+      BodyDef crate = box("crate", Vec3(0.4, 0.6, 1.0), Vec3(0.0, 0.0, 0.6));
+      crate.twist.w_WB = spin * axis.normalized();
+      crate.material.friction = 0.0, crate.mass = 10.0;
+      scene.bodies.push_back(crate);
+      World world(ordered(scene));
+      world.applyWrench(world.find("crate"), Vec3(0.0, 0.0, -2000.0), Vec3::Zero(), crate.pose.p_WB, 10.0);
+      for (int k = 0; k < 120; ++k) {
+        world.step();
+        for (const ContactPoint& point : world.snapshot().contacts) {
+          points += point.normal_impulse > 0.0;
+          EXPECT_LE(point.friction_impulse.norm(), 1e-12 * point.normal_impulse) << spin << ", step " << k;
+        }
+      }
+    }
+  EXPECT_GT(points, 100);
+}
+
+// Where a step has more impacts than it may take one by one, contacts stop the rest, and they rebound at its end.
+TEST_P(SoftReport, WhatContactsStopReboundsAsFastAsAnImpactWould) {
+  constexpr double kSpeed = 10.0, kRestitution = 0.5;
+  SceneDef scene = onFloor(kStep, 0.5);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(box("table", Vec3(4.0, 4.0, 0.5), Vec3(0.0, 0.0, 1.25)));
+  scene.bodies.back().mass = 1000.0;
+  for (int k = 0; k < 16; ++k) {
+    const Vec3 place(1.2 * (k % 4) - 1.8, 1.2 * (k / 4) - 1.8, 0.5);
+    scene.bodies.push_back(box("leg_" + std::to_string(k), Vec3(0.4, 0.4, 1.0), place));
+    scene.bodies.back().mass = 1000.0;
+  }
+  World world(ordered(scene));
+  advance(world, 0.5);
+  constexpr int kBalls = 100;
+  for (int k = 0; k < kBalls; ++k) {
+    const double before = (0.2 + 0.006 * k) * kStep;  // the time to its impact
+    const Vec3 place(0.36 * (k % 10) - 1.62, 0.36 * (k / 10) - 1.62, 1.6 + kSpeed * before);
+    BodyDef falling = ball("ball_" + std::to_string(k), 0.1, place);
+    falling.mass = 0.01, falling.material.restitution = kRestitution;
+    falling.twist.v_WB.z() = -kSpeed;
+    world.addBody(falling);
+  }
+  EXPECT_GT(world.step().deferred_impacts, 20u);
+  for (int k = 0; k < kBalls; ++k)
+    EXPECT_NEAR(stateOf(world, "ball_" + std::to_string(k)).twist.v_WB.z(), kRestitution * kSpeed, 0.5) << k;
+}
+
 // signorini is the largest |u_n| of a loaded point over g h, whatever is unresolved.
 TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
   SceneDef scene = column(8);
@@ -96,6 +149,50 @@ TEST(SoftResiduals, OfAColumnAreItsClosingSpeeds) {
     largest = std::max(largest, expected);
   }
   EXPECT_GT(largest, 1e-3);  // there was something to tell
+}
+
+// So it is the largest closing speed of an unloaded point that is closed. In triangles of balls of all masses a sweep
+// leaves some: a point that parted is pushed together by those after it.
+TEST(SoftResiduals, OfTrianglesCountThePointsThatAreUnloaded) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<> within(-1.0, 1.0);
+  int steps = 0;  // in which such a point is the worst
+  for (int scenes = 0; scenes < 1000; ++scenes) {
+    SceneDef scene = onFloor(kStep, 0.0);
+    scene.fidelity = Fidelity::Preview;
+    scene.fidelity.sub_steps = 1;  // a point is loaded when its impulse is not zero
+    const int rows = 2 + scenes % 4;
+    for (int row = 0; row < rows; ++row)
+      for (int k = 0; k < rows - row; ++k) {
+        const Vec3 place(k + 0.5 * row, 0.0, 0.5 + std::sqrt(0.75) * row);
+        scene.bodies.push_back(ball("", 0.5, place + 1e-3 * Vec3(within(random), 0.0, within(random))));
+        scene.bodies.back().mass = std::pow(10.0, 2.0 * within(random));
+        scene.bodies.back().material.friction = 0.0;
+        scene.bodies.back().twist.v_WB = 0.1 * Vec3(within(random), 0.0, within(random));
+      }
+    World world(scene);
+    for (int k = 0; k < 20; ++k) {
+      const StepReport& report = world.step();
+      if (report.impacts > 0 || report.residuals.size() != 1) continue;
+      const Snapshot now = world.snapshot();
+      double loaded = 0.0, unloaded = 0.0;
+      bool deep = false;  // kept from gaining energy after the solve
+      for (const ContactPoint& point : now.contacts) {
+        const auto velocityOf = [&](BodyId id) { return now.states[now.find(id)].twist.v_WB; };
+        const double u_n = point.n_W.dot(velocityOf(point.b) - velocityOf(point.a));
+        deep = deep || point.separation < -0.02;
+        if (point.normal_impulse > 0.0)
+          loaded = std::max(loaded, std::abs(u_n));
+        else if (point.separation <= 0.0)
+          unloaded = std::max(unloaded, -u_n);
+      }
+      if (deep || unloaded < std::max(loaded, 1e-3)) continue;
+      ++steps;
+      EXPECT_NEAR(report.residuals[0].signorini * kGravity * kStep, unloaded, 1e-6 * unloaded)
+          << "scene " << scenes << ", step " << k;
+    }
+  }
+  EXPECT_GT(steps, 5);
 }
 
 // dissipation is the largest slip that friction does not oppose: of a point that sticks, all of its slip.

@@ -194,6 +194,7 @@ class ImpactLoop {
     if (brought == Brought::Early) return;
     if (brought == Brought::Expensive || isCollapsing(impact)) {
       ++islandOf(impact).deferred_impacts;
+      if (brought == Brought::Expensive) leaveToRebounds(impact);
       connect(impact.i, impact.j);
       return;
     }
@@ -218,6 +219,13 @@ class ImpactLoop {
       lookAround(i);
     }
     if (query_budget_ < before) charge(kQueriesPerImpact);
+  }
+
+  // Of the two methods only the soft one lets contacts rebound.
+  void leaveToRebounds(const PendingImpact& impact) {
+    if (step_.solver.exact || context_.scene.restitutionOf(impact.i, impact.j) == 0.0) return;
+    for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
+      if (island) island->exact = false;
   }
 
   // Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any
