@@ -261,6 +261,69 @@ TEST(SoftStep, ARodThatIsSqueezedGainsNoEnergyAtAnyNumberOfSubSteps) {
           }
 }
 
+// Two plates, one on the other, that a heavy ball strikes from above, and a ball that comes from below to meet the lower
+// one, which no prediction of its own motion sees. What also comes has its impact at another time, and is the oldest
+// body or the youngest but one.
+SceneDef platesBetweenBalls(Fidelity setting, double down, double up, double restitution, const BodyDef* also,
+                            bool oldest) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.fidelity = setting;
+  if (also && oldest) scene.bodies.push_back(*also);
+  BodyDef from_below = ball("from_below", 0.1, {0.0, 0.0, also ? -0.101 : -0.112});
+  from_below.twist.v_WB.z() = up, from_below.material.restitution = restitution;
+  if (!also && oldest) scene.bodies.push_back(from_below);
+  for (const int k : {0, 1})
+    scene.bodies.push_back(
+        box("plate_" + std::to_string(k), {0.4, 0.4, kPlate}, {0.0, 0.0, (k + 0.5) * kPlate}));
+  scene.bodies.push_back(ball("heavy", 0.1, {0.0, 0.0, 2.0 * kPlate + 0.101}));
+  scene.bodies.back().mass = 100.0, scene.bodies.back().twist.v_WB.z() = -down;
+  if (also && !oldest) scene.bodies.push_back(*also);
+  if (also || !oldest) scene.bodies.push_back(from_below);
+  return scene;
+}
+
+// The heavy ball is brought to its impact together with the plates, and so is the ball from below to its own: which island is
+// the first of the two says nothing of where the plate and the ball meet.
+TEST(EarlyMeetings, DoNotDependOnTheOrderOfTheBodies) {
+  for (const Fidelity setting : {Fidelity::Accurate, Fidelity::Reference})
+    for (const double restitution : {0.0, 0.5, 1.0})
+      for (const double down : {1.0, 3.0, 10.0})
+        for (const double up : {0.5, 1.0, 2.0}) {
+          std::vector<double> speeds;
+          for (const bool oldest : {true, false}) {
+            World world(platesBetweenBalls(setting, down, up, restitution, nullptr, oldest));
+            for (int k = 0; k < 3; ++k) {
+              EXPECT_EQ(world.step().repeated, 0u);
+              const double gap = stateOf(world, "plate_0").pose.p_WB.z() - 0.5 * kPlate - 0.1 -
+                                 stateOf(world, "from_below").pose.p_WB.z();
+              EXPECT_GT(gap, -1e-9) << down << " m/s down, " << up << " m/s up, e = " << restitution;
+            }
+            speeds.push_back(stateOf(world, "from_below").twist.v_WB.z());
+          }
+          EXPECT_NEAR(speeds[0], speeds[1], 1e-9 * down);
+        }
+}
+
+// Another ball strikes the upper plate at a later time than the two meet, and is ahead of them when they go back: they are
+// predicted to meet it from there on, and the step does not begin again.
+TEST(EarlyMeetings, GoBackBesideABodyThatIsAhead) {
+  for (const Fidelity setting : {Fidelity::Accurate, Fidelity::Reference})
+    for (const double above : {0.01, 0.015, 0.02, 0.03, 0.1}) {
+      BodyDef also = ball("also", 0.02, {0.15, 0.15, 2.0 * kPlate + 0.02 + above});
+      also.twist.v_WB.z() = -20.0;
+      std::vector<Vec3> speeds;
+      for (const bool oldest : {true, false}) {
+        World world(platesBetweenBalls(setting, 5.0, 0.1, 0.0, &also, oldest));
+        EXPECT_EQ(world.step().repeated, 0u) << above << " m above";
+        speeds.push_back({stateOf(world, "from_below").twist.v_WB.z(),
+                          stateOf(world, "plate_0").twist.v_WB.z(), stateOf(world, "also").twist.v_WB.z()});
+        EXPECT_GT(stateOf(world, "plate_0").pose.p_WB.z() - 0.5 * kPlate - 0.1,
+                  stateOf(world, "from_below").pose.p_WB.z() - 1e-9);
+      }
+      EXPECT_LE((speeds[0] - speeds[1]).norm(), 1e-8);
+    }
+}
+
 class RandomScene {
  public:
   explicit RandomScene(unsigned seed) : random_(seed) {

@@ -12,72 +12,101 @@ namespace rbs {
 
 namespace {
 
-// Share of the smaller length by which two may be in each other when their impact is taken.
-constexpr double kLate = 5e-5;
+// Shares of the smaller length by which two may be in each other when their impact is taken; and are when it is looked at
+// of two that touched at the start, as after an impact: what pushes them together again acts from there on.
+constexpr double kLate = 5e-5, kAgain = 5e-7;
 
 struct Pair {
   Index i, j;
   double separation;
 };
 
-// The pairs of the island that overlap now, each once.
-std::vector<Pair> overlapsOf(const Context& context, const Island& island,
-                             const std::function<std::vector<Index>(Index)>& others) {
-  std::vector<Pair> found;
-  for (const Index i : island.bodies)
-    for (const Index j : others(i)) {
-      const bool inside = context.step.island[j] == context.step.island[i];
-      if (inside && j < i) continue;
-      const double separation = impacts::separationAt(context, i, j, island.time);
-      if (separation < -kLate * smallerLength(context.scene.bodies, i, j))
-        found.push_back({std::min(i, j), std::max(i, j), separation});
+// An island as it is now, to be put back.
+class IslandBefore {
+ public:
+  IslandBefore(const Context& context, Index place) : place_(place), island_(context.step.islands[place]) {
+    for (const Index i : island_.bodies) {
+      poses_.push_back(context.scene.bodies.pose[i]);
+      twists_.push_back(context.scene.bodies.twist[i]);
     }
+    for (const Edge& edge : island_.edges)
+      if (edge.kind == ConstraintKind::Contact) contacts_.push_back(context.scene.contacts.active[edge.of]);
+  }
+  // All but the work that its solves have cost.
+  void putBack(Context& context) const {
+    Island& island = context.step.islands[place_];
+    const std::int64_t work = island.work;
+    island = island_;
+    island.work = work;
+    for (std::size_t k = 0; k < poses_.size(); ++k) {
+      context.scene.bodies.pose[island.bodies[k]] = poses_[k];
+      context.scene.bodies.twist[island.bodies[k]] = twists_[k];
+    }
+    auto contact = contacts_.begin();
+    for (const Edge& edge : island.edges)
+      if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of] = *contact++;
+  }
+
+ private:
+  Index place_;
+  Island island_;
+  std::vector<Pose> poses_;
+  std::vector<Twist> twists_;
+  std::vector<Contact> contacts_;  // of its edges
+};
+
+std::vector<IslandBefore> copiesOf(const Context& context, const std::vector<Index>& islands) {
+  std::vector<IslandBefore> copies;
+  for (const Index place : islands) copies.emplace_back(context, place);
+  return copies;
+}
+
+void putBack(Context& context, const std::vector<IslandBefore>& copies) {
+  for (const IslandBefore& copy : copies) copy.putBack(context);
+}
+
+// The pairs of the islands that overlap now, each once.
+std::vector<Pair> overlapsOf(const Context& context, const std::vector<Index>& islands, double time,
+                             const std::function<std::vector<Index>(Index)>& others) {
+  const auto isOfThem = [&](Index i) {
+    return std::find(islands.begin(), islands.end(), context.step.island[i]) != islands.end();
+  };
+  std::vector<Pair> found;
+  for (const Index place : islands)
+    for (const Index i : context.step.islands[place].bodies)
+      for (const Index j : others(i)) {
+        if (j < i && isOfThem(j)) continue;
+        const double separation = impacts::separationAt(context, i, j, time);
+        if (separation < -kLate * smallerLength(context.scene.bodies, i, j))
+          found.push_back({std::min(i, j), std::max(i, j), separation});
+      }
   return found;
 }
 
 }  // namespace
 
-IslandBefore::IslandBefore(const Context& context, const Island& island)
-    : place_(static_cast<Index>(&island - context.step.islands.data())), island_(island) {
-  for (const Index i : island.bodies) {
-    poses_.push_back(context.scene.bodies.pose[i]);
-    twists_.push_back(context.scene.bodies.twist[i]);
-  }
-  for (const Edge& edge : island.edges)
-    if (edge.kind == ConstraintKind::Contact) contacts_.push_back(context.scene.contacts.active[edge.of]);
-}
-
-void IslandBefore::putBack(Context& context) const {
-  Island& island = context.step.islands[place_];
-  const std::int64_t work = island.work;
-  island = island_;
-  island.work = work;
-  for (std::size_t k = 0; k < poses_.size(); ++k) {
-    context.scene.bodies.pose[island.bodies[k]] = poses_[k];
-    context.scene.bodies.twist[island.bodies[k]] = twists_[k];
-  }
-  auto contact = contacts_.begin();
-  for (const Edge& edge : island.edges)
-    if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of] = *contact++;
-}
-
-std::optional<PendingImpact> advanceUnlessEarly(Context& context, Island& island, double time,
+std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vector<Index>& islands,
+                                                double time,
                                                 const std::function<std::vector<Index>(Index)>& others) {
-  const IslandBefore before(context, island);
-  const double start = island.time;
-  advanceTo(context, island, time);
-  const std::vector<Pair> overlaps = overlapsOf(context, island, others);
+  const StepStore& step = context.step;
+  const std::vector<IslandBefore> before = copiesOf(context, islands);
+  for (const Index place : islands) advanceTo(context, context.step.islands[place], time);
+  const std::vector<Pair> overlaps = overlapsOf(context, islands, time, others);
   if (overlaps.empty()) return {};
-  before.putBack(context);
+  const std::vector<IslandBefore> after = copiesOf(context, islands);
+  putBack(context, before);
   std::optional<PendingImpact> first;
   for (const auto& [i, j, late] : overlaps) {
+    const double start = std::max(step.timeOf(i), step.timeOf(j));
     const double early = impacts::separationAt(context, i, j, start);
-    if (early <= 0.0) continue;
-    const double then = start + (time - start) * early / (early - late);
+    const double length = smallerLength(context.scene.bodies, i, j);
+    if (early < -kLate * length) continue;
+    const double way = std::max(early, kAgain * length);
+    const double then = start + (time - start) * way / (std::max(early, 0.0) - late);
     if (then > start && (!first || then < first->time))
-      first = PendingImpact{then, i, j, context.step.stamp[i], context.step.stamp[j]};
+      first = PendingImpact{then, i, j, step.stamp[i], step.stamp[j]};
   }
-  if (!first) advanceTo(context, island, time);
+  if (!first) putBack(context, after);
   return first;
 }
 

@@ -22,6 +22,15 @@ namespace rbs {
 
 namespace {
 
+// Whether an island may be off its predicted motion at `time`: by its contacts or without those that were expected, by
+// torques, or as the air slows it. At the exact settings only: an overlap is none there that soft contacts leave anyway.
+bool isWatched(const StepStore& step, const Island& island, double time) {
+  if (!step.solver.exact || !island.exact || island.time >= time) return false;
+  const auto strays = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
+  return !island.flies() || !step.airless.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), strays);
+}
+
 // Goes through the impacts of a step in the order of their times.
 class ImpactLoop {
  public:
@@ -56,6 +65,16 @@ class ImpactLoop {
   }
 
   void run() {
+    takeAll();
+    if (!step_.solver.exact) return watchSeparated();
+    while (context_.scene.effects[Effect::Restitution] && endsEarly()) takeAll();
+  }
+
+ private:
+  static constexpr std::uint64_t kQueriesPerImpact = 20;
+  static constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
+
+  void takeAll() {
     while (!queue_.empty()) {
       const PendingImpact impact = queue_.top();
       queue_.pop();
@@ -73,11 +92,7 @@ class ImpactLoop {
     for (Index k = 0; k < contacts_.active.size(); ++k)
       if (contacts_.active[k].state.awaitsImpact())
         dismiss(contacts_.active[k].i, contacts_.active[k].j, false);
-    if (!step_.solver.exact) watchSeparated();
   }
-
- private:
-  static constexpr std::uint64_t kQueriesPerImpact = 20;
 
   struct Later {
     bool operator()(const PendingImpact& a, const PendingImpact& b) const {
@@ -135,7 +150,6 @@ class ImpactLoop {
 
   // Brings both islands to the impact if the budget allows it, unless their contacts bring others together before.
   Brought bringBoth(const PendingImpact& impact) {
-    constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
@@ -143,45 +157,81 @@ class ImpactLoop {
     std::uint64_t& budget = cutBudgetOf(impact);
     if (cost > budget) return Brought::Expensive;
     budget -= cost;
-    for (Island* island : {islandOf(impact.i), islandOf(impact.j)}) {
-      if (!island) continue;
-      if (!isLookedAt(*island, impact.time)) {
-        advanceTo(context_, *island, impact.time);
-        continue;
-      }
-      const double from = island->time;
-      const auto unkept = [this, from](Index i) { return unkeptFrom(i, from); };
-      if (const auto early = advanceUnlessEarly(context_, *island, impact.time, unkept)) {
-        ++early_[{early->i, early->j}];
-        queue_.push(*early);
-        queue_.push(impact);
-        return Brought::Early;
-      }
+    std::vector<Index> brought;  // islands
+    bool watched = false;
+    for (const Index i : {impact.i, impact.j}) {
+      const Index place = step_.island[i];
+      if (place == kNone || (!brought.empty() && brought.front() == place)) continue;
+      brought.push_back(place);
+      watched = watched || isWatched(step_, step_.islands[place], impact.time);
     }
-    return Brought::Both;
+    if (!watched) {
+      for (const Index place : brought) advanceTo(context_, step_.islands[place], impact.time);
+      return Brought::Both;
+    }
+    const auto early = advanceUnlessEarly(context_, brought, impact.time,
+                                          [&](Index i) { return notKeptFrom(i, impact.time); });
+    if (!early) return Brought::Both;
+    await(*early);
+    if (early->i != impact.i || early->j != impact.j) queue_.push(impact);
+    return Brought::Early;
   }
 
-  // Whether contacts may bring bodies of an island together before `time`: at the exact settings, where an overlap is
-  // none that soft contacts leave anyway.
-  bool isLookedAt(const Island& island, double time) const {
-    return step_.solver.exact && island.exact && !island.flies() && island.time < time;
+  // Whether contacts have brought a pair together too often in the step: then one of theirs is to keep the two apart.
+  bool isPushedTogether(Index i, Index j) const {
+    constexpr int kMostEarly = 4;  // a steady approach takes one
+    const auto known = early_.find({i, j});
+    return known != early_.end() && known->second >= kMostEarly;
   }
 
-  // What body i may meet that no contact keeps apart from it, and that is not ahead of `from`.
-  std::vector<Index> unkeptFrom(Index i, double from) {
-    constexpr int kMostEarly = 4;  // for each pair: the way to its impact is halved each time or more
+  void await(const PendingImpact& early) {
+    ++early_[{early.i, early.j}];
+    queue_.push(early);
+  }
+
+  // Brings what is watched to the end of the step, a set of bodies that may meet at a time, as far as the budget allows.
+  // Whether contacts bring some together before that rebound; others are for the search after the step
+  // (missed_contacts.h), which makes contacts of them.
+  bool endsEarly() {
+    std::map<Index, std::vector<Index>> sets;  // islands, by root
+    for (Index place = 0; place < step_.islands.size(); ++place)
+      if (isWatched(step_, step_.islands[place], step_.t1))
+        sets[sets_.root(step_.islands[place].bodies.front())].push_back(place);
+    const auto rebounding = [this](Index i) {
+      std::vector<Index> others = notKeptFrom(i, step_.t1);
+      const auto stays = [&](Index j) { return context_.scene.restitutionOf(i, j) == 0.0; };
+      others.erase(std::remove_if(others.begin(), others.end(), stays), others.end());
+      return others;
+    };
+    bool found = false;
+    for (const auto& [root, islands] : sets) {
+      std::uint64_t cost = 0;
+      for (const Index place : islands)
+        if (step_.islands[place].edges.size() > kSmall) cost += step_.islands[place].edges.size();
+      if (cost > cut_budget_[root]) continue;
+      cut_budget_[root] -= cost;
+      const auto early = advanceUnlessEarly(context_, islands, step_.t1, rebounding);
+      if (early) await(*early), found = true;
+    }
+    return found;
+  }
+
+  // What body i may meet that no contact keeps apart from it, and that is not ahead of `time`. Contacts may have pushed
+  // the body out of the bounds of its own motion.
+  std::vector<Index> notKeptFrom(Index i, double time) {
+    const Bounds now = sweptBounds(context_.scene.bodies, {}, i, 0.0);
+    if (!step_.bounds[i].holds(now, 0.0)) tree_.move(i, step_.bounds[i].with(now));
     std::vector<Index> found;
     const auto add = [&](Index j) {
       const auto [a, b] = std::minmax(i, j);
       if (!mayCollide(context_.scene.bodies.traits[a], context_.scene.bodies.traits[b])) return;
       if (step_.isCrowded(a) && step_.isCrowded(b)) return;
-      if (step_.island[j] != step_.island[i] && step_.timeOf(j) > from) return;
+      if (step_.timeOf(j) > time) return;
       const Index contact = contacts_.find(a, b, found_);
       if (contact != kNone && (contacts_.active[contact].state.isDepenetrating() ||
                                (contact < has_edge_.size() && has_edge_[contact])))
         return;
-      const auto known = early_.find({a, b});
-      if (known == early_.end() || known->second < kMostEarly) found.push_back(j);
+      if (!isPushedTogether(a, b)) found.push_back(j);
     };
     for (const Index j : tree_.of(i)) add(j);
     for (const Index j : context_.scene.lists.planes) add(j);
@@ -192,7 +242,7 @@ class ImpactLoop {
     noteSleeper(impact.i, impact.j);
     const Brought brought = bringBoth(impact);
     if (brought == Brought::Early) return;
-    if (brought == Brought::Expensive || isCollapsing(impact)) {
+    if (brought == Brought::Expensive || isCollapsing(impact) || isPushedTogether(impact.i, impact.j)) {
       ++islandOf(impact).deferred_impacts;
       if (brought == Brought::Expensive) leaveToRebounds(impact);
       connect(impact.i, impact.j);
@@ -204,7 +254,7 @@ class ImpactLoop {
       if (later && later->time > impact.time) {
         queue_.push(*later);
       } else {
-        connect(impact.i, impact.j);
+        connect(impact.i, impact.j, false);
       }
       return;
     }
@@ -330,8 +380,9 @@ class ImpactLoop {
     if (state && state->isDepenetrating()) return;
     if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
     // Only where the step began again for i and not for j. What the two do is known once both begin again.
-    if (step_.timeOf(j) > from) return step_.reached.emplace_back(i, j), void();
-    const impacts::Prediction prediction = predict(i, j, from);
+    if (from < step_.t1 && step_.timeOf(j) >= step_.t1) return step_.reached.emplace_back(i, j), void();
+    // Where an island has gone back (early_meetings.h), others may be ahead of it.
+    const impacts::Prediction prediction = predict(i, j, std::max(from, step_.timeOf(j)));
     if (prediction.impact) {
       queue_.push(*prediction.impact);
       if (state) state->awaitImpact();
@@ -372,7 +423,11 @@ class ImpactLoop {
 }  // namespace
 
 void takeImpacts(Context& context) {
-  if (!context.step.impacts.empty()) ImpactLoop(context).run();
+  const StepStore& step = context.step;
+  const auto rebounds = [&](const Island& island) { return isWatched(step, island, step.t1); };
+  if (!step.impacts.empty() || (context.scene.effects[Effect::Restitution] &&
+                                std::any_of(step.islands.begin(), step.islands.end(), rebounds)))
+    ImpactLoop(context).run();
 }
 
 }  // namespace rbs
