@@ -399,12 +399,13 @@ class RandomScene {
   Pose X_WS_;
 };
 
-// At `preview` two of the first sixty fall short (docs/stability.md). Scene 205 got 4.7 times its energy at `reference` from
-// a solve that had not found the forces.
+// At `preview` two of the first sixty fall short (docs/stability.md). At `reference` scene 205 got 4.7 times its energy from a
+// solve that had not found the forces, and the solves of 91 and 154 take more work than a step may: what the soft step
+// pushed through the slab instead was not looked for.
 TEST_P(Crushing, NothingGoesThroughAThinSlabOrGainsEnergy) {
   std::vector<unsigned> seeds(60);
   std::iota(seeds.begin(), seeds.end(), 1u);
-  seeds.push_back(205);
+  seeds.insert(seeds.end(), {91, 154, 205});
   const int allowed = GetParam() == Fidelity::Preview ? 2 : 0;
   int through = 0;
   for (const unsigned seed : seeds) {

@@ -94,11 +94,18 @@ bool havePassed(const Context& context, Index i, Index j) {
   return closing * (step.t1 - *time) > mostLeft(context, i, j);
 }
 
+// Whether the exact step solved all that is in contact with two bodies: then no overlap is left but what it has not seen.
+bool areExact(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  const auto isSolved = [&](Index k) { return step.island[k] == kNone || step.islands[step.island[k]].exact; };
+  return step.solver.exact && isSolved(i) && isSolved(j);
+}
+
 bool isMissed(const Context& context, const SolvedPairs& solved, const std::pair<Index, Index>& pair) {
   if (isAmong(solved.with_points, pair)) return false;
   const auto& [i, j] = pair;
   const StepStore& step = context.step;
-  const bool seen = !step.solver.exact || isAmong(solved.without, pair) || awaitsRebound(context, i, j);
+  const bool seen = !areExact(context, i, j) || isAmong(solved.without, pair) || awaitsRebound(context, i, j);
   const double most = seen ? mostLeft(context, i, j) : kMissed * smallerLength(context.scene.bodies, i, j);
   return overlapAt(context, i, j, step.t1) > most || havePassed(context, i, j);
 }
@@ -129,7 +136,7 @@ IndexPairs findMissedContacts(const Context& context) {
   const StepStore& step = context.step;
   std::vector<std::pair<Index, Bounds>> pushed;
   for (const Island& island : step.islands) {
-    if (island.flies() || (step.solver.exact && !island.exact)) continue;
+    if (island.flies()) continue;
     for (const Index i : island.bodies)
       if (mayDeviate(context, i))
         pushed.emplace_back(i, step.bounds[i].with(sweptBounds(scene.bodies, {}, i, 0.0)));
