@@ -179,8 +179,7 @@ void ContactLanes::refresh(double now, double left) {
   for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
 
-// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay
-// what they were when their points were found, whoever stands beside them.
+// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay as they are.
 RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
     cross(d, row.arm_i, turning.lever);

@@ -107,7 +107,8 @@ class ContactLanes {
   void solve(Pass pass, const Softness& soft, double h);
   /// Adds the impulses of this sub-step to the sums.
   void addUp();
-  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned.
+  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned, with the
+  /// masses along the rows of their contacts.
   ///
   /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
   /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.

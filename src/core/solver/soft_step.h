@@ -6,7 +6,8 @@
 // even these are too few, no sub-step may add energy (energy_limit.h).
 // The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
 // its size; in between the gap s of a contact point follows the motion of its bodies. A sub-step
-//   1. adds the loads to the velocities, and last sub-step's impulses as far as these add no energy (warm_start.h);
+//   1. adds the loads to the velocities, and last sub-step's impulses, less where they would add much energy
+//      (warm_start.h);
 //   2. solves each contact once with a soft constraint that also closes the position error;
 //   3. moves the bodies, and finds anew how those respond to impulses whose axes have turned: a pass with masses
 //      that are more than twice too large diverges;

@@ -4,12 +4,16 @@
 #include "solver/island_energy.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 namespace rbs::warm_start {
 
 namespace {
+
+// Share of the energy of a body below which a gain is rounding.
+constexpr double kRoundedEnergy = 1e-12;
 
 struct Sum {
   double along = 0.0;     // l_0.u, J
@@ -18,19 +22,26 @@ struct Sum {
   double share() const { return along + 0.5 * response <= most ? 1.0 : std::max(0.0, -along / response); }
 };
 
-// What a body gains in a sub-step of h s by its load from rest, J.
-double fallEnergy(const Context& context, const SolverBody& s, double h) {
-  return 0.5 * h * h * context.step.load[s.body].a_W.squaredNorm() / s.inv_mass;
+// What a guess may add to the energy of a body in a sub-step of h s, J.
+double allowed(const Context& context, const SolverBody& s, double h) {
+  const double fall = h * h * context.step.load[s.body].a_W.squaredNorm();
+  const double radius = context.scene.bodies.traits[s.body].bounding_radius;
+  const double energy = s.v_free.squaredNorm() + radius * radius * s.w_free.squaredNorm();
+  return 0.5 * (kFalls * fall + kRoundedEnergy * energy) / s.inv_mass;
 }
 
-// Whether a guess gives a body more energy than kFalls allow it. If it does so to none, it does not to an island.
+// Whether a guess adds more to the energy of a body than it may. If it does so to none, it does not to an island, as those
+// see it who are at rest. A bound on the gain spares most bodies their inertia: no moment is more than m R².
 bool isFaster(const Context& context, const SolverBody& s, double h) {
-  const double along = s.v.squaredNorm() - s.v_free.squaredNorm(),
-               turning = s.w.squaredNorm() - s.w_free.squaredNorm();
-  if ((along <= 0.0 && turning <= 0.0) || s.inv_mass == 0.0) return false;
-  const double radius = context.scene.bodies.traits[s.body].bounding_radius;
-  return 0.5 * (along + radius * radius * std::max(0.0, turning)) / s.inv_mass >
-         kFalls * fallEnergy(context, s, h);
+  if (s.inv_mass == 0.0) return false;
+  const Vec3 dw = s.w - s.w_free, sum = s.w + s.w_free;
+  const double radius = context.scene.bodies.traits[s.body].bounding_radius, most = allowed(context, s, h);
+  const double along = 0.5 * (s.v.squaredNorm() - s.v_free.squaredNorm()) / s.inv_mass;
+  const double turning = 0.5 * radius * radius * std::sqrt(dw.squaredNorm() * sum.squaredNorm()) / s.inv_mass;
+  if (along + turning <= most) return false;
+  const Quat q_BW = context.scene.bodies.pose[s.body].q_WB.conjugate();
+  const Vec3& moments = context.scene.bodies.inertia[s.body].moments;
+  return along + 0.5 * (q_BW * sum).dot(moments.cwiseProduct(q_BW * dw)) > most;
 }
 
 void addBody(const Context& context, const SolverBody& s, double h, Sum& sum) {
@@ -39,7 +50,7 @@ void addBody(const Context& context, const SolverBody& s, double h, Sum& sum) {
   const Vec3 moment_B = context.scene.bodies.inertia[s.body].moments.cwiseProduct(dw_B);
   sum.along += dv.dot(s.v_free) / s.inv_mass + moment_B.dot(w_B);
   sum.response += dv.squaredNorm() / s.inv_mass + moment_B.dot(dw_B);
-  sum.most += kFalls * fallEnergy(context, s, h);
+  sum.most += allowed(context, s, h);
 }
 
 bool isKinematic(const SolverBody& s) {

@@ -97,7 +97,9 @@ bool havePassed(const Context& context, Index i, Index j) {
 // Whether the exact step solved all that is in contact with two bodies: then no overlap is left but what it has not seen.
 bool areExact(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
-  const auto isSolved = [&](Index k) { return step.island[k] == kNone || step.islands[step.island[k]].exact; };
+  const auto isSolved = [&](Index k) {
+    return step.island[k] == kNone || step.islands[step.island[k]].exact;
+  };
   return step.solver.exact && isSolved(i) && isSolved(j);
 }
 
