@@ -64,6 +64,45 @@ TEST_P(Overlap, TwoOfACrowdPartTheShortWay) {
     }
 }
 
+// No faster than a body falls its own length, however deep they are in each other.
+TEST_P(Overlap, BoxesPartNoFasterThanTheDepenetrationVelocityLimit) {
+  for (const double overlap : {0.1, 0.3, 0.6}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = GetParam();
+    scene.bodies.push_back(box("left", Vec3::Ones(), {0.0, 0.0, 0.5}));
+    scene.bodies.push_back(box("right", Vec3::Ones(), {1.0 - overlap, 0.1, 0.5}));
+    World world(ordered(scene));
+    const auto distance = [&] {
+      return stateOf(world, "right").pose.p_WB.x() - stateOf(world, "left").pose.p_WB.x();
+    };
+    for (int k = 0; k < 30; ++k) {
+      const double before = distance();
+      world.step();
+      EXPECT_LE(distance() - before, 1.01 * std::sqrt(kGravity) * scene.step) << overlap << " m, step " << k;
+    }
+  }
+}
+
+// What parts them moves and turns them. That is no impulse: the first step, in which they only part, keeps their angular
+// momentum at the exact settings.
+TEST_P(Overlap, PartingKeepsTheAngularMomentum) {
+  if (GetParam() < Fidelity::Accurate) GTEST_SKIP() << "soft contacts part by impulses";
+  for (const double friction : {0.0, 0.5})
+    for (const double x : {0.7, 0.8, 0.9}) {
+      SceneDef scene = emptySpace(1.0 / 60.0);
+      scene.fidelity = GetParam();
+      for (const int k : {0, 1}) {
+        scene.bodies.push_back(box(k ? "b" : "a", {1.0, 0.6, 0.4}, k * Vec3(x, 0.2, 0.1)));
+        scene.bodies.back().material.friction = friction;
+        scene.bodies.back().twist.w_WB = (k ? 1.0 : -0.7) * Vec3(0.3, 1.0, -0.5);
+      }
+      World world(ordered(scene));
+      const Vec3 before = world.totals().angular_momentum;
+      world.step();
+      EXPECT_LE((world.totals().angular_momentum - before).norm(), 1e-12 * before.norm()) << x;
+    }
+}
+
 // A heavy block falls on a ball that lies on a plane, at up to 600 m/s. What gets between the two is pushed
 // into the plane by half of its size at most.
 TEST_P(Overlap, NothingGoesThroughAPlaneByMoreThanHalfItsSize) {

@@ -167,6 +167,24 @@ TEST_P(UserForce, ItNeverSpinsABodyUp) {
   }
 }
 
+// What is left of the way and of the angle decays as exp(-t/tau), by the shorter way round.
+TEST_P(UserForce, AHoldClosesOnItsTargetTheShortWay) {
+  constexpr double kTau = 1.0 / 30.0, kTime = 0.1;
+  const Vec3 axis = Vec3(1.0, -2.0, 0.5).normalized();
+  for (const double angle : {-6.0, -3.0, -1.0, 0.5, 3.0, 3.3, 5.0}) {
+    SceneDef scene = emptySpace(1.0 / 60.0);
+    scene.fidelity = GetParam();
+    scene.bodies.push_back(box("crate", {0.4, 0.6, 0.8}, Vec3::Zero()));
+    World world(scene);
+    world.hold(world.find("crate"), {Vec3(1.0, 2.0, -3.0), Quat(Eigen::AngleAxisd(angle, axis))});
+    advance(world, kTime);
+    const BodyState state = stateOf(world, "crate");
+    const double share = 1.0 - std::exp(-kTime / kTau), shorter = std::remainder(angle, 2.0 * kPi);
+    EXPECT_LE((state.pose.p_WB - share * Vec3(1.0, 2.0, -3.0)).norm(), 1e-12) << angle;
+    EXPECT_LE(state.pose.q_WB.angularDistance(Quat(Eigen::AngleAxisd(share * shorter, axis))), 1e-7) << angle;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Settings, UserForce, ::testing::ValuesIn(kFidelities),
                          [](const auto& info) { return fidelityName(info.param); });
 
