@@ -167,6 +167,28 @@ TEST_P(UserForce, ItNeverSpinsABodyUp) {
   }
 }
 
+// A mouse far behind a wall presses with the greatest force that it has, and no more.
+TEST_P(UserForce, ItPressesNoHarderThanItMay) {
+  for (const double behind : {1.0, 10.0, 1000.0}) {
+    SceneDef scene = emptySpace(1.0 / 60.0);
+    scene.fidelity = GetParam();
+    scene.bodies.push_back(box("wall", {1.0, 4.0, 4.0}, {0.75, 0.0, 0.0}));
+    scene.bodies.back().kind = BodyKind::Static;
+    scene.bodies.push_back(ball("ball", 0.25, Vec3::Zero()));
+    scene.bodies.back().mass = 3.0;
+    World world(ordered(scene));
+    Grab grab;
+    grab.p_W = {behind, 0.0, 0.0};
+    world.grab(world.find("ball"), grab);
+    advance(world, 1.0);
+    double pressed = 0.0;
+    for (const ContactPoint& point : world.snapshot().contacts) pressed += point.normal_impulse;
+    const double most = 3.0 * grab.max_acceleration * scene.step;
+    EXPECT_LE(pressed, 1.001 * most) << behind << " m behind";
+    if (behind >= 10.0) EXPECT_GE(pressed, 0.999 * most) << behind << " m behind";
+  }
+}
+
 // What is left of the way and of the angle decays as exp(-t/tau), by the shorter way round.
 TEST_P(UserForce, AHoldClosesOnItsTargetTheShortWay) {
   constexpr double kTau = 1.0 / 30.0, kTime = 0.1;
