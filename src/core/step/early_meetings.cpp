@@ -65,21 +65,20 @@ void putBack(Context& context, const std::vector<IslandBefore>& copies) {
   for (const IslandBefore& copy : copies) copy.putBack(context);
 }
 
-// The pairs of the islands that overlap now, each once.
+// The pairs of the islands that overlap now.
 std::vector<Pair> overlapsOf(const Context& context, const std::vector<Index>& islands, double time,
                              const std::function<std::vector<Index>(Index)>& others) {
-  const auto isOfThem = [&](Index i) {
-    return std::find(islands.begin(), islands.end(), context.step.island[i]) != islands.end();
-  };
-  std::vector<Pair> found;
+  IndexPairs pairs;
   for (const Index place : islands)
     for (const Index i : context.step.islands[place].bodies)
-      for (const Index j : others(i)) {
-        if (j < i && isOfThem(j)) continue;
-        const double separation = impacts::separationAt(context, i, j, time);
-        if (separation < -kLate * smallerLength(context.scene.bodies, i, j))
-          found.push_back({std::min(i, j), std::max(i, j), separation});
-      }
+      for (const Index j : others(i)) pairs.push_back(std::minmax(i, j));
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Pair> found;
+  for (const auto& [i, j] : pairs) {
+    const double separation = impacts::separationAt(context, i, j, time);
+    if (separation < -kLate * smallerLength(context.scene.bodies, i, j)) found.push_back({i, j, separation});
+  }
   return found;
 }
 
