@@ -399,9 +399,8 @@ class RandomScene {
   Pose X_WS_;
 };
 
-// At `reference` scene 205 got 4.7 times its energy from a
-// solve that had not found the forces, and the solves of 91 and 154 take more work than a step may: what the soft step
-// pushed through the slab instead was not looked for.
+// At `reference` scene 205 got 4.7 times its energy from a solve that had not found the forces. The solves of 91 and 154
+// take more work than a step may: what the soft step pushed through the slab instead was not looked for.
 TEST_P(Crushing, NothingGoesThroughAThinSlabOrGainsEnergy) {
   std::vector<unsigned> seeds(60);
   std::iota(seeds.begin(), seeds.end(), 1u);

@@ -132,7 +132,8 @@ TEST_P(ImpulseBalance, OfBodiesThatTumbleInABox) {
     }
 }
 
-// A block pushes a ball into the floor, and the plane itself stops it at half of its size: that impulse is told as well.
+// A block pushes a ball into the floor. The plane itself stops the ball at half of its size, and their contact reports that
+// impulse.
 TEST_P(ImpulseBalance, OfWhatAPlaneStops) {
   double stopped = 0.0;  // change of a speed by the plane itself, m/s
   for (const double speed : {10.0, 30.0, 100.0}) {
@@ -148,13 +149,13 @@ TEST_P(ImpulseBalance, OfWhatAPlaneStops) {
       const Vec3 before = stateOf(world, "ball").twist.v_WB;
       world.step();
       const Snapshot now = world.snapshot();
-      Vec3 told = Vec3::Zero();
+      Vec3 reported = Vec3::Zero();
       double size = 0.0;
       bool lifted = false;
       for (const ContactPoint& point : now.contacts) {
         if (point.a != world.find("ball") && point.b != world.find("ball")) continue;
         const Vec3 impulse = point.normal_impulse * point.n_W + point.friction_impulse;
-        told += (point.b == world.find("ball") ? 1.0 : -1.0) * impulse;
+        reported += (point.b == world.find("ball") ? 1.0 : -1.0) * impulse;
         size += impulse.norm();
         const bool by_floor = point.a == world.find("floor") || point.b == world.find("floor");
         if (!by_floor || std::abs(point.separation + 0.05) > 1e-9 || point.normal_impulse == 0.0) continue;
@@ -162,7 +163,7 @@ TEST_P(ImpulseBalance, OfWhatAPlaneStops) {
       }
       if (!lifted) continue;  // what overlaps deeply is kept from gaining energy, which no contact does
       const Vec3 given = mass * (stateOf(world, "ball").twist.v_WB - before - scene.gravity * kStep);
-      EXPECT_LE((told - given).norm(), 1e-9 * size) << speed << " m/s, step " << k;
+      EXPECT_LE((reported - given).norm(), 1e-9 * size) << speed << " m/s, step " << k;
     }
   }
   if (GetParam() == Fidelity::Preview) EXPECT_GT(stopped, 0.5);

@@ -42,6 +42,12 @@ int tooDear(const StepReport& report) {
   return times;
 }
 
+std::uint32_t iterationsOf(const StepReport& report) {
+  std::uint32_t iterations = 0;
+  for (const IslandResiduals& island : report.residuals) iterations += island.iterations;
+  return iterations;
+}
+
 // Without the budget the first step takes 45,000 iterations at accurate, and 180,000 at reference.
 TEST(SolveBudget, BoundsAStepByCountsAtTheExactSettings) {
   const std::pair<Fidelity, std::uint32_t> kMost[] = {{Fidelity::Accurate, 30000},
@@ -52,14 +58,10 @@ TEST(SolveBudget, BoundsAStepByCountsAtTheExactSettings) {
     World world(ordered(scene)), again(ordered(scene));
     int warnings = 0;
     for (int step = 0; step < 4; ++step) {
-      std::uint32_t iterations = 0;
       bool converged = true;
       const StepReport& report = world.step();
-      for (const IslandResiduals& island : report.residuals) {
-        iterations += island.iterations;
-        converged = converged && island.converged;
-      }
-      EXPECT_LT(iterations, most);
+      for (const IslandResiduals& island : report.residuals) converged = converged && island.converged;
+      EXPECT_LT(iterationsOf(report), most);
       std::set<std::string> said;
       for (const Warning& warning : report.warnings) {
         EXPECT_TRUE(said.insert(warning.text).second) << "twice: " << warning.text;
@@ -92,9 +94,7 @@ TEST(SolveBudget, IsSharedByTheIslandsOfAStep) {
         scene.bodies.push_back(piece);
       }
     World world(ordered(scene));
-    std::uint32_t iterations = 0;
-    for (const IslandResiduals& island : world.step().residuals) iterations += island.iterations;
-    EXPECT_LT(iterations, most) << fidelityName(setting);
+    EXPECT_LT(iterationsOf(world.step()), most) << fidelityName(setting);
   }
 }
 
