@@ -91,6 +91,28 @@ TEST(ImpactLaw, KeepsMomentumGainsNoEnergyAndEndsTheApproach) {
   EXPECT_LT(full, impacts);
 }
 
+// What lies far behind a plane meets it at a point far along the normal. What that point feels along the normal is then
+// the difference of large numbers.
+TEST(ImpactLaw, EndsAtPointsFarAlongTheNormal) {
+  for (unsigned seed = 1; seed <= 300; ++seed)
+    for (const double far : {1e2, 1e4, 1e6, 1e8, 1e9}) {
+      Bodies2 pair(seed);
+      pair.a.inv_mass = 0.0, pair.a.inv_inertia_W.setZero();
+      pair.a.twist = {};
+      const Vec3 n_W = pair.anyVector().normalized();
+      const Manifold manifold = pointAt(pair.b.p_WB + far * n_W, n_W);
+      const ImpactSide before = pair.b;
+      collideBodies(pair.a, pair.b, manifold, (seed % 3) * 0.4, (seed % 5) / 4.0);
+      const auto energy = [](const ImpactSide& side) {
+        return 0.5 * side.twist.v_WB.squaredNorm() / side.inv_mass +
+               0.5 * side.twist.w_WB.dot(side.inv_inertia_W.inverse() * side.twist.w_WB);
+      };
+      EXPECT_LE(energy(pair.b), energy(before) * (1.0 + 1e-6)) << seed << ", " << far << " m";
+      EXPECT_GE(n_W.dot(pair.b.twist.v_WB), std::min(n_W.dot(before.twist.v_WB), 0.0) - 1e-6)
+          << seed << ", " << far << " m";
+    }
+}
+
 // A plate lands on one edge of its lower face while the other one rises, more slowly than the blow would make it fall.
 // No point may be left closing, and what bears no impulse gets no rebound. With P1 and P2 the impulses at edges that are
 // 2 a apart, W = 1/m + a²/I and V = 1/m - a²/I:  u1' = u1 + W P1 + V P2,  u2' = u2 + V P1 + W P2.

@@ -124,6 +124,32 @@ TEST_P(Overlap, NothingGoesThroughAPlaneByMoreThanHalfItsSize) {
     }
 }
 
+// An edit may leave bodies behind a plane by any length: their points on it are that far from them.
+TEST_P(Overlap, APlaneThatIsMovedFarAwayEndsNoStep) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<> normal;
+    SceneDef scene = emptySpace(1.0 / 60.0);
+    scene.gravity = {1.0, 2.0, 0.0};
+    scene.bodies.push_back(floorOf(0.5));
+    scene.bodies.back().pose = {
+        {0.0, std::pow(10.0, seed % 10), -5.0},
+        Quat(
+            Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized())};
+    scene.bodies.push_back(box("raft", {1.6, 1.2, 0.3}, {0.0, 0.0, 0.6}));
+    scene.bodies.push_back(box("post", {0.15, 0.15, 1.5}, {-0.9, -1.2, 0.9}));
+    scene.bodies.push_back(body("cask", Capsule{0.15, 0.25}, {0.9, -1.1, 1.4}));
+    for (BodyDef& def : scene.bodies) def.material.friction = 0.5;
+    for (std::size_t k = 1; k < scene.bodies.size(); ++k)
+      scene.bodies[k].twist.v_WB = 0.5 * Vec3(normal(random), normal(random), normal(random));
+    scene.fidelity = GetParam();
+    World world(scene);
+    for (int k = 0; k < 3; ++k) world.step();
+    for (const BodyState& state : world.snapshot().states)
+      EXPECT_LT(state.twist.v_WB.norm(), 20.0) << "seed " << seed;
+  }
+}
+
 // A needle that turns by 240 rad in a step meets a plate: no sub-step can follow it, and it left with 10^15
 // rad/s.
 TEST_P(Overlap, WhatTurnsTooFastForSubStepsGainsNoEnergy) {

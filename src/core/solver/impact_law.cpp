@@ -33,9 +33,10 @@ void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
   side.twist.w_WB += side.inv_inertia_W * r.cross(impulse_W);
 }
 
-Mat3 response(const ImpactSide& side, const Vec3& r) {
-  const Mat3 lever = crossMatrix(r);
-  return side.inv_mass * Mat3::Identity() - lever * side.inv_inertia_W * lever;
+// In the contact frame. As a sum of squares it stays positive where r is long and along the normal.
+Mat3 response(const ImpactSide& side, const Vec3& r, const Mat3& frame) {
+  const Mat3 lever = frame.transpose() * crossMatrix(r);
+  return side.inv_mass * Mat3::Identity() + lever * side.inv_inertia_W * lever.transpose();
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
@@ -52,7 +53,7 @@ class Impact {
       ImpactPoint& c = points_[k];
       c.r_a = manifold.points[k].p_W - a.p_WB;
       c.r_b = manifold.points[k].p_W - b.p_WB;
-      c.W = frame_.transpose() * (response(a, c.r_a) + response(b, c.r_b)) * frame_;
+      c.W = response(a, c.r_a, frame_) + response(b, c.r_b, frame_);
       c.velocity_in = relative(a, b, c);
       c.closing_in = c.velocity_in[2];
     }
