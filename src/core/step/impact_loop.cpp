@@ -25,7 +25,7 @@ namespace {
 // Whether an island may be off its predicted motion at `time`: by its contacts or without those that were expected, by
 // torques, or as the air slows it. At the exact settings only: an overlap is none there that soft contacts leave anyway.
 bool isWatched(const StepStore& step, const Island& island, double time) {
-  if (!step.solver.exact || !island.exact || island.time >= time) return false;
+  if (!step.solver.exact || !island.exact || island.bodies.empty() || island.time >= time) return false;
   const auto strays = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
   return !island.flies() || !step.airless.empty() ||
          std::any_of(island.bodies.begin(), island.bodies.end(), strays);
