@@ -96,8 +96,11 @@ void connect(Context& context, const std::vector<Index>& bodies, const std::vect
 DisjointSets candidateSets(const Context& context) {
   const std::vector<Index>& island = context.step.island;
   DisjointSets sets(context.scene.bodies.size());
-  for (const Contact& contact : context.scene.contacts.active)
-    if (island[contact.i] != kNone && island[contact.j] != kNone) sets.unite(contact.i, contact.j);
+  const auto unite = [&](Index i, Index j) {
+    if (island[i] != kNone && island[j] != kNone) sets.unite(i, j);
+  };
+  for (const Contact& contact : context.scene.contacts.active) unite(contact.i, contact.j);
+  for (const auto& [i, j] : context.step.met) unite(i, j);
   return sets;
 }
 

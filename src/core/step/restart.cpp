@@ -19,7 +19,6 @@ std::vector<char> concernedBy(const Context& context, const IndexPairs& pairs) {
   const auto unite = [&](Index i, Index j) {
     if (isMoved(i) && isMoved(j)) sets.unite(i, j);
   };
-  for (const auto& [i, j] : step.met) unite(i, j);
   for (const auto& [i, j] : pairs) unite(i, j);
   for (const Island& island : step.islands)
     for (const Index i : island.bodies) unite(island.bodies.front(), i);
@@ -124,6 +123,7 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
   StepStore& step = context.step;
   IndexPairs all = missed;
   all.insert(all.end(), step.reached.begin(), step.reached.end());
+  step.met.insert(step.met.end(), step.reached.begin(), step.reached.end());
   step.reached.clear(), step.late.clear();
   const std::vector<char> again = concernedBy(context, all);
   restoreContacts(context, missed, again);
