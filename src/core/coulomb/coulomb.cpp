@@ -37,7 +37,7 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 struct Case {
   const System& system;
   BodyBlocks& matrix;
-  double tolerance, aim;
+  double tolerance, aim, needed;
   Answer best;
   bool is_warm = !best.r.isZero(0.0);  // the guess tells something
   bool slips = false;                  // somewhere the direction is prescribed
@@ -112,24 +112,24 @@ constexpr Attempt kAttempts[] = {
      &Case::target, 30, 0},
     // The central path may turn back where the interior point gets stuck.
     {CoulombSolver::InteriorPoint, path,
-     [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::tolerance,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::needed,
      &Case::rough, 150, 20},
     {CoulombSolver::InteriorPoint, path,
-     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::needed,
      &Case::rough, 100, 40},
     {CoulombSolver::InteriorPoint, path,
-     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::needed,
      &Case::rough, 600, 40},
     {CoulombSolver::Admm, admmFromBest,
-     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::tolerance,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::needed,
      &Case::rough, 500, 20},
     {CoulombSolver::Admm, admmFromBest,
-     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::tolerance,
+     [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::needed,
      &Case::rough, 500, 20, 4},
     // Heaps whose couples neither path nor proximal steps have settled.
     {CoulombSolver::Newton, newtonFromBest,
-     [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::tolerance,
-     &Case::target, 200, 0},
+     [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::needed, &Case::target,
+     200, 0},
     // Bodies are not to fall through, even where time is over.
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isBudgetSpent(); },
      &Case::tolerance, &Case::tolerance, 10, 0},
@@ -137,7 +137,7 @@ constexpr Attempt kAttempts[] = {
 
 }  // namespace
 
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim, double needed) {
   const double near = std::min(tolerance, kWarmStart * aim);
   const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
   if (closing <= near) {
@@ -153,7 +153,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
   Answer best{guess, of_guess, 0};
   if (!best.within(near)) {
     BodyBlocks matrix(system);
-    Case at{system, matrix, tolerance, aim, std::move(best)};
+    Case at{system, matrix, tolerance, aim, needed, std::move(best)};
     at.slips = std::any_of(system.points().begin(), system.points().end(),
                            [](const Point& point) { return point.sliding.slips; });
     const auto consider = [&](CoulombSolver solver, const Answer& answer) {
@@ -177,7 +177,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
   result.signorini = best.residuals.signorini;
   result.coulomb = best.residuals.coulomb;
   result.dissipation = best.residuals.dissipation;
-  result.converged = best.within(tolerance);
+  result.converged = best.within(needed);
   return result;
 }
 

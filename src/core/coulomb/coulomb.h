@@ -15,7 +15,7 @@ struct CoulombResult {
   /// and in velocity, as a fraction of their units. Measured on the impulses alone: velocities are recomputed
   /// from them.
   double signorini, coulomb, dissipation;
-  /// All three are within the tolerance, once each point is forgiven the rounding of its velocity: a light
+  /// All three are within what is needed, once each point is forgiven the rounding of its velocity: a light
   /// body under a heavy one feels the last digit of the impulses it stands on.
   bool converged;
 };
@@ -25,7 +25,11 @@ struct CoulombResult {
 /// converged: then it is the iterate with the smallest residuals.
 /// @param tolerance of the residuals, a fraction of the units, > 0
 /// @param aim a smaller tolerance, for which only a few iterations more are made
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim);
+/// @param needed a larger tolerance, beyond which the last resorts are not tried: they take ten times as long
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim, double needed);
+inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
+  return solveCoulomb(problem, tolerance, aim, tolerance);
+}
 inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   return solveCoulomb(problem, tolerance, tolerance);
 }

@@ -20,6 +20,6 @@ inline constexpr double kAligned = 1e-3;
 /// each other keep their corners.
 inline constexpr double kOverhang = 1e-5;
 /// A corner within this share of the size of the depth stands for the deepest point.
-inline constexpr double kCovers = 1e-5;
+inline constexpr double kCovers = 1e-6;
 
 }  // namespace rbs

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace rbs::exact_step {
 
@@ -17,6 +19,10 @@ namespace {
 // Shares of the smaller length of a pair. An overlap beyond kOverlap is taken away, if it is more than what
 // kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
 constexpr double kOverlap = 1e-11, kCurved = 1e-10;
+// The least that is asked of a solve, however short the drift or small the overlap that it is about.
+constexpr double kCoarsest = 1e-6;
+// A share of the speed at which points move that is no closing.
+constexpr double kNoClosing = 1e-9;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
 // A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
@@ -55,11 +61,25 @@ void push(CoulombBodies& bodies, const CoulombPoint& law, const Vec3& impulse_W)
   give(law.j, law.r_j, impulse_W);
 }
 
+// The fastest of the points of a problem, on either side, m/s.
+double fastestOf(const CoulombProblem& problem) {
+  double fastest = 0.0;
+  for (const CoulombPoint& law : problem.points)
+    for (const auto& [body, arm] : {std::pair(law.i, law.r_i), std::pair(law.j, law.r_j)})
+      if (body != kNone)
+        fastest = std::max(fastest, (problem.bodies[body].v + problem.bodies[body].w.cross(arm)).norm());
+  return fastest;
+}
+
 }  // namespace
 
-// Residuals are measured against what the load does in a step, or the fastest closing where that is more.
-CoulombResult Stepper::solve(CoulombProblem& problem) const {
-  problem.speed_unit = island_.loadSpeed();
+// Residuals are measured against what the load does in a step, or the fastest closing where that is more. What is no more
+// than the rounding of how fast the points move is no closing.
+//
+// What the solve before a drift of `tau` leaves grows to a gap of tau times that. It need be no less than kCurved: the
+// curvature is not known to more digits, and in what is beyond them four corners of a face ask for what no motion of it has.
+CoulombResult Stepper::solve(CoulombProblem& problem, double tau) const {
+  problem.speed_unit = std::max(island_.loadSpeed(), kNoClosing * fastestOf(problem));
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
   if (!(problem.speed_unit > 0.0)) {
@@ -67,19 +87,26 @@ CoulombResult Stepper::solve(CoulombProblem& problem) const {
     for (CoulombCouple& law : problem.couples) law.impulse.setZero();
     return {CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, true};
   }
-  const CoulombResult result = solveInBudget(problem, tolerance_, aim_);
+  double needed = tolerance_;
+  if (tau > 0.0) {
+    double length = std::numeric_limits<double>::infinity();
+    for (const TouchingPoint& point : touching_.points) length = std::min(length, point.length);
+    needed = std::max(needed, std::min(kCurved * length / (tau * problem.speed_unit), kCoarsest));
+  }
+  const CoulombResult result = solveInBudget(problem, tolerance_, aim_, needed);
   island().residuals.iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }
 
 // A solve that does not converge leaves three quarters of the budget to the others; fourteen of them spend
 // all.
-CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double aim) const {
+CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double aim,
+                                     double needed) const {
   const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);
   const SolveBudget part{std::min(budget_.work, most), budget_.until};
   SolveBudget left = part;
   problem.budget = &left;
-  const CoulombResult result = solveCoulomb(problem, tolerance, aim);
+  const CoulombResult result = solveCoulomb(problem, tolerance, aim, needed);
   budget_.work -= part.work - left.work;
   if (!result.converged && left.work <= 0) island().cut_short = true;
   return result;
@@ -113,7 +140,7 @@ bool Stepper::takeOverlapsAway() {
       problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
-  solveInBudget(problem, 1e-6, 1e-6);
+  solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;
@@ -170,7 +197,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
     borne.push_back(k);
     problem.couples.push_back(law);
   }
-  CoulombResult result = solve(problem);
+  CoulombResult result = solve(problem, 0.0);
   if (friction == Friction::Free) {
     // A point that would be driven back by its friction has stopped: there the law decides.
     for (bool fixed = true; fixed;) {
@@ -189,7 +216,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
       }
       if (!fixed) break;
       problem.bodies = bodies;
-      result = solve(problem);
+      result = solve(problem, 0.0);
     }
   }
   bodies = problem.bodies;

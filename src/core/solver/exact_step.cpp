@@ -276,7 +276,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
       kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
                              Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
     kick.bodies = loaded;
-    segment.first = solve(kick);
+    segment.first = solve(kick, tau);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters =

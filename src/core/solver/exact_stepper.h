@@ -112,9 +112,10 @@ class Stepper : public InnerRows {
                 Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
 
-  CoulombResult solve(CoulombProblem& problem) const;
+  /// Before a drift of `tau`; 0: at an instant.
+  CoulombResult solve(CoulombProblem& problem, double tau) const;
   Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
-  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double aim) const;
+  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double aim, double needed) const;
   void addResiduals(const CoulombResult& result);
 
   Context& context_;
