@@ -25,7 +25,8 @@ struct CoulombResult {
 /// converged: then it is the iterate with the smallest residuals.
 /// @param tolerance of the residuals, a fraction of the units, > 0
 /// @param aim a smaller tolerance, for which only a few iterations more are made
-/// @param needed a larger tolerance, beyond which the last resorts are not tried: they take ten times as long
+/// @param needed a larger tolerance: within it the answer has converged, and the last resorts, which take ten times as long,
+/// are not tried
 CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim, double needed);
 inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
   return solveCoulomb(problem, tolerance, aim, tolerance);

@@ -200,8 +200,8 @@ struct StepStore {
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
   std::vector<std::pair<double, Pose>>
       turned;  ///< by body with a stamp: when that was last, and where it was
-  IndexPairs
-      met;  ///< pairs of the impacts that have been resolved, also before the step began again, and `reached` of then
+  /// Pairs of the impacts that have been resolved, also before the step began again, and what was `reached` then.
+  IndexPairs met;
   /// Pairs of a body that began the step again and came, on a new course, near one that had not.
   IndexPairs reached;
   /// Pairs that already overlapped when an impact brought them to the contact solver, because contacts had pushed
