@@ -149,9 +149,8 @@ TEST(TimeForSolves, EndsThemWithTheBestTheyHaveAndSaysSo) {
           worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
       }
     }
-    // Of 60 heaps that begin 1e-9 m elsewhere, a fifth have one or two solves that end with up to 7e-6.
-    EXPECT_EQ(unsolved > 3, limited);
-    EXPECT_EQ(worst > 1e-4, limited) << "the residuals of solves that were cut short are reported";
+    EXPECT_EQ(unsolved > 0, limited);
+    EXPECT_EQ(worst > 1e-6, limited) << "the residuals of solves that were cut short are reported";
     EXPECT_LT(deepest, 0.15) << "nothing falls through";
     EXPECT_LT(energy(world), 1e6);
   }

@@ -17,6 +17,8 @@ namespace {
 constexpr double kWarmStart = 10.0;
 // Where less than this is asked, the rounding of double would show in the residuals of a guess.
 constexpr double kEveryDigit = 1e-10;
+// A residual from which Newton's method needs no better start.
+constexpr double kNearlySolved = 1e-3;
 
 // How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
 double closingWithoutImpulses(const CoulombProblem& problem) {
@@ -110,6 +112,10 @@ constexpr Attempt kAttempts[] = {
      20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::tolerance,
      &Case::target, 30, 0},
+    // Heaps in motion: the proximal steps are slow but sure, and the central path would begin anew.
+    {CoulombSolver::Newton, newtonFromBest,
+     [](const Case& at) { return !at.slips && at.best.within(kNearlySolved); }, &Case::needed, &Case::target,
+     400, 0},
     // The central path may turn back where the interior point gets stuck.
     {CoulombSolver::InteriorPoint, path,
      [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::needed,

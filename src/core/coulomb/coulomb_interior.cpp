@@ -2,7 +2,7 @@
 // Interior point method: Mehrotra's predictor and corrector (1992) along the central path.
 //
 // The predictor aims at products of 0. How far it gets within the cones, a, tells what to aim at: products of
-// (1 - a)^3 of the mean, with the predictor's second order. Where steps shrink to nothing the path turns
+// (1 - a)^3 of the mean, with the predictor's second order. Where products no longer fall the path turns
 // back, and the rest is for others.
 #include "coulomb/central_path.h"
 #include "coulomb/coulomb_solvers.h"
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kMostOfRoom = 0.99;
 constexpr double kLeastCentring = 1e-8;
-constexpr double kShortStep = 0.05;
-constexpr int kShortSteps = 6;  // in a row, until it is stuck
+constexpr double kHeadway = 0.5;  // what so many steps leave of the mean product at most, or it is stuck
+constexpr int kStepsOfHeadway = 8;
 
 }  // namespace
 
@@ -26,7 +26,8 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
   Answer best;
   best.r = Impulses::Zero(3, system.columns());
   best.residuals = system.residuals(best.r);
-  for (int short_steps = 0; best.iterations < cap && short_steps < kShortSteps && !system.isBudgetSpent();) {
+  double reached = path.meanProduct();
+  for (int since = 0; best.iterations < cap && since < kStepsOfHeadway && !system.isBudgetSpent();) {
     ++best.iterations;
     if (!path.linearise() || !path.step(0.0, 0.0, nullptr, predictor)) break;
     const double left = 1.0 - std::min(1.0, path.room(predictor));
@@ -34,7 +35,8 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
     if (!path.step(t, 0.0, &predictor, corrector)) break;
     const double part = std::min(1.0, kMostOfRoom * path.room(corrector));
     path.place.add(part, corrector);
-    short_steps = part < kShortStep ? short_steps + 1 : 0;
+    ++since;
+    if (path.meanProduct() <= kHeadway * reached) reached = path.meanProduct(), since = 0;
     const Impulses r = path.impulses();
     const Residuals residuals = system.residuals(r);
     if (residuals.beyond_rounding < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;

@@ -15,7 +15,8 @@
 //
 // rho is `stiffness` times the mass the point feels, 1/response. Rounds converge by a factor of about 1/(1 +
 // stiffness w/response), w the smallest eigenvalue of J J^T that matters (1/n^2 in a stack of n): it grows
-// where they are slow. Newton's steps want it small as long as points still change their state.
+// where they are slow. Newton's steps want it small as long as points still change their state: a round that
+// ends in steps cut short has asked for too much, and from then on it grows with more care.
 //
 // A couple's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
 // block, the column g of it by N, and N changes by -D_nn J_n of each of its points.
@@ -33,8 +34,11 @@ namespace {
 
 constexpr double kMostStiffness = 1e10;
 constexpr double kLeastStiffness = 1e-2;
-constexpr int kMostSteps = 10;    // of Newton in a round
-constexpr int kMostHalvings = 8;  // of a step
+constexpr double kMostGrowth = 10.0, kLeastGrowth = 2.0;  // of the stiffness from one round to the next
+constexpr double kHardlyLess = 0.5;                       // of what the last round has left
+constexpr double kCutShort = 0.05;                         // a part of a step at which its round ends
+constexpr int kMostSteps = 10;                            // of Newton in a round
+constexpr int kMostHalvings = 8;                          // of a step
 
 class Round {
  public:
@@ -111,7 +115,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
               double tolerance, int cap, double enough) {
   Answer best{start.r, start.residuals, 0};
   Impulses r = start.r, u = system.relativeVelocities(r);
-  double last = best.residuals.beyond_rounding;
+  double last = best.residuals.beyond_rounding, growth = kMostGrowth;
   while (best.iterations < cap && stiffness >= kLeastStiffness && !system.isBudgetSpent()) {
     const Round round(system, r, u);
     Round::State state = round.at(Velocities::Zero(6, system.free().cols()), stiffness);
@@ -129,6 +133,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
       }
       if (!std::isfinite(trial.norm)) break;
       std::swap(state, trial);
+      if (part < kCutShort) break;
       found = state.norm <= 0.1 * (state.x - state.F).norm();
     }
     const Impulses next = r + state.d;
@@ -139,13 +144,14 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
     if (now < best.residuals.beyond_rounding) {
       best.r = next;
       best.residuals = residuals;
-      if (now <= tolerance || (now <= enough && now > 0.1 * last)) break;
+      if (now <= tolerance || (now <= enough && now > kHardlyLess * last)) break;
     }
     if (!found) {
       stiffness *= 0.1;
+      growth = std::max(std::sqrt(growth), kLeastGrowth);
       if (now >= last) continue;
     } else if (now > 0.1 * last) {
-      stiffness = std::min(10.0 * stiffness, kMostStiffness);
+      stiffness = std::min(growth * stiffness, kMostStiffness);
     }
     r = next, u = velocity;
     last = now;
