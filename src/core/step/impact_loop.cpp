@@ -228,9 +228,12 @@ class ImpactLoop {
       if (step_.isCrowded(a) && step_.isCrowded(b)) return;
       if (step_.timeOf(j) > time) return;
       const Index contact = contacts_.find(a, b, found_);
-      if (contact != kNone && (contacts_.active[contact].state.isDepenetrating() ||
-                               (contact < has_edge_.size() && has_edge_[contact])))
-        return;
+      if (contact != kNone) {
+        const PairState& state = contacts_.active[contact].state;
+        // A contact that came to await an impact has an edge, and is left out of the solve.
+        if (state.isDepenetrating() || (state.isSolved() && contact < has_edge_.size() && has_edge_[contact]))
+          return;
+      }
       if (!isPushedTogether(a, b)) found.push_back(j);
     };
     for (const Index j : tree_.of(i)) add(j);
