@@ -110,7 +110,7 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::InteriorPoint, interior,
      [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
      20},
-    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::tolerance,
+    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::needed,
      &Case::target, 30, 0},
     // Heaps in motion: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,

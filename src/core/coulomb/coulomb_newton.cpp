@@ -36,7 +36,7 @@ constexpr double kMostStiffness = 1e10;
 constexpr double kLeastStiffness = 1e-2;
 constexpr double kMostGrowth = 10.0, kLeastGrowth = 2.0;  // of the stiffness from one round to the next
 constexpr double kHardlyLess = 0.5;                       // of what the last round has left
-constexpr double kCutShort = 0.05;                         // a part of a step at which its round ends
+constexpr double kCutShort = 0.05;                        // a part of a step at which its round ends
 constexpr int kMostSteps = 10;                            // of Newton in a round
 constexpr int kMostHalvings = 8;                          // of a step
 
