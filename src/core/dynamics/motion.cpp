@@ -24,4 +24,13 @@ SpinBounds Motion::spinBounds() const {
   return spinBoundsOf(pose.q_WB.conjugate() * twist.w_WB, *top);
 }
 
+Motion Motion::between(double t0, const Pose& from, double t1, const Pose& to) {
+  const Eigen::AngleAxisd turn(to.q_WB * from.q_WB.conjugate());
+  Motion motion;
+  motion.t0 = t0;
+  motion.pose = from;
+  motion.twist = {(to.p_WB - from.p_WB) / (t1 - t0), turn.angle() / (t1 - t0) * turn.axis()};
+  return motion;
+}
+
 }  // namespace rbs

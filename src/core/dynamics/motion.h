@@ -23,6 +23,9 @@ struct Motion {
   Twist twistAt(double t) const { return stateAt(t).second; }
   /// How fast it turns at most, at any time.
   SpinBounds spinBounds() const;
+
+  /// Straight from one pose to another, at constant velocities; t1 > t0. The turn is the shorter one.
+  static Motion between(double t0, const Pose& from, double t1, const Pose& to);
 };
 
 }  // namespace rbs

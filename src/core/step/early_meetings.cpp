@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/early_meetings.h"
 
+#include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
+#include "step/ways.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace rbs {
@@ -15,11 +19,8 @@ namespace {
 // Shares of the smaller length by which two may be in each other when their impact is taken; and are when it is looked at
 // of two that touched at the start, as after an impact: what pushes them together again acts from there on.
 constexpr double kLate = 5e-5, kAgain = 5e-7;
-
-struct Pair {
-  Index i, j;
-  double separation;
-};
+// |w| t up to which the turn between two poses is the shorter one, rad, though contacts may have doubled the spin.
+constexpr double kLongestTurn = 1.5;
 
 // An island as it is now, to be put back.
 class IslandBefore {
@@ -55,31 +56,70 @@ class IslandBefore {
   std::vector<Contact> contacts_;  // of its edges
 };
 
-std::vector<IslandBefore> copiesOf(const Context& context, const std::vector<Index>& islands) {
-  std::vector<IslandBefore> copies;
-  for (const Index place : islands) copies.emplace_back(context, place);
-  return copies;
-}
+// The courses of the bodies of islands before these are advanced; others stay on theirs.
+class Courses {
+ public:
+  Courses(const Context& context, const std::vector<Index>& islands) : context_(context) {
+    for (const Index place : islands)
+      for (const Index i : context.step.islands[place].bodies)
+        of_.emplace_back(i, impacts::courseOf(context, i));
+    std::sort(of_.begin(), of_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  }
+  Motion of(Index i) const {
+    const auto known = std::lower_bound(of_.begin(), of_.end(), i,
+                                        [](const auto& course, Index k) { return course.first < k; });
+    return known != of_.end() && known->first == i ? known->second : impacts::courseOf(context_, i);
+  }
 
-void putBack(Context& context, const std::vector<IslandBefore>& copies) {
-  for (const IslandBefore& copy : copies) copy.putBack(context);
-}
+ private:
+  const Context& context_;
+  std::vector<std::pair<Index, Motion>> of_;
+};
 
-// The pairs of the islands that overlap now.
-std::vector<Pair> overlapsOf(const Context& context, const std::vector<Index>& islands, double time,
-                             const std::function<std::vector<Index>(Index)>& others) {
+// The pairs to look at, with a body of the islands each.
+IndexPairs pairsOf(const Context& context, const std::vector<Index>& islands,
+                   const std::function<std::vector<Index>(Index)>& others) {
   IndexPairs pairs;
   for (const Index place : islands)
     for (const Index i : context.step.islands[place].bodies)
       for (const Index j : others(i)) pairs.push_back(std::minmax(i, j));
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::vector<Pair> found;
-  for (const auto& [i, j] : pairs) {
-    const double separation = impacts::separationAt(context, i, j, time);
-    if (separation < -kLate * smallerLength(context.scene.bodies, i, j)) found.push_back({i, j, separation});
+  return pairs;
+}
+
+// How far a point of a body may have come by its turn from one pose to another in some seconds, m; infinite where the turn
+// may have been the longer way round.
+double turned(const Traits& traits, const Motion& course, const Pose& from, const Pose& to, double seconds) {
+  if (traits.round || traits.unbounded) return 0.0;
+  if (course.twist.w_WB.norm() * seconds > kLongestTurn) return std::numeric_limits<double>::infinity();
+  return traits.bounding_radius * from.q_WB.angularDistance(to.q_WB);
+}
+
+// When two bodies came together on their way to where they are now, at `time`, if they did.
+std::optional<double> timeOfMeeting(const Context& context, const Courses& courses, Index i, Index j,
+                                    double time) {
+  const Traits &a = context.scene.bodies.traits[i], &b = context.scene.bodies.traits[j];
+  const double length = smallerLength(context.scene.bodies, i, j);
+  const Pose X_i1 = impacts::courseOf(context, i).at(time), X_j1 = impacts::courseOf(context, j).at(time);
+  const double late = gap(a.shape, X_i1, b.shape, X_j1).distance;
+  const Motion course_i = courses.of(i), course_j = courses.of(j);
+  const double start = std::max(course_i.t0, course_j.t0);
+  const Pose X_i0 = course_i.at(start), X_j0 = course_j.at(start);
+  if (late >= -kLate * length) {
+    const double turn =
+        turned(a, course_i, X_i0, X_i1, time - start) + turned(b, course_j, X_j0, X_j1, time - start);
+    const double way = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turn;
+    if (!(start < time) || late > way || !std::isfinite(way)) return {};
+    const auto met = metOnWay(a.shape, Motion::between(start, X_i0, time, X_i1), b.shape,
+                              Motion::between(start, X_j0, time, X_j1), start, time);
+    return met && met->time > start && met->beyond > kLate * length ? std::optional(met->time) : std::nullopt;
   }
-  return found;
+  const double early = gap(a.shape, X_i0, b.shape, X_j0).distance;
+  if (early < -kLate * length) return {};
+  const double way = std::max(early, kAgain * length);
+  const double then = start + (time - start) * way / (std::max(early, 0.0) - late);
+  return then > start ? std::optional(then) : std::nullopt;
 }
 
 }  // namespace
@@ -88,24 +128,18 @@ std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vec
                                                 double time,
                                                 const std::function<std::vector<Index>(Index)>& others) {
   const StepStore& step = context.step;
-  const std::vector<IslandBefore> before = copiesOf(context, islands);
+  std::vector<IslandBefore> before;
+  for (const Index place : islands) before.emplace_back(context, place);
+  const Courses courses(context, islands);
   for (const Index place : islands) advanceTo(context, context.step.islands[place], time);
-  const std::vector<Pair> overlaps = overlapsOf(context, islands, time, others);
-  if (overlaps.empty()) return {};
-  const std::vector<IslandBefore> after = copiesOf(context, islands);
-  putBack(context, before);
   std::optional<PendingImpact> first;
-  for (const auto& [i, j, late] : overlaps) {
-    const double start = std::max(step.timeOf(i), step.timeOf(j));
-    const double early = impacts::separationAt(context, i, j, start);
-    const double length = smallerLength(context.scene.bodies, i, j);
-    if (early < -kLate * length) continue;
-    const double way = std::max(early, kAgain * length);
-    const double then = start + (time - start) * way / (std::max(early, 0.0) - late);
-    if (then > start && (!first || then < first->time))
-      first = PendingImpact{then, i, j, step.stamp[i], step.stamp[j]};
+  for (const auto& [i, j] : pairsOf(context, islands, others)) {
+    const std::optional<double> then = timeOfMeeting(context, courses, i, j, time);
+    if (then && (!first || *then < first->time))
+      first = PendingImpact{*then, i, j, step.stamp[i], step.stamp[j]};
   }
-  if (!first) putBack(context, after);
+  if (first)
+    for (const IslandBefore& island : before) island.putBack(context);
   return first;
 }
 

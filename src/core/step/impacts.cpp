@@ -27,20 +27,6 @@ constexpr double kSunk = 1e-6;
 // length.
 constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
 
-// A body's course from where it has been advanced to. A supported body is predicted to keep its velocities:
-// what carries it cancels its load.
-Motion courseOf(const Context& context, Index i) {
-  const Bodies& bodies = context.scene.bodies;
-  Motion course;
-  course.t0 = context.step.timeOf(i);
-  course.pose = bodies.pose[i];
-  course.twist = bodies.twist[i];
-  if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return course;
-  course.a_W = context.step.load[i].a_W;
-  if (bodies.inertia[i].gyroscopic && !bodies.inertia[i].steady) course.top = &bodies.inertia[i];
-  return course;
-}
-
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const auto in_contact = [&](Index k) {
@@ -173,6 +159,18 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   prediction.touches =
       gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * smallerLength(bodies, i, j);
   return prediction;
+}
+
+Motion courseOf(const Context& context, Index i) {
+  const Bodies& bodies = context.scene.bodies;
+  Motion course;
+  course.t0 = context.step.timeOf(i);
+  course.pose = bodies.pose[i];
+  course.twist = bodies.twist[i];
+  if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return course;
+  course.a_W = context.step.load[i].a_W;
+  if (bodies.inertia[i].gyroscopic && !bodies.inertia[i].steady) course.top = &bodies.inertia[i];
+  return course;
 }
 
 double separationAt(const Context& context, Index i, Index j, double time) {

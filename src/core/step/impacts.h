@@ -5,6 +5,7 @@
 // a rebound to be seen. All others are looked at.
 #pragma once
 
+#include "dynamics/motion.h"
 #include "state/context.h"
 
 namespace rbs::impacts {
@@ -21,6 +22,10 @@ struct Prediction {
 };
 /// `axis` is that of the contact of the pair, i before j; of a pair without one: none.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis);
+
+/// A body's course from where it has been advanced to. A supported body is predicted to keep its velocities:
+/// what carries it cancels its load.
+Motion courseOf(const Context& context, Index i);
 
 /// Separation of two bodies on their courses at a time, m; negative where they overlap.
 double separationAt(const Context& context, Index i, Index j, double time);

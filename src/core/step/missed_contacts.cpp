@@ -5,8 +5,8 @@
 #include "broadphase/bounds.h"
 #include "broadphase/bounds_tree.h"
 #include "narrowphase/collide.h"
-#include "narrowphase/time_of_impact.h"
 #include "solver/contact_preparation.h"
+#include "step/ways.h"
 
 #include <algorithm>
 #include <optional>
@@ -72,11 +72,7 @@ Motion wayOf(const Context& context, Index i) {
   if (step.island[i] == kNone) return way;
   way.pose = step.before[i];
   if (step.stamp[i] > 0) std::tie(way.t0, way.pose) = step.turned[i];
-  const double time = step.t1 - way.t0;
-  if (!(time > 0.0)) return way;
-  const Eigen::AngleAxisd turn(bodies.pose[i].q_WB * way.pose.q_WB.conjugate());
-  way.twist = {(bodies.pose[i].p_WB - way.pose.p_WB) / time, turn.angle() / time * turn.axis()};
-  return way;
+  return step.t1 > way.t0 ? Motion::between(way.t0, way.pose, step.t1, bodies.pose[i]) : way;
 }
 
 // Whether two bodies met on their ways and went on into each other, perhaps out on the other side.
@@ -85,13 +81,8 @@ bool havePassed(const Context& context, Index i, Index j) {
   const Bodies& bodies = context.scene.bodies;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
   const Motion way_i = wayOf(context, i), way_j = wayOf(context, j);
-  const std::optional<double> time = timeOfImpact(a, way_i, b, way_j, std::max(way_i.t0, way_j.t0), step.t1);
-  if (!time) return false;
-  const Pose X_i = way_i.at(*time), X_j = way_j.at(*time);
-  const Gap met = gap(a, X_i, b, X_j);
-  const double closing = met.n_W.dot(velocityAt(way_i.twist, met.p_WA - X_i.p_WB) -
-                                     velocityAt(way_j.twist, met.p_WB - X_j.p_WB));
-  return closing * (step.t1 - *time) > mostLeft(context, i, j);
+  const auto met = metOnWay(a, way_i, b, way_j, std::max(way_i.t0, way_j.t0), step.t1);
+  return met && met->beyond > mostLeft(context, i, j);
 }
 
 // Whether the exact step solved all that is in contact with two bodies: then no overlap is left but what it has not seen.
