@@ -15,8 +15,6 @@ namespace {
 
 // A guess may miss the aim by so much, or rounding would unsettle rest.
 constexpr double kWarmStart = 10.0;
-// Where less than this is asked, the rounding of double would show in the residuals of a guess.
-constexpr double kEveryDigit = 1e-10;
 // A residual from which Newton's method needs no better start.
 constexpr double kNearlySolved = 1e-3;
 

@@ -133,8 +133,8 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
       }
       if (!std::isfinite(trial.norm)) break;
       std::swap(state, trial);
-      if (part < kCutShort) break;
       found = state.norm <= 0.1 * (state.x - state.F).norm();
+      if (part < kCutShort && enough > kEveryDigit) break;
     }
     const Impulses next = r + state.d;
     if (!next.allFinite()) break;

@@ -8,6 +8,10 @@
 
 namespace rbs::coulomb {
 
+/// A tolerance below which the rounding of double shows: in the residuals of a guess, and in Newton's steps, which it cuts
+/// short while they still find the answer.
+inline constexpr double kEveryDigit = 1e-10;
+
 /// Impulses with what they leave, and what it took to find them.
 struct Answer {
   Impulses r;
