@@ -24,7 +24,8 @@ constexpr double kEnergy[] = {5e-2, 2e-2, 2e-2, 2e-2};
 constexpr double kBalance = 1e-10;    // of the impulses on a body
 constexpr double kCone = 1e-6;        // of mu times the normal impulse
 constexpr double kForgiven = 1.1e-4;  // residual that rounding may leave, see docs/tolerances.md
-constexpr double kClosing = 2e-3;     // of the fastest speed
+constexpr double kClosing = 2e-3;     // of the fastest speed,
+constexpr double kDiscs = 5e-3;       // and with what a disc adds at most
 constexpr double kAlike = 1e-6;       // velocities of two runs, in shares of the largest: they are the same
 constexpr double kSymmetry = 1e-2;    // where a step may part them that began it alike
 constexpr int kSymmetrySteps = 20;    // so many are compared
@@ -239,7 +240,7 @@ class Run {
       const double closing = closest.n_W.dot(velocityAt(a, p_W) - velocityAt(b, p_W)) / unit;
       const double of_rims =
           closingOfRim(first, after.states[a].twist) + closingOfRim(second, after.states[b].twist);
-      const double allowed = kClosing + of_rims / unit;
+      const double allowed = std::min(kClosing + of_rims / unit, kDiscs);
       if (closing > allowed)
         return Finding{"certificate", closing, allowed, k_,
                        first.name + " and " + second.name + " touch and close"};

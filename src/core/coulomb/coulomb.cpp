@@ -110,10 +110,12 @@ constexpr Attempt kAttempts[] = {
      20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::needed,
      &Case::target, 30, 0},
-    // Heaps in motion: the proximal steps are slow but sure, and the central path would begin anew.
+    // Heaps in motion, and couples: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,
-     [](const Case& at) { return !at.slips && at.best.within(kNearlySolved); }, &Case::needed, &Case::target,
-     400, 0},
+     [](const Case& at) {
+       return !at.slips && (at.best.within(kNearlySolved) || !at.system.couples().empty());
+     },
+     &Case::needed, &Case::target, 400, 0},
     // The central path may turn back where the interior point gets stuck.
     {CoulombSolver::InteriorPoint, path,
      [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::needed,
@@ -130,10 +132,6 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::Admm, admmFromBest,
      [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::needed,
      &Case::rough, 500, 20, 4},
-    // Heaps whose couples neither path nor proximal steps have settled.
-    {CoulombSolver::Newton, newtonFromBest,
-     [](const Case& at) { return !at.slips && !at.system.couples().empty(); }, &Case::needed, &Case::target,
-     200, 0},
     // Bodies are not to fall through, even where time is over.
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isBudgetSpent(); },
      &Case::tolerance, &Case::tolerance, 10, 0},

@@ -45,9 +45,8 @@ void apply(SolverBody& i, SolverBody& j, const Vec3& impulse_W) {
 
 }  // namespace
 
-// A disc that tips from its rim onto its base is ever less curved
-// towards the floor: from where R would be larger than the radius `largest` of either body, it is largest²/R, so that it
-// falls to 0, and the points of the base resist instead.
+// A disc that tips from its rim onto its base is ever less curved towards the floor. From where R would be larger than the
+// radius `largest` of either side it is largest²/R, which falls to 0: the points of the base resist instead.
 double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
   const double curved = curvature(bodies, i, n_W) + curvature(bodies, j, n_W);
   const double largest = std::max(bodies.traits[i].side_radius, bodies.traits[j].side_radius);

@@ -20,8 +20,8 @@ inline bool resists(const SceneStore& scene, Index i, Index j) {
   return some && round;
 }
 
-/// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; no larger than either radius of their sides, and 0
-/// where both are flat.
+/// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; no larger than the larger radius of their
+/// sides, and 0 where both are flat.
 double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 
 /// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.

@@ -8,8 +8,6 @@
 #include "step/ways.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 namespace rbs {
@@ -88,11 +86,14 @@ IndexPairs pairsOf(const Context& context, const std::vector<Index>& islands,
   return pairs;
 }
 
-// How far a point of a body may have come by its turn from one pose to another in some seconds, m; infinite where the turn
-// may have been the longer way round.
-double turned(const Traits& traits, const Motion& course, const Pose& from, const Pose& to, double seconds) {
+// Whether a body may have turned the longer way round in some seconds.
+bool turnsFar(const Traits& traits, const Motion& course, double seconds) {
+  return !traits.round && !traits.unbounded && course.twist.w_WB.norm() * seconds > kLongestTurn;
+}
+
+// How far apart two poses of a body have its points at most, m, beside the way of its centre.
+double turned(const Traits& traits, const Pose& from, const Pose& to) {
   if (traits.round || traits.unbounded) return 0.0;
-  if (course.twist.w_WB.norm() * seconds > kLongestTurn) return std::numeric_limits<double>::infinity();
   return traits.bounding_radius * from.q_WB.angularDistance(to.q_WB);
 }
 
@@ -107,10 +108,11 @@ std::optional<double> timeOfMeeting(const Context& context, const Courses& cours
   const double start = std::max(course_i.t0, course_j.t0);
   const Pose X_i0 = course_i.at(start), X_j0 = course_j.at(start);
   if (late >= -kLate * length) {
-    const double turn =
-        turned(a, course_i, X_i0, X_i1, time - start) + turned(b, course_j, X_j0, X_j1, time - start);
-    const double way = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turn;
-    if (!(start < time) || late > way || !std::isfinite(way)) return {};
+    const double seconds = time - start;
+    if (!(seconds > 0.0) || turnsFar(a, course_i, seconds) || turnsFar(b, course_j, seconds)) return {};
+    const double way = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turned(a, X_i0, X_i1) +
+                       turned(b, X_j0, X_j1);
+    if (late > way) return {};
     const auto met = metOnWay(a.shape, Motion::between(start, X_i0, time, X_i1), b.shape,
                               Motion::between(start, X_j0, time, X_j1), start, time);
     return met && met->time > start && met->beyond > kLate * length ? std::optional(met->time) : std::nullopt;
