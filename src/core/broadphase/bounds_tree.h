@@ -29,10 +29,13 @@ class BoundsTree {
   /// Of the bodies in `order`, with their bounds by body. Cost: n.
   BoundsTree(const std::vector<Index>& order, const std::vector<Bounds>& bounds);
 
+  /// Whether body i is in the order: one that may meet no other is not.
+  bool holds(Index i) const { return place_[i] != kNone; }
+
   /// Gives body i, which is in the order, other bounds. Groups do not shrink. Cost: a group a level.
   void move(Index i, const Bounds& bounds);
 
-  /// The other bodies whose bounds overlap those of i, by index. Cost: log n and what is near.
+  /// The other bodies whose bounds overlap those of i, which is in the order, by index. Cost: log n and what is near.
   std::vector<Index> of(Index i) const;
 
   /// Appends the pairs that may collide and whose bounds overlap, and returns how many tests of bounds that took.

@@ -219,6 +219,7 @@ class ImpactLoop {
   // What body i may meet that no contact keeps apart from it, and that is not ahead of `time`. Contacts may have pushed
   // the body out of the bounds of its own motion.
   std::vector<Index> notKeptFrom(Index i, double time) {
+    if (!tree_.holds(i)) return {};
     const Bounds now = sweptBounds(context_.scene.bodies, {}, i, 0.0);
     if (!step_.bounds[i].holds(now, 0.0)) tree_.move(i, step_.bounds[i].with(now));
     std::vector<Index> found;

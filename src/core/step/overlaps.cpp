@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "base/tolerances.h"
+#include "effects/effects.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
@@ -196,7 +197,7 @@ bool isDeep(const Context& context, const Contact& contact) {
 }
 
 Need need(const SceneAnalysis& c) {
-  if (c.moved_by_forces == 0 || c.askingFor(Effect::Collision) < 2)
+  if (c.moved_by_forces == 0 || !effects::need(Effect::Collision, c).active)
     return {false, "no two bodies can overlap"};
   return {true, "edits may put bodies where others are"};
 }
