@@ -153,6 +153,42 @@ TEST(Detection, WithoutCollisionBodiesPassThroughEachOther) {
   EXPECT_FALSE(stage(world, "contacts.solve").active);
 }
 
+// A torque has nothing to turn: the response to it is zero, and its inverse was not a number.
+TEST(Detection, WithoutRotationNothingResistsRolling) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies.push_back(ball("ball", 0.2, {0.0, 0.0, 0.2}));
+  scene.bodies.push_back(ball("upper", 0.2, {0.0, 0.0, 0.6}));
+  for (BodyDef& def : scene.bodies)
+    def.material.rolling_resistance = def.material.torsional_resistance = 0.01;
+  scene.effects[Effect::Rotation] = false;
+  for (const bool forced : {false, true}) {
+    if (forced) scene.effects[Effect::Rolling] = true;
+    for (const Fidelity fidelity : kFidelities) {
+      scene.fidelity = fidelity;
+      World world(scene);
+      EXPECT_EQ(stage(world, "contacts.rolling").active, forced);
+      for (int k = 0; k < 30; ++k) EXPECT_TRUE(world.step().warnings.empty()) << fidelityName(fidelity);
+      EXPECT_NEAR(stateOf(world, "upper").pose.p_WB.z(), 0.6, 1e-2) << fidelityName(fidelity);
+    }
+  }
+}
+
+TEST(Detection, AWrenchOnABodyThatHasBecomeStaticDoesNothing) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.bodies.push_back(ball("ball", 0.2, Vec3::Zero()));
+  World world(scene);
+  world.applyWrench(world.find("ball"), Vec3::UnitX(), Vec3::UnitZ(), Vec3::Zero(), 1.0);
+  BodyEdit edit;
+  edit.kind = BodyKind::Static;
+  world.editBody(world.find("ball"), edit);
+  advance(world, 0.5);
+  EXPECT_EQ(stateOf(world, "ball").pose.p_WB, Vec3::Zero().eval());
+  edit.kind = BodyKind::Dynamic;
+  world.editBody(world.find("ball"), edit);
+  advance(world, 0.5);
+  EXPECT_GT(stateOf(world, "ball").pose.p_WB.x(), 0.0);  // it goes on acting
+}
+
 TEST(Detection, WithoutRotationABoxSlidesAndKeepsItsAttitude) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.bodies.push_back(box("box", {0.2, 0.2, 1.0}, {0.0, 0.0, 0.5}));

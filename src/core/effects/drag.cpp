@@ -127,9 +127,9 @@ class ContactForces {
  public:
   explicit ContactForces(const Context& context) {
     const Bodies& bodies = context.scene.bodies;
-    for (const Contact& contact : context.scene.contacts.active) {
-      const Index i = bodies.indexOf(contact.key.i), j = bodies.indexOf(contact.key.j);
-      for (const SolvedPoint& point : contact.points) {
+    for (const Contact* contact : context.scene.contacts.withPoints()) {  // of what has just woken as well
+      const Index i = bodies.indexOf(contact->key.i), j = bodies.indexOf(contact->key.j);
+      for (const SolvedPoint& point : contact->points) {
         if (point.normal == 0.0) continue;
         if (forces_W_.empty()) forces_W_.assign(bodies.size(), Vec3::Zero());
         const Vec3 force_W = point.normal * point.n_W + point.friction_W;

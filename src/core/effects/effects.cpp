@@ -54,6 +54,7 @@ Need friction(const SceneAnalysis& c) {
 }
 
 Need rolling(const SceneAnalysis& c) {
+  if (effects::isNeglected(Effect::Rotation, c)) return {false, "rotation is switched off"};
   return withContacts(c, c.askingFor(Effect::Rolling), "rolling or torsional resistance above 0");
 }
 
@@ -70,6 +71,7 @@ Need rotation(const SceneAnalysis& c) {
 }
 
 Need gyroscopic(const SceneAnalysis& c) {
+  if (effects::isNeglected(Effect::Rotation, c)) return {false, "rotation is switched off"};
   if (c.askingFor(Effect::Gyroscopic) == 0) return {false, "no body has principal moments that differ"};
   return {true, count(c.askingFor(Effect::Gyroscopic), "body has", "bodies have") +
                     " principal moments that differ"};

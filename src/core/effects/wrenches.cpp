@@ -19,7 +19,7 @@ void run(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   for (const TimedWrench& wrench : context.scene.wrenches) {
     const Index i = bodies.indexOf(wrench.body);
-    if (i == kNone) continue;
+    if (i == kNone || !bodies.traits[i].moved_by_forces()) continue;
     const double share = std::clamp((wrench.until - step.t0) / step.h(), 0.0, 1.0);
     step.load[i].a_W += share * bodies.inertia[i].inv_mass * wrench.force_W;
     const Quat half_turn = rotationBy(0.5 * step.h() * bodies.twist[i].w_WB);

@@ -8,16 +8,17 @@
 
 namespace rbs::rolling {
 
-/// Whether a pair resists rolling or spinning: one of the two has a resistance, and one is round.
+/// Whether a pair resists rolling or spinning: one of the two has a resistance, one is round, and one can be turned.
 inline bool resists(const SceneStore& scene, Index i, Index j) {
   if (!scene.effects[Effect::Rolling]) return false;
-  bool some = false, round = false;
+  bool some = false, round = false, turns = false;
   for (const Index one : {i, j}) {
     const Traits& t = scene.bodies.traits[one];
     some |= t.material.rolling_resistance > 0.0 || t.material.torsional_resistance > 0.0;
     round |= t.side_radius > 0.0;
+    turns |= !scene.bodies.inertia[one].inv_moments.isZero(0.0);
   }
-  return some && round;
+  return some && round && turns;
 }
 
 /// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; no larger than the larger radius of their

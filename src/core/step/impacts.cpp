@@ -217,11 +217,12 @@ void find(Context& context) {
   std::vector<Contact>& contacts = context.scene.contacts.active;
   for (Contact& contact : contacts) {
     const auto pushed = [](const SolvedPoint& point) { return point.normal != 0.0; };
-    if (contact.state.isDepenetrating() || std::none_of(contact.points.begin(), contact.points.end(), pushed))
+    const auto isMoved = [&](Index i) { return context.scene.bodies.traits[i].moved_by_forces(); };
+    if (contact.state.isDepenetrating() || !(isMoved(contact.i) || isMoved(contact.j)) ||
+        std::none_of(contact.points.begin(), contact.points.end(), pushed))
       continue;
     contact.state.touch();
-    for (const Index i : {contact.i, contact.j})
-      step.supported[i] = context.scene.bodies.traits[i].moved_by_forces();
+    for (const Index i : {contact.i, contact.j}) step.supported[i] = isMoved(i);
   }
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
   // number.

@@ -51,10 +51,10 @@ bool areMovable(const Bodies& bodies, const Contact& contact) {
 }
 
 // Places that fill a disc evenly (H. Vogel, "A better way to construct the sunflower head", Math. Biosci. 44,
-// 1979), by the number of a body: where bodies with one centre are taken to be.
-Vec3 placeOnDisc(BodyId id) {
+// 1979), by the index of a body, which outlives a save: where bodies with one centre are taken to be.
+Vec3 placeOnDisc(Index i) {
   constexpr double kGolden = 2.399963229728653;  // rad
-  const double k = static_cast<double>(id.serial % 4096);
+  const double k = static_cast<double>(i % 4096);
   return std::sqrt(k / 4096.0) * Vec3(std::cos(kGolden * k), std::sin(kGolden * k), 0.0);
 }
 
@@ -90,8 +90,7 @@ std::vector<Vec3> waysApart(const Context& context, const std::vector<Contact*>&
   for (const Contact* crowding : crowded) {
     const Contact& contact = *crowding;
     const double length = lengthOf(bodies, contact);
-    const Vec3 nudge =
-        kNudge * length * (upright * (placeOnDisc(contact.key.j) - placeOnDisc(contact.key.i)));
+    const Vec3 nudge = kNudge * length * (upright * (placeOnDisc(contact.j) - placeOnDisc(contact.i)));
     const Vec3 offset = across * (bodies.pose[contact.j].p_WB - bodies.pose[contact.i].p_WB) + nudge;
     if (offset.isZero(0.0)) continue;
     const Vec3 way = context.step.h() * fallSpeed(gravity, length) * offset.normalized();

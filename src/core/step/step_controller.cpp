@@ -17,7 +17,7 @@ namespace {
 // something into a sleeper.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!step.impacts.empty() && !context.scene.rest.empty()) return true;
+  if (!step.impacts.empty() && context.analysis.asleep > 0) return true;
   if (context.scene.lists.in_islands.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {

@@ -298,7 +298,7 @@ unsigned World::threads() const {
 void World::Impl::advance(double to) {
   Context context{scene, step, analysis};
   // Where none may meet no stage looks for pairs, and those found before would go on pushing. Sleepers keep theirs.
-  if (!scene.effects[Effect::Collision] && analysis.moved_by_forces > 0) scene.contacts = {};
+  if (!scene.effects[Effect::Collision] && analysis.asleep == 0) scene.contacts = {};
   assert(invariants::hold(invariants::broken(scene)));
   const std::int64_t work = step.solve_budget.work;
   double seconds = 0.0;
