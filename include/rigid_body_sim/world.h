@@ -180,7 +180,7 @@ class World {
 
   /// Changes the velocity of a body at once by an impulse (in W, N s) at a point (in W, m). Throws
   /// InvalidInput unless the body is dynamic and neither held nor frozen. Components are at most
-  /// Limits::max_impulse and Limits::max_position, and those of the new velocity Limits::max_speed and
+  /// Limits::max_impulse and Limits::max_position; the new velocity is at most Limits::max_speed and
   /// Limits::max_spin. Wakes all.
   void applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W);
   /// Applies a force (N) at a point (m) and a torque (N m), all in W, from now on for `seconds` of physics
@@ -202,7 +202,7 @@ class World {
   void grab(BodyId id, const Grab& grab);
   /// Moves a body of any kind to a kinematic target until release(), whatever it meets. The distance decays
   /// with a time constant of 1/30 s. A frozen body stays. It replaces the grab of the body. Throws
-  /// InvalidInput for a component beyond Limits::max_position and for a quaternion whose norm is not 1e-3 to
+  /// InvalidInput for a target beyond Limits::max_position and for a quaternion whose norm is not 1e-3 to
   /// 1e3. The first target wakes all. Another target for a held body wakes nothing. Cost: a search of all
   /// holds.
   void hold(BodyId id, const Pose& target);

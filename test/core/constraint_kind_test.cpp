@@ -84,7 +84,7 @@ struct Scene {
       InnerClock clock(step);
       runInnerStep(method, clock);
     }
-    scene.contacts.endStep();
+    scene.contacts.endStep([](const Contact&) { return false; });
   }
 };
 

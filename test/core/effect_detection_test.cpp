@@ -384,6 +384,21 @@ TEST(Ballistic, IsAParabolaToTheLastDigits) {
   EXPECT_LE(state.pose.q_WB.angularDistance(rotationBy({0.0, 0.0, 40.0})), 1e-12);
 }
 
+// A plate spins a fifth faster as it tumbles.
+TEST(Ballistic, ABodyThatTumblesStaysWithinTheLimitOnSpin) {
+  SceneDef scene = emptySpace(1.0 / 60.0);
+  scene.bodies.push_back(box("plate", {1.0, 0.5, 0.01}, Vec3::Zero()));
+  scene.bodies.back().twist.w_WB = {2e5, 9.3e5, 2e5};
+  World world(scene);
+  std::size_t warnings = 0;
+  for (int k = 0; k < 60; ++k) {
+    warnings += world.step().warnings.size();
+    EXPECT_LE(stateOf(world, "plate").twist.w_WB.norm(), Limits::max_spin);
+    EXPECT_NO_THROW(World(world.capture(), world.captureState()));
+  }
+  EXPECT_GT(warnings, 0u);
+}
+
 TEST(Ballistic, ABodyThatLeavesAllBoundsIsFrozenWhereItLastWas) {
   SceneDef scene = emptySpace(1.0);
   scene.bodies.push_back(ball("far", 0.1, {Limits::max_position - 2.5e6, 0.0, 0.0}));

@@ -81,6 +81,20 @@ TEST_P(ResumedState, PartsACrowdAsBefore) {
   }
 }
 
+TEST(SavedStates, ThatNoWorldLeavesAreRefused) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies.push_back(ball("ball", 0.2, {0.0, 0.0, 0.2}));
+  World world(scene);
+  world.step();
+  SavedState late = world.captureState();
+  late.time = 1e17;  // a step more is the same time
+  EXPECT_THROW(World(world.capture(), late), InvalidInput);
+  SavedState twice = world.captureState();
+  ASSERT_EQ(twice.contacts.size(), 1u);
+  twice.contacts.push_back(twice.contacts.front());
+  EXPECT_THROW(World(world.capture(), twice), InvalidInput);
+}
+
 INSTANTIATE_TEST_SUITE_P(Settings, ResumedState, ::testing::ValuesIn(kFidelities),
                          [](const auto& info) { return std::string(fidelityName(info.param)); });
 

@@ -203,6 +203,74 @@ TEST(Sleep, AnEditOfWhatCarriesThemWakesThem) {
   EXPECT_GT(stateOf(world, "crate_2").twist.v_WB.z(), 0.5);
 }
 
+TEST(Sleep, ComesWithoutTheLocationOfImpactsToo) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = crates(true);
+    scene.fidelity = fidelity;
+    scene.effects[Effect::Impacts] = false;
+    World world(scene);
+    advance(world, fidelity == Fidelity::Preview ? 15.0 : 4.0);
+    EXPECT_EQ(asleep(world), 4u) << fidelityName(fidelity);
+  }
+}
+
+// With everything asleep no stage looks for pairs, whatever is forced on.
+TEST(Sleep, OfAllEndsWhatIsOfContacts) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = crates(true);
+    scene.fidelity = fidelity;
+    for (const Effect effect : {Effect::Impacts, Effect::Restitution, Effect::Rolling})
+      scene.effects[effect] = true;
+    for (BodyDef& def : scene.bodies) def.material.restitution = 0.3;
+    World world(scene);
+    advance(world, fidelity == Fidelity::Preview ? 15.0 : 4.0);
+    ASSERT_EQ(asleep(world), 4u) << fidelityName(fidelity);
+    World resumed(world.capture(), world.captureState());
+    for (int k = 0; k < 5; ++k) world.step(), resumed.step();
+    EXPECT_EQ(world.stateHash(), resumed.stateHash());
+    for (const StageInfo& stage : world.pipeline())
+      if (stage.name == "impacts.predict") EXPECT_FALSE(stage.active) << stage.reason;
+  }
+}
+
+TEST(Sleep, OnAKinematicBodyAtRestKeepsItsContacts) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = fidelity;
+    scene.effects[Effect::Sleeping] = true;
+    scene.bodies.push_back(box("table", {2.0, 2.0, 0.2}, {0.0, 0.0, 1.0}));
+    scene.bodies.back().kind = BodyKind::Kinematic;
+    scene.bodies.push_back(box("crate", Vec3::Constant(0.4), {0.0, 0.0, 1.3}));
+    scene.bodies.back().mass = 10.0;
+    World world(scene);
+    advance(world, fidelity == Fidelity::Preview ? 15.0 : 4.0);
+    ASSERT_EQ(asleep(world), 1u) << fidelityName(fidelity);
+    advance(world, 1.0);
+    double sum = 0.0;
+    for (const ContactPoint& point : world.contacts()) sum += point.normal_impulse;
+    EXPECT_NEAR(sum, 10.0 * kGravity / 60.0, 1e-2 * 10.0 * kGravity / 60.0) << fidelityName(fidelity);
+  }
+}
+
+// Nothing turns a smooth ball, so that its orientation is worked out when it is read. It stays as it is then.
+TEST(Sleep, KeepsAnOrientationThatWasNotIntegrated) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+    scene.fidelity = fidelity;
+    scene.effects[Effect::Sleeping] = true;
+    scene.bodies.push_back(ball("ball", 0.01, {0.0, 0.0, 0.01}));
+    scene.bodies.back().material.friction = 0.0;
+    scene.bodies.back().twist.w_WB.z() = 0.01;
+    World world(scene);
+    Quat before = Quat::Identity();
+    for (int k = 0; k < 900 && asleep(world) == 0; ++k)
+      before = stateOf(world, "ball").pose.q_WB, world.step();
+    ASSERT_EQ(asleep(world), 1u) << fidelityName(fidelity);
+    EXPECT_LE(stateOf(world, "ball").pose.q_WB.angularDistance(before), 1e-3) << fidelityName(fidelity);
+    EXPECT_GT(before.angularDistance(Quat::Identity()), 4e-3);
+  }
+}
+
 TEST(Sleep, SurvivesSavingBitForBitAndARefusedEdit) {
   World world(crates(true));
   for (const double more : {0.2, 0.2, 4.0}) {

@@ -45,7 +45,8 @@ TEST(Submerged, AllOfABodyIsItsVolumeAboutItsCentre) {
   SplitMix64 random(1);
   for (const Shape& shape : shapes()) {
     for (int k = 0; k < 100; ++k) {
-      const SubmergedPart all = submergedPart(shape, randomDirection(random), 2.0 * boundingRadius(shape));
+      const double depth = std::pow(10.0, 8.0 * random.uniform()) * boundingRadius(shape);
+      const SubmergedPart all = submergedPart(shape, randomDirection(random), depth);
       EXPECT_NEAR(all.volume, volume(shape), 1e-12 * volume(shape)) << shapeName(shape);
       EXPECT_LE(all.centre_B.norm(), 1e-12 * boundingRadius(shape)) << shapeName(shape);
     }

@@ -346,6 +346,16 @@ TEST(WorldEdits, ABadEditSaysWhereAndChangesNothing) {
          world.addBodies({ball("fine", 0.5, Vec3::Zero()), ball("bad", -0.5, Vec3::Zero())});
        }},
       {"impulse", [&] { world.applyImpulse(ball_id, Vec3(kNaN, 0.0, 0.0), Vec3::Zero()); }},
+      {"impulse",
+       [&] {
+         const double mass = (*world.bodies())[world.snapshot().find(ball_id)].mass;
+         world.applyImpulse(ball_id, 0.9 * Limits::max_speed * mass * Vec3(1.0, 1.0, 0.0),
+                            world.pose(ball_id).p_WB);
+       }},
+      {"hold",
+       [&] {
+         world.hold(ball_id, Pose{0.9 * Limits::max_position * Vec3(1.0, 1.0, 0.0), Quat::Identity()});
+       }},
       {"floor", [&] { world.applyImpulse(floor, Vec3::UnitX(), Vec3::Zero()); }},
       {"seconds", [&] { world.applyWrench(ball_id, Vec3::UnitX(), Vec3::Zero(), Vec3::Zero(), 0.0); }},
       {"gravity", [&] { world.setGravity(Vec3(0.0, 0.0, kInfinite)); }},

@@ -178,11 +178,13 @@ TEST(ImpulsesAsleep, CarryTheWeight) {
   for (const std::uint32_t divisions : {1u, 4u}) {
     scene.fidelity.divisions = divisions;
     World world(scene);
-    for (int k = 0; k < 120; ++k) world.step();
-    ASSERT_TRUE(stateOf(world, "crate").twist.v_WB.isZero(0.0));
-    double sum = 0.0;
-    for (const ContactPoint& point : world.snapshot().contacts) sum += point.normal_impulse;
-    EXPECT_NEAR(sum, 10.0 * kGravity * kStep, 1e-3 * 10.0 * kGravity * kStep);
+    for (int k = 0; k < 120; ++k) {
+      world.step();
+      double sum = 0.0;
+      for (const ContactPoint& point : world.snapshot().contacts) sum += point.normal_impulse;
+      if (k > 10) EXPECT_NEAR(sum, 10.0 * kGravity * kStep, 1e-3 * 10.0 * kGravity * kStep) << k;
+    }
+    EXPECT_TRUE(stateOf(world, "crate").twist.v_WB.isZero(0.0));
   }
 }
 

@@ -93,6 +93,8 @@ Need need(Effect effect, const SceneAnalysis& analysis) {
     return {false, "left out of this build" + (detected.active ? ", neglecting: " + detected.reason : "")};
   const auto forced = analysis.scene.effects.find(effect);
   if (forced == analysis.scene.effects.end() || forced->second == detected.active) return detected;
+  if (forced->second && kRows[place].isOfContacts() && !need(Effect::Collision, analysis).active)
+    return detected;
   return {forced->second,
           (forced->second ? "forced on, although " : "forced off, neglecting: ") + detected.reason};
 }

@@ -88,6 +88,12 @@ struct Row {
   /// Of a force that has a list of the bodies that feel it (BodyLists::feeling), which are then not
   /// ballistic: whether it may turn a body. Null: it is no such force.
   bool (*turns)(const Traits&) = nullptr;
+
+  /// It is a part of contacts, and cannot be forced on without them.
+  bool isOfContacts() const {
+    return effect == Effect::Impacts || effect == Effect::Friction || effect == Effect::Rolling ||
+           effect == Effect::Restitution;
+  }
 };
 
 /// In the order of kEffects.

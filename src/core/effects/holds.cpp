@@ -21,7 +21,7 @@ void run(Context& context) {
   const double rate = -std::expm1(-h / kTau) / h;
   for (const BodyHold& hold : context.scene.holds) {
     const Index i = bodies.indexOf(hold.body);
-    if (i == kNone) continue;
+    if (i == kNone || bodies.traits[i].frozen) continue;
     const Pose& now = bodies.pose[i];
     const Eigen::AngleAxisd turn(Eigen::Quaterniond(hold.target.q_WB * now.q_WB.conjugate()).normalized());
     bodies.twist[i].v_WB = rate * (hold.target.p_WB - now.p_WB);

@@ -204,7 +204,10 @@ struct Part {
 
 }  // namespace
 
+// The sums about a point of the surface lose their digits where that is far away.
 SubmergedPart submergedPart(const Shape& shape, const Vec3& up_B, double level) {
+  if (level >= boundingRadius(shape)) return {volume(shape), Vec3::Zero()};
+  if (level <= -boundingRadius(shape)) return {};
   return std::visit(Part{up_B, level}, shape);
 }
 

@@ -56,7 +56,7 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     const Index k = islands_.placeOf(context, s);
     if (k == kNone || (sums[k].share == 1.0 && sums[k].rest == 1.0)) continue;
     s.v = sums[k].rest * sums[k].common + sums[k].share * (s.v - sums[k].common);
-    s.w *= sums[k].share;
+    if (!s.inv_inertia_W.isZero(0.0)) s.w *= sums[k].share;  // nothing changes the spin of others
   }
 }
 

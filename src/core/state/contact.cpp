@@ -58,7 +58,8 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
         place->exact = old.exact, place->axis.n_A = old.axis.n_A;
         place->points = std::move(old.points), place->earlier = std::move(old.earlier);
         place->points_before = std::move(old.points_before);  // for its room alone
-      } else if (!old.earlier.empty() || (!old.points.empty() && rests(old))) {
+      } else if (const bool stays = !old.points.empty() && rests(old); stays || !old.earlier.empty()) {
+        if (!stays) old.points.clear(), old.exact = false;  // what they gave is in `earlier`
         old.state = {}, old.solved = false,
         old.axis.queries = old.axis.kept = 0;  // of the part that has ended
         dormant.push_back(std::move(old));
@@ -69,10 +70,10 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
   std::sort(dormant.begin(), dormant.end(), isBefore);
 }
 
-void Contacts::endStep() {
+void Contacts::endStep(const std::function<bool(const Contact&)>& rests) {
   std::sort(active.begin(), active.end(), isBefore);
   for (Contact& contact : active) {
-    if (!contact.solved) contact.points.clear();
+    if (!contact.solved && !contact.points.empty() && !rests(contact)) contact.points.clear();
     if (contact.points.empty()) contact.exact = false;
   }
 }

@@ -74,8 +74,12 @@ void run(Context& context) {
     bodies.pose[i].p_WB += h * (bodies.twist[i].v_WB + half_dv);
     bodies.twist[i].v_WB += dv;
   }
-  for (const Index i : scene.lists.tumbling)
+  for (const Index i : scene.lists.tumbling) {
     rotateFreely(bodies.pose[i].q_WB, bodies.twist[i].w_WB, bodies.inertia[i], h);
+    // It spins faster and slower as it tumbles.
+    if (bodies.twist[i].w_WB.norm() > Limits::max_spin)
+      bringBack(context, i, bodies.pose[i], bodies.twist[i]);
+  }
   for (const OutOfBounds& lost : leaving) bringBack(context, lost.body, lost.pose, lost.twist);
   context.step.report.flying += static_cast<std::uint32_t>(scene.lists.ballistic.size());
 }

@@ -20,6 +20,11 @@ bool isStill(const SceneStore& scene, Index i, double h) {
   return speed <= kStill * h * scene.gravity_W.norm();
 }
 
+bool pushes(const Contact& contact) {
+  return std::any_of(contact.points.begin(), contact.points.end(),
+                     [](const SolvedPoint& point) { return point.normal > 0.0; });
+}
+
 bool moves(const SceneStore& scene, Index i) {
   const Traits& t = scene.bodies.traits[i];
   const Twist& twist = scene.bodies.twist[i];
@@ -66,7 +71,10 @@ void update(Context& context) {
       return edge.kind == ConstraintKind::Contact &&
              overlaps::isDeep(context, scene.contacts.active[edge.of]);
     });
-    bool ready = island.touching && !blown;
+    const bool carried = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+      return edge.kind == ConstraintKind::Contact && pushes(scene.contacts.active[edge.of]);
+    });
+    bool ready = carried && !blown;
     for (const Edge& edge : island.edges)
       for (const Index i : edge.bodies)
         ready = ready && (i == kNone || scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
@@ -83,6 +91,7 @@ void update(Context& context) {
 void putToSleep(SceneStore& scene, const std::vector<Index>& bodies) {
   const Index oldest = *std::min_element(bodies.begin(), bodies.end());
   for (const Index i : bodies) {
+    scene.bodies.updateOrientation(i, scene.time);
     scene.bodies.traits[i].asleep = true;
     scene.bodies.twist[i] = {};
     scene.bodies.refresh(i);

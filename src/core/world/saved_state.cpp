@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <set>
 #include <string>
 
 namespace rbs {
@@ -87,16 +89,24 @@ void checkUserForces(const SavedState& saved, Index bodies, std::vector<Problem>
 
 }  // namespace
 
-std::vector<Problem> validate(const SavedState& saved, Index bodies) {
+std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, Index bodies) {
   std::vector<Problem> problems;
-  if (!std::isfinite(saved.time) || saved.time < 0.0)
-    problems.push_back({"state.time", text(saved.time), "finite and not negative, in s"});
+  // From then on a part of a step is off by more than this share of its length, since rounding is.
+  constexpr double kOff = 1e-3;
+  const double part = settings.step / settings.fidelity.divisions;
+  const double latest = kOff * part / std::numeric_limits<double>::epsilon();
+  if (!(saved.time >= 0.0 && saved.time <= latest))
+    problems.push_back({"state.time", text(saved.time), "0 to " + text(latest) + " s with this step"});
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
   for (const SavedState::Contact& contact : saved.contacts) {
+    if (!pairs.insert({contact.a, contact.b}).second)
+      problems.push_back(
+          {"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b), "each pair once"});
     if (contact.a >= contact.b || contact.b >= bodies || contact.points.size() > Manifold::kPoints)
       problems.push_back({"state.contacts", std::to_string(contact.a) + ", " + std::to_string(contact.b),
                           "two indices of bodies, the smaller first, and at most " +
                               std::to_string(Manifold::kPoints) + " points"});
-    if (!(std::abs(contact.n_W.norm() - 1.0) < 1e-9))
+    if (!(std::abs(contact.n_W.squaredNorm() - 1.0) < 1e-9))
       problems.push_back({"state.contacts", text(contact.n_W.norm()), "a normal of length 1"});
     if (!(std::isfinite(contact.depth) && contact.depth >= 0.0))
       problems.push_back({"state.contacts", text(contact.depth), "a depth that is finite and not negative"});
@@ -140,7 +150,7 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
     }
     scene.contacts.active.push_back(std::move(contact));
   }
-  scene.contacts.endStep();
+  scene.contacts.endStep([](const Contact&) { return true; });
   for (const SavedState::Wrench& w : saved.wrenches)
     scene.wrenches.push_back(
         {scene.bodies.id[w.body], w.force_W, w.torque_W, w.point_B, w.until, w.commanded});

@@ -37,8 +37,7 @@ void World::applyImpulse(BodyId id, const Vec3& impulse_W, const Vec3& point_W) 
   const Pose pose = bodies.poseNow(i, impl_->scene.time);
   const Vec3 torque_B = pose.q_WB.conjugate() * (point_W - pose.p_WB).cross(impulse_W);
   twist.w_WB += pose.q_WB * Vec3(bodies.inertia[i].moments.cwiseInverse().cwiseProduct(torque_B));
-  if (twist.v_WB.cwiseAbs().maxCoeff() > Limits::max_speed ||
-      twist.w_WB.cwiseAbs().maxCoeff() > Limits::max_spin)
+  if (twist.v_WB.norm() > Limits::max_speed || twist.w_WB.norm() > Limits::max_spin)
     throw InvalidInput({{"impulse", textOf(impulse_W),
                          "one that leaves the body below " + text(Limits::max_speed) + " m/s and " +
                              text(Limits::max_spin) + " rad/s"}});
@@ -106,7 +105,9 @@ void World::grab(BodyId id, const Grab& grab) {
 void World::hold(BodyId id, const Pose& target) {
   const Index i = impl_->require(id);
   std::vector<Problem> problems;
-  checkVector(target.p_WB, Limits::max_position, "hold.position", "m", problems);
+  if (!(target.p_WB.norm() <= Limits::max_position))
+    problems.push_back({"hold.position", textOf(target.p_WB),
+                        "at most " + text(Limits::max_position) + " m from the origin"});
   const double norm = target.q_WB.norm();
   if (!(norm > 1e-3 && norm < 1e3))
     problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});

@@ -113,7 +113,7 @@ std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
       const auto given = std::find_if(opened.begin(), opened.end(),
                                       [&](const SolvedPoint& p) { return p.feature == point.feature; });
       if (given != opened.end()) {
-        point.addImpulseOf(*given);
+        if (!asleep) point.addImpulseOf(*given);  // those of what sleeps are of the whole step
         opened.erase(given);
       }
       add(point);
