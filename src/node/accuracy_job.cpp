@@ -77,8 +77,10 @@ std::uint32_t AccuracyJob::start(const AccuracyOptions& options) {
   const std::vector<Problem> problems = validate(options);
   if (!problems.empty()) throw InvalidInput(problems);
   std::lock_guard<std::mutex> lock(running_);
-  end();
   auto [world, then] = simulator_.copy();
+  const std::string scene =
+      writeScene(world.capture(), world.captureState());  // may refuse: nothing has changed then
+  end();
   std::uint32_t job = 0;
   {
     std::lock_guard<std::mutex> lock_known(mutex_);
@@ -88,8 +90,7 @@ std::uint32_t AccuracyJob::start(const AccuracyOptions& options) {
   stop_ = false;
   std::promise<void> started;
   std::future<void> running = started.get_future();
-  reader_ = std::thread(&AccuracyJob::follow, this, commandFor(options),
-                        writeScene(world.capture(), world.captureState()), std::move(started));
+  reader_ = std::thread(&AccuracyJob::follow, this, commandFor(options), scene, std::move(started));
   running.get();
   return job;
 }

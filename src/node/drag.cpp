@@ -82,11 +82,11 @@ void Drag::apply(World& world, const Snapshot& now) {
   if (!by_force) release(world);
   if (!by_force && !dragged_) return;
   if (const Resize* grip = std::get_if<Resize>(&grip_)) {
-    world.editBody(body_, resizeBy(*grip, handle_.p_WB, body.shape, now.states[i].pose));
+    world.editBody(body_, resizeBy(*grip, handle_.p_WB, body.shape, world.pose(body_)));
   } else if (by_force) {
     applyUserForce(world);
   } else {
-    setPose(world, now.states[i].pose);
+    setPose(world, world.pose(body_));
   }
 }
 

@@ -113,6 +113,10 @@ void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
 
 void InteractiveBodies::handle(const MouseEvent& event, const Snapshot& snapshot) {
   const Feedback& feedback = *event.feedback;
+  const bool begins =
+      feedback.event_type == Feedback::MOUSE_DOWN || feedback.event_type == Feedback::MENU_SELECT;
+  // A drag of the body itself goes on whatever the body is called meanwhile.
+  if (!event.at_marker && !begins && drags_.count(feedback.client_id) != 0) return followMouse(event);
   const int body = bodyOf(feedback.marker_name, snapshot);
   if (body < 0 && !event.at_marker && feedback.event_type == Feedback::MOUSE_DOWN)
     refuse(words("'", feedback.marker_name.substr(0, 64), "' is gone"));
@@ -154,8 +158,9 @@ void InteractiveBodies::followMouse(const MouseEvent& event) {
     if (feedback.event_type == Feedback::POSE_UPDATE) board_.putBack(feedback.marker_name);
     return;
   }
-  const bool is_still = feedback.event_type == Feedback::KEEP_ALIVE;
-  drag->second.hear(is_still ? std::nullopt : std::make_optional(fromMsg(feedback.pose)));
+  const Pose pose = fromMsg(feedback.pose);
+  const bool is_still = feedback.event_type == Feedback::KEEP_ALIVE || !isFinite(pose);
+  drag->second.hear(is_still ? std::nullopt : std::make_optional(pose));
   if (feedback.event_type == Feedback::MOUSE_UP) endDrag(drag);
 }
 
@@ -171,8 +176,8 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
     return;
   }
   attempt("run the menu entry", true, [&](World& world) {
-    const std::string done =
-        words(description.name, ": ", runMenuAction(world, action, description, pose, hit_W));
+    const std::string done = words(
+        description.name, ": ", runMenuAction(world, action, description, world.pose(description.id), hit_W));
     answer(done);
     return done;
   });

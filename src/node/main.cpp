@@ -75,6 +75,8 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   options.publishers.contacts_rate =
       parameters.number("contacts_rate", options.publishers.contacts_rate, 0.0, 1e6,
                         "most messages of ~contacts a second; 0: one with every ~body_states");
+  parameters.number("diagnostic_period", 1.0, 0.01, 1e6,
+                    "period of /diagnostics, s; may be changed while the node runs");
   options.publishers.repeat_period =
       parameters.number("repeat_period", options.publishers.repeat_period, 0.0, 1e6,
                         "period after which descriptions and markers are sent again, s; 0: never");

@@ -13,7 +13,7 @@ namespace {
 using Value = XmlRpc::XmlRpcValue;
 
 /// Read by diagnostic_updater, not by us.
-const std::vector<std::string> kOfLibraries = {"diagnostic_period", "diagnostic_updater_use_fqn"};
+const std::vector<std::string> kOfLibraries = {"diagnostic_updater_use_fqn"};
 
 /// "'abc'", "true", "3": a text of someone else, cut where it is too long for a message.
 std::string shown(Value value) {

@@ -7,12 +7,17 @@
 #include <rigid_body_sim/BodyStates.h>
 #include <rigid_body_sim/Contacts.h>
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace rbs {
 
+namespace {
+constexpr double kLongestPeriod = 1e8;  // s; a ros::WallDuration holds no more than 2^31
+}
+
 StatePublisher::StatePublisher(ros::NodeHandle& node, double contacts_rate, double repeat_period)
-    : contacts_period_(contacts_rate > 0.0 ? 1.0 / contacts_rate : 0.0),
+    : contacts_period_(contacts_rate > 0.0 ? std::min(1.0 / contacts_rate, kLongestPeriod) : 0.0),
       repeat_period_(repeat_period),
       descriptions_(node.advertise<rigid_body_sim::BodyDescriptions>("body_descriptions", 1, true)),
       states_(Topic::of<rigid_body_sim::BodyStates>(node, "body_states", 10)),

@@ -175,7 +175,13 @@ void StatusPublisher::publish(const Timeline::Moment& moment) {
 
 void StatusPublisher::diagnose(const Timeline::Moment& moment) {
   diagnosed_ = moment.snapshot;
-  diagnostics_.update();
+  // It reads ~diagnostic_period each time, and ends by an exception where no clock can hold that.
+  try {
+    diagnostics_.update();
+  } catch (const std::runtime_error& error) {
+    ROS_ERROR_NAMED("status", "~diagnostic_period: %s; it is set to 1 s", error.what());
+    ros::param::set("~diagnostic_period", 1.0);
+  }
 }
 
 void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -119,6 +119,7 @@ std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
     return describe(effects);
   });
   for (const std::string& name : request.force_off) {
+    if (ros::isShuttingDown()) break;
     const auto error = measureModellingError(scene, state, {{effectNamed(name), false}});
     response.neglected.push_back(
         words("without ", name, ": ", error ? rbs::describe(*error) : "the scene is too large to measure"));

@@ -67,6 +67,22 @@ TEST(Pacer, TheNextStepOfASpeedNearZeroIsInTheFarFuture) {
   EXPECT_GE(pacer.achievedSpeed(now), 0.0);
 }
 
+// A slider changes the speed many times a second.
+TEST(Pacer, AChangeOfSpeedBringsNoStepForward) {
+  Rig rig;
+  rig.speed = 0.01;  // a step each 1.67 s
+  rig.pacer.restart(rig.at(0.0), rig.speed, rig.step);
+  rig.until(0.1);
+  EXPECT_NEAR(rig.simulated, rig.step, 1e-12);
+  for (int k = 1; k <= 100; ++k) {
+    rig.pacer.restart(rig.at(rig.now), k % 2 ? 0.02 : 0.01, rig.step, rig.pacer.left(rig.at(rig.now)));
+    rig.until(0.1 + 0.01 * k);
+  }
+  EXPECT_NEAR(rig.simulated, rig.step, 1e-12);  // 1.1 s at 0.01 to 0.02
+  rig.until(2.0);
+  EXPECT_NEAR(rig.simulated, 2.0 * rig.step, 1e-12);
+}
+
 TEST(Pacer, KeepsTheSpeedThatItCanKeep) {
   for (const double speed : {0.1, 1.0, 3.0}) {
     Rig run;

@@ -81,6 +81,18 @@ TEST_P(ResumedState, PartsACrowdAsBefore) {
   }
 }
 
+// Nobody carries it any more.
+TEST(SavedStates, HaveWhatWasCarriedAtRest) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.bodies.push_back(ball("ball", 0.2, {0.0, 0.0, 2.0}));
+  World world(scene);
+  world.hold(world.find("ball"), Pose{{5.0, 0.0, 3.0}, Quat::Identity()});
+  for (int k = 0; k < 3; ++k) world.step();
+  ASSERT_GT(stateOf(world, "ball").twist.v_WB.norm(), 1.0);
+  EXPECT_TRUE(stateOf(World(world.capture(), world.captureState()), "ball").twist.v_WB.isZero(0.0));
+  EXPECT_EQ(World(world.capture(), world.captureExactState()).stateHash(), world.stateHash());
+}
+
 TEST(SavedStates, ThatNoWorldLeavesAreRefused) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.bodies.push_back(ball("ball", 0.2, {0.0, 0.0, 0.2}));

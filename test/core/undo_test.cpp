@@ -154,6 +154,26 @@ TEST(Undo, KeepsThePaceAndTheSolverSettings) {
 }
 
 // The hand that held a body then holds another one, or none.
+// A reset takes the settings of the scene: they belong to what it undoes.
+TEST(Undo, OfAResetBringsTheSolverSettingsBackToo) {
+  Simulator simulator(twoBoxes(), paused());
+  simulator.edit([](World& world) {
+    world.setFidelity(Fidelity::Accurate);
+    Goal goal;
+    goal.max_step_ms = 5.0;
+    world.setGoal(goal);
+  });
+  const std::uint64_t before = hashOf(simulator);
+  simulator.reset();
+  EXPECT_EQ(simulator.snapshot()->fidelity.preset, SceneDef{}.fidelity.preset);
+  simulator.undo();
+  EXPECT_EQ(hashOf(simulator), before);
+  EXPECT_EQ(simulator.snapshot()->fidelity.preset, Fidelity::Accurate);
+  EXPECT_TRUE(simulator.snapshot()->goal.has_value());
+  simulator.redo();
+  EXPECT_EQ(simulator.snapshot()->fidelity.preset, SceneDef{}.fidelity.preset);
+}
+
 TEST(Undo, LetsGoOfWhatIsHeld) {
   for (const bool by_spring : {true, false}) {
     Simulator simulator(twoBoxes(), paused());

@@ -335,6 +335,19 @@ class InteractiveBodiesTest(unittest.TestCase):
         call("pause", Trigger)
         self.assertGreater(body("crate").twist.linear.x, 0.5)
 
+    def test_a_drag_goes_on_when_somebody_renames_the_body(self):
+        mouse = Mouse("mouse")
+        self.addCleanup(mouse.close)
+        call("resume", Trigger)
+        mouse.press("crate", pose_at(0, 0, 5), hit=[0.0, -0.5, 5])
+        mouse.move("crate", pose_at(3, 0, 5))
+        wait(lambda: body("crate").twist.linear.x > 1.0, "the crate follows")
+        call("edit_bodies", EditBodies, changes=[BodyChange(name="crate", new_name="chest")])
+        mouse.move("crate", pose_at(3, 0, 9))
+        wait(lambda: position("chest")[2] > 7.0, "it follows still")
+        mouse.release("crate", pose_at(3, 0, 9))
+        call("pause", Trigger)
+
     def test_the_mouse_opens_the_menu_of_a_body_without_a_marker(self):
         mouse, selection = Mouse("mouse"), Selection()
         self.addCleanup(mouse.close)

@@ -60,8 +60,14 @@ class ParametersTest(unittest.TestCase):
                  ('threads', '-1', 'a whole number from 0 to 256'), ('threads', '10000', 'a whole number from 0 to 256'),
                  ('fidelity', 'best', 'preview, interactive, accurate or reference'), ('fidelity', '3', 'preview'),
                  ('tf', 'some', 'all or none'), ('tf', 'true', 'all or none'), ('tf_prefix', '7', 'a text'),
+                 ('diagnostic_period', '1e+10', '0.01 to 1e+06'), ('diagnostic_period', '0', '0.01 to 1e+06'),
                  ('scenes', '5', 'a text'), ('scene', '3', 'a text')]
         self.assertEqual([fault for fault in (fault_of(*case) for case in wrong) if fault], [])
+
+    def test_a_period_that_no_clock_holds_does_not_end_the_node(self):
+        rospy.set_param('/sim/diagnostic_period', 1e10)
+        wait(lambda: rospy.get_param('/sim/diagnostic_period') == 1.0, 'the period is set back')
+        self.assertTrue(self.serves())
 
     def test_all_faults_are_told_at_once_and_long_ones_are_cut(self):
         done = answer('__name:=refused', '_seed:=' + 'x' * 10000, '_tf:=some')

@@ -23,13 +23,17 @@ Pacer::Clock::duration duration(double s) {
 
 }  // namespace
 
-// The first step is due at once, so the step before it counts as one that ended an interval ago.
-void Pacer::restart(Time now, double speed, double step) {
+double Pacer::left(Time now) const {
+  return interval_ > 0.0 ? std::clamp(seconds(next_step_ - now) / interval_, 0.0, 1.0) : 0.0;
+}
+
+// The step before the first counts as one that ended an interval before it.
+void Pacer::restart(Time now, double speed, double step, double left) {
   speed_ = speed;
   interval_ = speed > 0.0 ? std::min(step / speed, kLongestInterval) : 0.0;
-  next_step_ = now;
+  next_step_ = now + duration(left * interval_);
   lost_ = 0.0;
-  last_ = {now - duration(interval_), 0.0};
+  last_ = {next_step_ - duration(interval_), 0.0};
   samples_ = {last_};
   step_seconds_ = 0.0;
 }

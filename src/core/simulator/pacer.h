@@ -18,8 +18,10 @@ class Pacer {
   using Time = Clock::time_point;
 
   /// Begins anew: steps of `step` s at `speed` times real time (0: as fast as possible), the first one due
-  /// now.
-  void restart(Time now, double speed, double step);
+  /// after this share of the time between two.
+  void restart(Time now, double speed, double step, double left = 0.0);
+  /// Which share of the time between two steps is left until the next one, 0 to 1.
+  double left(Time now) const;
 
   /// When the next step is due; long ago where the speed is 0.
   Time nextStep() const { return next_step_; }

@@ -111,13 +111,15 @@ struct Simulator::Impl {
     pacer.restart(Clock::now(), pace.requested_speed, world.scene().step);
   }
 
+  // A change while the world runs brings no step forward.
   void setPace(bool paused, double speed) {
-    {
-      const std::lock_guard<std::mutex> lock(mutex);
-      pace.paused = paused;
-      pace.requested_speed = speed;
-    }
-    restartClock();
+    const std::lock_guard<std::mutex> lock(mutex);
+    const bool runs_on = !pace.paused && !paused;
+    if (runs_on && pace.requested_speed == speed) return;
+    pace.paused = paused;
+    pace.requested_speed = speed;
+    const Pacer::Time now = Clock::now();
+    pacer.restart(now, speed, world.scene().step, runs_on ? pacer.left(now) : 0.0);
   }
 
   void endRequest(const char* by) {
@@ -369,7 +371,9 @@ void Simulator::load(SceneDef scene, const std::optional<SavedState>& saved) {
 
 void Simulator::reset() {
   const std::lock_guard<std::mutex> lock(impl_->replacing);
-  impl_->beginWith(std::atomic_load(&impl_->origin), "reset", "reset " + quoted(loaded()->name));
+  // Another origin than before, so that an undo brings the settings back as after a load.
+  impl_->beginWith(std::make_shared<Origin>(*std::atomic_load(&impl_->origin)), "reset",
+                   "reset " + quoted(loaded()->name));
 }
 
 void Simulator::pause() {

@@ -117,7 +117,8 @@ BodyDef Bodies::define(Index i, double time) const {
   def.shape = t.shape;
   def.pose = poseNow(i, time);
   def.kind = t.frozen ? BodyKind::Static : t.kind;
-  if (def.kind != BodyKind::Static) def.twist = twist[i];  // a static body that is held has one meanwhile
+  if (def.kind != BodyKind::Static && !t.held)
+    def.twist = twist[i];  // what is held is at rest when it is let go
   if (t.mass > 0.0) def.mass = t.mass;
   def.material = t.material;
   def.color = color[i];
