@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -95,13 +96,14 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
   showMarkers(snapshot);
 }
 
-// Every world numbers its bodies anew: an id of the last one would be of some other body. The selection goes
-// on by its name, in the same scene.
+// Every world numbers its bodies anew: an id of the last one may be of some other body. The selection goes on in the same
+// scene, by its name; by its id where an undo has taken the name away, which keeps ids.
 void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
-  selection_.clear();
-  if (snapshot.scene == scene_) {
-    for (const std::string& name : published_selection_)
-      if (const int again = snapshot.find(name); again >= 0) selection_.push_back(snapshot.states[again].id);
+  const std::vector<BodyId> before = std::exchange(selection_, {});
+  for (std::size_t k = 0; k < published_selection_.size() && snapshot.scene == scene_; ++k) {
+    int again = snapshot.find(published_selection_[k]);
+    if (again < 0 && before.size() == published_selection_.size()) again = snapshot.find(before[k]);
+    if (again >= 0) selection_.push_back(snapshot.states[again].id);
   }
   world_ = snapshot.world;
   scene_ = snapshot.scene;

@@ -72,6 +72,7 @@ void Resume::take() {
       throw InvalidInput({{file_.empty() ? "~state_file" : file_, "", "a file with a saved state"}});
     checkSeal(file_);
     session_.loadState(file_);
+    session_.simulator().forgetEdits();  // nobody has seen the world before it
     untaken_ = false;
     const std::shared_ptr<const Snapshot> snapshot = session_.simulator().snapshot();
     ROS_INFO_STREAM("resumed '" << snapshot->scene << "' at " << snapshot->time << " s from " << file_);

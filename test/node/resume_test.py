@@ -99,6 +99,7 @@ class ResumeTest(unittest.TestCase):
                 with Node(self.file, resume=True) as node:
                     self.assertEqual(self.status.fresh().hash, last)
                     self.assertIn('resumed \'small\' at ', node.said())
+                    self.assertFalse(ask('undo').success)
                 os.remove(self.file)
 
     def test_without_resume_the_state_is_offered_and_the_usual_scene_is_loaded(self):

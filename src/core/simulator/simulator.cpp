@@ -350,6 +350,13 @@ std::string Simulator::redo() {
   return what;
 }
 
+void Simulator::forgetEdits() {
+  impl_->post([&] {
+    impl_->history = EditHistory();
+    impl_->publish();
+  });
+}
+
 void Simulator::markSaved(std::uint64_t revision) {
   impl_->post([&] { impl_->saved.insert(revision); });
 }
