@@ -170,8 +170,9 @@ class Run {
         if (body.kind != BodyKind::Dynamic) continue;
         const double below = -lowest(body, after.states[i].pose, up_W, after.states[p].pose.p_WB);
         const double before = -lowest(body, before_.states[i].pose, up_W, before_.states[p].pose.p_WB);
-        const double allowed = 0.5 * extentOf(body) * (1.0 + 1e-9);
-        if (below > allowed && below > before && !driven_ && !deep_)
+        const double rounding = 1e-9 * extentOf(body);
+        const double allowed = 0.5 * extentOf(body) + rounding;
+        if (below > allowed && below > before + rounding && !driven_ && !deep_)
           return Finding{"plane", below, allowed, k_, body.name + " is below " + plane.name};
       }
     }
