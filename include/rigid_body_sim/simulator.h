@@ -66,9 +66,10 @@ class Simulator {
   /// was before. What does not count in World::edits() is not undone. The cost is a copy of the world besides.
   std::string apply(const std::function<std::string(World&)>& edit);
   /// Goes back to the world before the last edit of apply(), load() or reset(), its time included; ends a
-  /// step request. Pause and speed stay, and so do solver settings and goal unless the edit was a load or reset.
-  /// User forces end. Returns the edit in words. Throws InvalidInput where there is none. The last 1,000 edits are kept; fewer
-  /// where their worlds have more than 100,000 bodies together. The cost is that of a snapshot.
+  /// step request. Pause and speed stay, and so do solver settings and goal unless the edit was a load or
+  /// reset. User forces end. Returns the edit in words. Throws InvalidInput where there is none. The last
+  /// 1,000 edits are kept; fewer where their worlds have more than 100,000 bodies together. The cost is that
+  /// of a snapshot.
   std::string undo();
   /// Takes an undo back: goes to the world as it was when undo() was called. Any apply(), load() or
   /// reset() ends what can be redone. Otherwise as undo().

@@ -78,7 +78,7 @@ std::uint32_t AccuracyJob::start(const AccuracyOptions& options) {
   if (!problems.empty()) throw InvalidInput(problems);
   std::lock_guard<std::mutex> lock(running_);
   auto [world, then] = simulator_.copy();
-  const std::string scene =
+  std::string scene =
       writeScene(world.capture(), world.captureState());  // may refuse: nothing has changed then
   end();
   std::uint32_t job = 0;
@@ -90,7 +90,8 @@ std::uint32_t AccuracyJob::start(const AccuracyOptions& options) {
   stop_ = false;
   std::promise<void> started;
   std::future<void> running = started.get_future();
-  reader_ = std::thread(&AccuracyJob::follow, this, commandFor(options), scene, std::move(started));
+  reader_ =
+      std::thread(&AccuracyJob::follow, this, commandFor(options), std::move(scene), std::move(started));
   running.get();
   return job;
 }

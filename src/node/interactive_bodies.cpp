@@ -124,7 +124,8 @@ void InteractiveBodies::handle(const MouseEvent& event, const Snapshot& snapshot
     refuse(words("'", feedback.marker_name.substr(0, 64), "' is gone"));
   if (body < 0 || (event.at_marker && !board_.shows(feedback.marker_name)))
     return board_.erase(feedback.marker_name);
-  if (!isFinite(fromMsg(feedback.pose))) return board_.putBack(feedback.marker_name);
+  if (!isFinite(fromMsg(feedback.pose)) && feedback.event_type != Feedback::MOUSE_UP)
+    return board_.putBack(feedback.marker_name);
   switch (feedback.event_type) {
     case Feedback::MOUSE_DOWN:
       return press(event, snapshot, body);
