@@ -218,8 +218,9 @@ void find(Context& context) {
   for (Contact& contact : contacts) {
     const auto pushed = [](const SolvedPoint& point) { return point.normal != 0.0; };
     const auto isMoved = [&](Index i) { return context.scene.bodies.traits[i].moved_by_forces(); };
-    if (contact.state.isDepenetrating() || !(isMoved(contact.i) || isMoved(contact.j)) ||
-        std::none_of(contact.points.begin(), contact.points.end(), pushed))
+    if (contact.state.isDepenetrating() ||
+        std::none_of(contact.points.begin(), contact.points.end(), pushed) ||
+        !(isMoved(contact.i) || isMoved(contact.j)))
       continue;
     contact.state.touch();
     for (const Index i : {contact.i, contact.j}) step.supported[i] = isMoved(i);
