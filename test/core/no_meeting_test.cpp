@@ -13,14 +13,14 @@ namespace {
 
 // Bodies of every shape that rest, rebound and roll among each other and on a floor, in the air or not, with the
 // kinematic ones that some scenes have.
-SceneDef randomScene(std::mt19937& random, double step) {
+SceneDef randomScene(std::mt19937& random) {
   const auto uniform = [&](double from, double to) {
     return std::uniform_real_distribution<>(from, to)(random);
   };
   const auto vector = [&](double most) {
     return Vec3(uniform(-most, most), uniform(-most, most), uniform(-most, most));
   };
-  SceneDef scene = onFloor(step, 0.5);
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   if (uniform(0.0, 1.0) < 0.6) scene.air = Air{}, scene.wind = Wind{{uniform(-3.0, 3.0), 0.0, 0.0}};
   const auto count = static_cast<int>(uniform(2.0, 8.0));
   for (int k = 0; k < count; ++k) {
@@ -53,13 +53,12 @@ void expectEqual(const BodyState& a, const BodyState& b, const std::string& what
   EXPECT_LE((a.twist.w_WB - b.twist.w_WB).norm(), 1e-9) << what;
 }
 
-class Settings : public ::testing::TestWithParam<Fidelity> {};
-using NoMeeting = Settings;
+class NoMeeting : public ::testing::TestWithParam<Fidelity> {};
 
 TEST_P(NoMeeting, BodiesAmongOthersMoveAsIfAlone) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     std::mt19937 random(seed);
-    SceneDef scene = randomScene(random, 1.0 / 60.0);
+    SceneDef scene = randomScene(random);
     scene.fidelity = GetParam();
     std::vector<std::string> lone;
     for (BodyDef& def : scene.bodies)
@@ -81,7 +80,7 @@ TEST_P(NoMeeting, BodiesPartAsSoonAsNoneMayMeet) {
   for (const bool by_masks : {false, true}) {
     for (unsigned seed = 0; seed < 20; ++seed) {
       std::mt19937 random(seed);
-      SceneDef scene = randomScene(random, 1.0 / 60.0);
+      SceneDef scene = randomScene(random);
       scene.fidelity = GetParam();
       World world(scene);
       advance(world, 1.5);  // most lie on the floor

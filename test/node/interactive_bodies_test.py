@@ -324,24 +324,23 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client.wait_for("n399", GIZMO)
         wait(lambda: abs(self.client.markers["n399"].pose.position.z - 7) < 1e-6, "its target has followed")
 
-    def test_the_mouse_throws_a_body_of_a_running_world(self):
+    def mouse_that_pulls_the_crate(self):
         mouse = Mouse("mouse")
         self.addCleanup(mouse.close)
         call("resume", Trigger)
         mouse.press("crate", pose_at(0, 0, 5), hit=[0.0, -0.5, 5])
         mouse.move("crate", pose_at(3, 0, 5))
         wait(lambda: body("crate").twist.linear.x > 1.0, "the crate follows")
+        return mouse
+
+    def test_the_mouse_throws_a_body_of_a_running_world(self):
+        mouse = self.mouse_that_pulls_the_crate()
         mouse.release("crate", pose_at(3, 0, 5))
         call("pause", Trigger)
         self.assertGreater(body("crate").twist.linear.x, 0.5)
 
     def test_a_drag_goes_on_when_somebody_renames_the_body(self):
-        mouse = Mouse("mouse")
-        self.addCleanup(mouse.close)
-        call("resume", Trigger)
-        mouse.press("crate", pose_at(0, 0, 5), hit=[0.0, -0.5, 5])
-        mouse.move("crate", pose_at(3, 0, 5))
-        wait(lambda: body("crate").twist.linear.x > 1.0, "the crate follows")
+        mouse = self.mouse_that_pulls_the_crate()
         call("edit_bodies", EditBodies, changes=[BodyChange(name="crate", new_name="chest")])
         mouse.move("crate", pose_at(3, 0, 9))
         wait(lambda: position("chest")[2] > 7.0, "it follows still")

@@ -80,6 +80,11 @@ struct Contact {
   mutable SeparatingAxis axis;
 
   bool isOf(BodyId body) const { return key.i == body || key.j == body; }
+  /// Whether one of its points bears a force.
+  bool bears() const {
+    return std::any_of(points.begin(), points.end(),
+                       [](const SolvedPoint& point) { return point.normal > 0.0; });
+  }
   /// The point of a feature, as the last solve left it; null when there is none.
   const SolvedPoint* pointOf(std::uint32_t feature) const {
     for (const SolvedPoint& point : points)

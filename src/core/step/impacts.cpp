@@ -216,11 +216,8 @@ void find(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
   for (Contact& contact : contacts) {
-    const auto pushed = [](const SolvedPoint& point) { return point.normal != 0.0; };
     const auto isMoved = [&](Index i) { return context.scene.bodies.traits[i].moved_by_forces(); };
-    if (contact.state.isDepenetrating() ||
-        std::none_of(contact.points.begin(), contact.points.end(), pushed) ||
-        !(isMoved(contact.i) || isMoved(contact.j)))
+    if (contact.state.isDepenetrating() || !contact.bears() || !(isMoved(contact.i) || isMoved(contact.j)))
       continue;
     contact.state.touch();
     for (const Index i : {contact.i, contact.j}) step.supported[i] = isMoved(i);

@@ -20,11 +20,6 @@ bool isStill(const SceneStore& scene, Index i, double h) {
   return speed <= kStill * h * scene.gravity_W.norm();
 }
 
-bool pushes(const Contact& contact) {
-  return std::any_of(contact.points.begin(), contact.points.end(),
-                     [](const SolvedPoint& point) { return point.normal > 0.0; });
-}
-
 bool moves(const SceneStore& scene, Index i) {
   const Traits& t = scene.bodies.traits[i];
   const Twist& twist = scene.bodies.twist[i];
@@ -72,7 +67,7 @@ void update(Context& context) {
              overlaps::isDeep(context, scene.contacts.active[edge.of]);
     });
     const bool carried = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-      return edge.kind == ConstraintKind::Contact && pushes(scene.contacts.active[edge.of]);
+      return edge.kind == ConstraintKind::Contact && scene.contacts.active[edge.of].bears();
     });
     bool ready = carried && !blown;
     for (const Edge& edge : island.edges)
