@@ -277,6 +277,15 @@ class SweepTest(ProgramCase):
                 for path in (self.folder / 'worker', self.folder / 'child'):
                     path.unlink()
 
+    def test_nothing_is_left_where_a_worker_ends_as_its_program_begins(self):
+        self.program('#!/bin/sh\necho $$ > "child$$"; kill -9 $PPID; exec sleep 1000\n')
+        self.write('program: [./p]\nrepeats: 12\n')
+        self.sweep('--workers', '2')
+        children = [path.name for path in self.folder.glob('child*')]
+        self.assertGreaterEqual(len(children), 12)
+        for child in children:
+            self.assert_gone(child)
+
     def test_another_program_is_not_mixed_with_the_results_of_the_old(self):
         self.program(self.SCRIPT % '')
         self.write(self.TEXT)

@@ -88,10 +88,13 @@ class Process:
     """A program that runs."""
 
     def __init__(self, command, folder):
-        keeper.keeper()  # before the program, which is kept from its first moment
-        self.popen = subprocess.Popen(command, bufsize=0, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                      stderr=subprocess.PIPE, start_new_session=True)
-        keeper.keep(self.popen.pid)
+        self.kept = keeper.Kept()
+        try:
+            self.popen = subprocess.Popen(command, bufsize=0, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                          stderr=subprocess.PIPE, start_new_session=True, preexec_fn=self.kept.begin)
+        except BaseException:
+            self.kept.end()
+            raise
         self.output, self.errors = Pipe(self.popen.stdout, MOST_READ), Pipe(self.popen.stderr, ERROR_BYTES)
         self.cut, self.cpu_seconds = '', 0.0
 
@@ -124,7 +127,7 @@ class Process:
     def close(self):
         """Ends what is left of its group, and takes what was written last. The group cannot be another's before wait4."""
         os.killpg(self.popen.pid, signal.SIGKILL)
-        keeper.release(self.popen.pid)
+        self.kept.end()
         _, status, usage = os.wait4(self.popen.pid, 0)
         self.popen.returncode, self.cpu_seconds = os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime
         for pipe in (self.output, self.errors):
