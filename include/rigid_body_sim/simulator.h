@@ -27,6 +27,9 @@ struct Pace {
   /// required and the simulation did not reach. A simulation that cannot keep up runs slower and does not
   /// make up for it. 0 while paused.
   double lost_time = 0.0;
+  /// How much longer ago than the interval between two steps the last step ended, s of wall time: what the
+  /// step under way is late already. 0 while paused.
+  double late = 0.0;
   std::uint64_t steps_left = 0;  ///< steps left of the step request under way; 0: none is
 };
 

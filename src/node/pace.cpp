@@ -13,6 +13,8 @@ namespace {
 // A step that takes less than this fraction of the available time is not the bottleneck.
 constexpr double kQuickStep = 0.8;
 
+constexpr double kLongStep = 0.5;  // s; a person who sees nothing move for that long asks why
+
 std::string threeDigits(double value) {
   char digits[32];
   std::snprintf(digits, sizeof digits, "%.3g", value);
@@ -43,8 +45,12 @@ std::string inWords(const Pace& pace) {
 }
 
 std::string bottleneck(const Pace& pace, const Snapshot& snapshot) {
+  const double step = snapshot.report.seconds;
+  // What is under way may take far longer than the last step, or be the first.
+  if (pace.late > std::max(kLongStep, 2.0 * step))
+    return words("no step has ended for ", threeDigits(pace.late), " s");
   if (!fallsBehind(pace)) return "";
-  const double step = snapshot.report.seconds, may_take = snapshot.step / pace.requested_speed;
+  const double may_take = snapshot.step / pace.requested_speed;
   const double beside = snapshot.estimate ? 1e-3 * snapshot.estimate->beside_ms : 0.0;
   if (beside > step)
     return words("estimating errors adds ", threeDigits(1e3 * beside), " ms to a step of ",

@@ -158,6 +158,8 @@ TEST(Pacer, ALateStepCountsBeforeItHasEnded) {
   run.until(3.0);
   EXPECT_NEAR(run.achieved(), 1.0, 0.02);
   EXPECT_NEAR(run.pacer.achievedSpeed(run.at(run.now + 4.0)), 1.0 / 5.0, 0.02);
+  EXPECT_LE(run.pacer.late(run.at(run.now)), run.step_seconds);
+  EXPECT_NEAR(run.pacer.late(run.at(run.now + 4.0)), 4.0, run.step);
 }
 
 TEST(Pacer, PicturesTakeATenthOfTheTime) {
@@ -179,6 +181,7 @@ TEST(Pacer, SaysWhatWasAskedForUntilThereIsSomethingToMeasure) {
   run.speed = 2.0;
   run.begin();
   EXPECT_EQ(run.achieved(), 2.0);
+  EXPECT_EQ(run.pacer.late(run.at(run.now)), 0.0);
 }
 
 }  // namespace

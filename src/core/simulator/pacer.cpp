@@ -61,9 +61,12 @@ void Pacer::pictured(Time begin, Time end) {
   picture_seconds_ = seconds(end - begin);
 }
 
+double Pacer::late(Time now) const {
+  return std::max(0.0, seconds(now - last_.wall) - interval_);
+}
+
 double Pacer::achievedSpeed(Time now) const {
-  const double late = std::max(0.0, seconds(now - last_.wall) - interval_);
-  const double wall = seconds(last_.wall - samples_.front().wall) + late;
+  const double wall = seconds(last_.wall - samples_.front().wall) + late(now);
   return wall < kLargestLag ? speed_ : (last_.physics - samples_.front().physics) / wall;
 }
 

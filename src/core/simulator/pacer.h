@@ -37,6 +37,8 @@ class Pacer {
   /// Physics time over wall time in about the last second, up to now. A step that is late counts against it
   /// before it has ended. It is the requested speed as long as there is too little to measure.
   double achievedSpeed(Time now) const;
+  /// How much longer ago than the interval between two steps the last one ended, s.
+  double late(Time now) const;
   /// Physics time lost since restart(), s: what the requested speed required and the simulation did not
   /// reach.
   double lostTime() const { return lost_; }

@@ -461,7 +461,9 @@ Pace Simulator::pace() const {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   Pace pace = impl_->pace;
   if (pace.paused) return pace;
-  pace.achieved_speed = impl_->pacer.achievedSpeed(Clock::now());
+  const Clock::time_point now = Clock::now();
+  pace.achieved_speed = impl_->pacer.achievedSpeed(now);
+  pace.late = impl_->pacer.late(now);
   pace.lost_time = impl_->pacer.lostTime();
   return pace;
 }
