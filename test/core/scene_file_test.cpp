@@ -7,6 +7,7 @@
 #include "scene/scene_limits.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -695,6 +696,19 @@ TEST_F(SceneFiles, whatIsNoReadableFileIsRefused) {
 TEST_F(SceneFiles, fileOver64MiBIsRefused) {
   EXPECT_THROW(readScene(write("over.yaml", "step: 0.01\n" + std::string(kMostSceneBytes, '#'))),
                InvalidInput);
+}
+
+// It cleared as much memory as the largest file has: 64 MiB, or 16,384 pages.
+TEST_F(SceneFiles, readingASmallFileTakesLittleMemory) {
+  const std::string file = write("small.yaml", "bodies:\n  - {shape: sphere, size: 1}\n");
+  const auto pages = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_minflt;
+  };
+  const long before = pages();
+  readScene(file);
+  EXPECT_LT(pages() - before, 4000);
 }
 
 TEST(SceneFile, theMostBodiesAreWrittenReadBackAndStepped) {

@@ -13,6 +13,7 @@
 #include "scene/yaml_fields.h"
 #include "state/scene_fields.h"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -209,10 +210,13 @@ std::string readText(const std::string& file) {
   if (!std::filesystem::is_regular_file(status)) refuseFile(file, "not a regular file", "a scene file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuseFile(file, "cannot be opened", "a file that may be read");
-  std::string text(kMostSceneBytes + 1, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  std::string text;
+  std::array<char, 1 << 16> block;
+  do {
+    stream.read(block.data(), block.size());
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  } while (stream && text.size() <= kMostSceneBytes);
   if (stream.bad()) refuseFile(file, "cannot be read", "a file that may be read");
-  text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
 }
 
