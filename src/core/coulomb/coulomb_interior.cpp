@@ -4,6 +4,8 @@
 // The predictor aims at products of 0. How far it gets within the cones, a, tells what to aim at: products of
 // (1 - a)^3 of the mean, with the predictor's second order. Where products no longer fall the path turns
 // back, and the rest is for others.
+//
+// Its tolerance is coarse (Case::rough), so double is enough for the residuals of its steps.
 #include "coulomb/central_path.h"
 #include "coulomb/coulomb_solvers.h"
 
@@ -38,10 +40,11 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
     ++since;
     if (path.meanProduct() <= kHeadway * reached) reached = path.meanProduct(), since = 0;
     const Impulses r = path.impulses();
-    const Residuals residuals = system.residuals(r);
+    const Residuals residuals = system.residuals(r, system.relativeVelocitiesAbout(r));
     if (residuals.beyond_rounding < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;
     if (best.within(tolerance)) break;
   }
+  best.residuals = system.residuals(best.r);
   return best;
 }
 

@@ -108,10 +108,11 @@ Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, in
     path.place.add(1.0, correction).add(beta, tangent);
     now = {path.place, now.log_t + beta, std::copysign(1.0, cosine) * direction};
     const Impulses r = path.impulses();
-    const Residuals residuals = system.residuals(r);
+    const Residuals residuals = system.residuals(r, system.relativeVelocitiesAbout(r));
     if (residuals.beyond_rounding < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;
     if (best.within(tolerance)) break;
   }
+  best.residuals = system.residuals(best.r);
   return best;
 }
 
