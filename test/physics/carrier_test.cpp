@@ -68,5 +68,37 @@ TEST(Carrier, ABallOnATurntableRollsInItsCircle) {
   EXPECT_NEAR(whole / half, 4.0, 0.5);  // second order
 }
 
+// Boxes of friction mu ride at the radius r of 1 m, at w^2 r = k^2 mu g, and are pushed outwards. Returns how far they are
+// from their circle at the end, m.
+double afterANudge(Fidelity fidelity, double step, double k, int boxes, double nudge) {
+  const double mu = 0.3, rate = k * std::sqrt(mu * kGravity);
+  BodyDef rider = box("lowest", {0.2, 0.2, 0.1}, {1.0, 0.0, 0.05});
+  rider.twist = {{nudge, rate, 0.0}, {0.0, 0.0, rate}};
+  SceneDef scene = onTurntable(fidelity, step, rider);
+  for (int above = 1; above < boxes; ++above) {
+    rider.name = "box_" + std::to_string(above), rider.pose.p_WB.z() += 0.1;
+    scene.bodies.push_back(rider);
+  }
+  scene.bodies.front().twist.w_WB.z() = rate;
+  for (BodyDef& def : scene.bodies) def.material.friction = mu;
+  World world(ordered(scene));
+  advance(world, 3.0);
+  return stateOf(world, "lowest").pose.p_WB.head<2>().norm() - 1.0;
+}
+
+// They stop after v^2/(2 mu g (1 - k^2)) at the latest. They crept on at w^2 r h/2 where k^2 > 1/2, for ever.
+TEST(Carrier, BoxesThatHaveSlippedOnATurntableStickAgain) {
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
+    for (const double step : {1.0 / 60.0, 1.0 / 240.0})
+      for (const double k : {0.5, 0.8, 0.95})
+        for (const double nudge : {0.0, 0.02})
+          for (const int boxes : {1, 3}) {
+            const double most = nudge * nudge / (2.0 * 0.3 * kGravity * (1.0 - k * k));
+            EXPECT_LE(std::abs(afterANudge(fidelity, step, k, boxes, nudge)), most + 5e-4)
+                << fidelityName(fidelity) << ", 1/" << 1.0 / step << " s, k = " << k << ", " << nudge
+                << " m/s, " << boxes << " boxes";
+          }
+}
+
 }  // namespace
 }  // namespace rbs::test

@@ -221,9 +221,10 @@ double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
   return energy;
 }
 
-// By point: whether friction holds it. It is closed, and it does not slide: its slip is none, or its force is
-// within the cone, and the slip is what a solve has left. None is held in groups in which pairs resist
-// rolling: there `reference` does not always reach its tolerance with the mean slip of a drift.
+// By point: whether friction holds it at the start. It is closed, and it does not slide: its slip is none, or its
+// force is within the cone, and the slip is what a solve has left. One that slides at the start may be held by the
+// first kick. None is held in groups in which pairs resist rolling: there `reference` does not always reach its
+// tolerance with the mean slip of a drift.
 std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
   std::vector<char> held(touching_.points.size());
   if (!touching_.couples.empty()) return held;
@@ -260,7 +261,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
 
-  const std::vector<char> held = heldPoints(bodies_at_start);
+  std::vector<char> held = heldPoints(bodies_at_start);
   std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
   if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.
@@ -277,6 +278,8 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
                              Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
     kick.bodies = loaded;
     segment.first = solve(kick, tau);
+    for (std::size_t k = 0; k < held.size() && touching_.couples.empty(); ++k)
+      held[k] = held[k] || isWithinCone(kick.points[k].impulse, kick.points[k].mu);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters =
