@@ -18,7 +18,8 @@
 //   (M - h/2 J) dV = h (F(V) + G),   J = dF/dV,   G all other loads.
 // For drag alone, u' = -k |u| u, this is dV = -h k u²/(1 + h k u), so u(h) = u/(1 + k u h): the exact
 // solution, which never overshoots however stiff. Its fixed point is F + G = 0: the exact terminal velocity.
-// In between it is of second order. Boxes and bodies in contact get it.
+// In between it is of second order, with a box as it stands and spins in the middle of the step. Boxes and bodies
+// in contact get it.
 //
 // On a body in contact the force R of its contacts acts too. It is known from the last step:
 //   (M - h/2 J) dV = h (F(V) + G + R),
@@ -148,13 +149,22 @@ class ContactForces {
   std::vector<Vec3> forces_W_;  // empty: nothing is carried
 };
 
+// The most that a box is turned by to where it stands in the middle of a step, rad. What spins faster is as if it spun
+// at that rate: its air changes several times a step.
+constexpr double kMostHalfTurn = 0.5;
+
 void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h,
              const ContactForces& contacts, Load& load) {
-  const Mat3 R_WB = bodies.R_WB(i);
-  const Vec3& w = bodies.twist[i].w_WB;
+  // As it is in the middle of the step without loads: turned, and spinning with the same angular momentum.
+  const Mat3 R0_WB = bodies.R_WB(i);
+  const Vec3& moments = bodies.inertia[i].moments;
+  const Vec3 w0 = bodies.twist[i].w_WB, half_turn = std::min(0.5 * h, kMostHalfTurn / w0.norm()) * w0;
+  const Mat3 R_WB = rotationBy(half_turn).toRotationMatrix() * R0_WB;
+  const Vec3 L_W = R0_WB * moments.cwiseProduct(R0_WB.transpose() * w0);
+  const Vec3 w = R_WB * (R_WB.transpose() * L_W).cwiseQuotient(moments);
   const BoxDrag air = boxDrag(box.size, R_WB, u, w, half_rho_C);
   const double mass = bodies.traits[i].mass;
-  const Mat3 inertia_W = R_WB * bodies.inertia[i].moments.asDiagonal() * R_WB.transpose();
+  const Mat3 inertia_W = R_WB * moments.asDiagonal() * R_WB.transpose();
   Mat6 M = Mat6::Zero();
   M.topLeftCorner<3, 3>() = mass * Mat3::Identity();
   M.bottomRightCorner<3, 3>() = inertia_W;
