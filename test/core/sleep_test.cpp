@@ -153,9 +153,10 @@ TEST(Sleep, ABlowFindsThemAwake) {
     advance(world, 1.0);
     return world.snapshot();
   };
+  // Without sleep, a stack that is 1e-11 m off at the start ends 4e-7 m off.
   const Snapshot slept = strike(true), woke = strike(false);
   for (std::size_t k = 0; k < slept.states.size(); ++k)
-    EXPECT_LE((slept.states[k].pose.p_WB - woke.states[k].pose.p_WB).norm(), 1e-7) << (*slept.bodies)[k].name;
+    EXPECT_LE((slept.states[k].pose.p_WB - woke.states[k].pose.p_WB).norm(), 1e-6) << (*slept.bodies)[k].name;
 }
 
 TEST(Sleep, WhatComesNearWakesTheGroupItComesNearAndNoOther) {

@@ -123,8 +123,6 @@ void ContactLanes::takeBlock(Place place) {
     set(bundle.t2, lane, block.t2);
     set(bundle.turned_i, lane, block.turned_i);
     set(bundle.turned_j, lane, block.turned_j);
-    bundle.turns_i[lane] = i.round ? 0.0 : 1.0;
-    bundle.turns_j[lane] = j.round ? 0.0 : 1.0;
     bundle.shift[lane] = block.n.dot(block.moved_j - block.moved_i);
     bundle.mu[lane] = block.pair.mu;
     bundle.push[lane] = block.pair.push;
@@ -157,6 +155,18 @@ void ContactLanes::takeBlock(Place place) {
 }
 
 void ContactLanes::refresh(double now, double left) {
+  const auto takeAgain = [this](Place place) {
+    takeBlock(place);
+    std::array<bool, kLanes> changed{};
+    changed[place.lane] = true;
+    findRows(bundles_[place.bundle], changed);
+  };
+  for (Index k = 0; k < contacts_.blocks.size(); ++k) {
+    if (!contacts_.blocks[k].on_arc || places_[k].bundle == kNone) continue;
+    giveBackBlock(k);
+    contacts_.followArc(k, now);
+    takeAgain(places_[k]);
+  }
   const std::size_t known = bundles_.size();
   for (const Index k : contacts_.drifted()) {
     giveBackBlock(k);
@@ -166,10 +176,7 @@ void ContactLanes::refresh(double now, double left) {
       Bundle& bundle = bundles_[place.bundle];
       const bool room = block.size <= bundle.size;
       if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
-      takeBlock(place);
-      std::array<bool, kLanes> drifted{};
-      drifted[place.lane] = true;
-      findRows(bundle, drifted);
+      takeAgain(place);
       if (room) continue;
     }
     if (block.size == 0) continue;

@@ -47,8 +47,7 @@ class ContactLanes {
     std::array<SolverBody*, kLanes> i, j;
     std::array<Index, kLanes> block;  // in the contacts; kNone: this lane is empty
     Lanes n[3], t1[3], t2[3];
-    Lanes turned_i[3], turned_j[3];  // of the bodies when the points were found
-    Lanes turns_i, turns_j;          // 1 where their surface turns with them, 0 for spheres
+    Lanes turned_i[3], turned_j[3];  // of the surfaces when the points were found
     Lanes shift;                     // along n, of j against i then, m
     Lanes mu, push, inv_mass_i, inv_mass_j;
     int size;
@@ -80,7 +79,8 @@ class ContactLanes {
         bundles_(stores.bundles),
         normal_(stores.normal),
         friction_(stores.friction) {
-    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned}) zero->setZero();
+    for (Vec3* zero : {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned, &nobody_.surface_turned})
+      zero->setZero();
     nobody_.inv_inertia_W.setZero();
   }
   ContactLanes(const ContactLanes&) = delete;
@@ -110,8 +110,8 @@ class ContactLanes {
   /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned, with the
   /// masses along the rows of their contacts.
   ///
-  /// The bodies moved by x and turned by theta. A point of the surface at r has gone to x + exp([theta]) r,
-  /// to second order x + theta x r + theta x (theta x r)/2. A sphere's nearest point does not turn with it.
+  /// The bodies moved by x, and their surfaces turned by theta. A point of the surface at r has gone to
+  /// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2.
   void follow();
 
  private:

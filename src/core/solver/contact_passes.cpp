@@ -166,11 +166,10 @@ RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
       findMasses(bundle, turned);
     }
     // c, with n . (theta x r + theta x (theta x r)/2) = c . r
-    const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then,
-                             const Lanes& turns, Lanes* c) {
+    const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then, Lanes* c) {
       Lanes theta[3];
-      gather(bodies, &SolverBody::turned, theta);
-      for (int k = 0; k < 3; ++k) theta[k] = turns * (theta[k] - then[k]);
+      gather(bodies, &SolverBody::surface_turned, theta);
+      for (int k = 0; k < 3; ++k) theta[k] -= then[k];
       Lanes along, square;
       dot(theta, bundle.n, along);
       dot(theta, theta, square);
@@ -178,8 +177,8 @@ RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
       for (int k = 0; k < 3; ++k) c[k] += 0.5 * (along * theta[k] - square * bundle.n[k]);
     };
     Lanes c_i[3], c_j[3], moved_i[3], moved_j[3];
-    turning(bundle.i, bundle.turned_i, bundle.turns_i, c_i);
-    turning(bundle.j, bundle.turned_j, bundle.turns_j, c_j);
+    turning(bundle.i, bundle.turned_i, c_i);
+    turning(bundle.j, bundle.turned_j, c_j);
     gather(bundle.i, &SolverBody::moved, moved_i);
     gather(bundle.j, &SolverBody::moved, moved_j);
     const Lanes moved[3] = {moved_j[0] - moved_i[0], moved_j[1] - moved_i[1], moved_j[2] - moved_i[2]};

@@ -11,7 +11,7 @@ namespace rbs::soft_step {
 namespace {
 
 constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
-// The most that a body that is not a ball may turn in a sub-step, rad, and that a pair may travel and fall
+// The most that the surface of a body may turn in a sub-step, rad, and that a pair may travel and fall
 // against each other, share of their smaller length: farther, and a body is past a wall, or its far end on
 // the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
@@ -45,7 +45,7 @@ double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
     h = std::min(h, kMostTravel * length / speed);
     h = std::min(h, std::sqrt(kMostFall * length / load));
     for (const Index one : {i, j})
-      if (!bodies.traits[one].round) h = std::min(h, kMostTurn / bodies.twist[one].w_WB.norm());
+      h = std::min(h, kMostTurn / surfaceSpin(bodies, one, bodies.twist[one].w_WB).norm());
   }
   return h;
 }

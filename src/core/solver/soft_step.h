@@ -188,6 +188,7 @@ inline void SoftStep<Kinds...>::integrate() {
     if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
       s.moved += h_ * s.v;  // led bodies move on their own clock; here only the gaps follow them
       s.turned += h_ * s.w;
+      s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
       continue;
     }
     const Inertia& inertia = bodies.inertia[s.body];
@@ -197,6 +198,7 @@ inline void SoftStep<Kinds...>::integrate() {
     if (push < enough) step -= 0.5 * h_ * (1.0 - push / enough) * fall;
     s.moved += step;
     s.turned += h_ * s.w;
+    s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
     if (inertia.lazy_orientation) continue;

@@ -49,6 +49,14 @@ SolverContacts::SolverContacts(Context& context, const IslandBatch& batch, Store
   for (const Index i : batch.bodies) slotOf(i);
 }
 
+Vec3 surfaceSpin(const Bodies& bodies, Index i, const Vec3& w_WB) {
+  const Traits& traits = bodies.traits[i];
+  if (traits.round) return Vec3::Zero();
+  if (!traits.revolved) return w_WB;
+  const Vec3 axis = bodies.pose[i].q_WB * Vec3::UnitZ();
+  return w_WB - axis.dot(w_WB) * axis;
+}
+
 SolverBody SolverContacts::makeBody(Index i) const {
   const Bodies& store = context_.scene.bodies;
   SolverBody s;
@@ -56,14 +64,13 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.w = store.twist[i].w_WB;
   s.v_free = s.v, s.w_free = s.w;
   s.moved.setZero();
-  s.turned.setZero();
+  s.turned.setZero(), s.surface_turned.setZero();
   s.turned_axes_at.setZero();
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));
   s.turned_axes = false;
   s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
-  s.round = store.traits[i].round;
   s.body = i;
   return s;
 }
@@ -163,15 +170,16 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   std::tie(block.t1, block.t2) = tangents(block.n);
   const double far = 0.5 * (leastSeparation(manifold) - approachIn(block, h_));
   block.drift_limit = manifold.size > 0 ? std::max(kDriftLimit * length, far) : margin;
-  block.moved_i = i.moved, block.turned_i = i.turned;
-  block.moved_j = j.moved, block.turned_j = j.turned;
+  block.moved_i = i.moved, block.turned_i = i.surface_turned;
+  block.moved_j = j.moved, block.turned_j = j.surface_turned;
   block.first = static_cast<int>(to.size());
   block.size = manifold.size;
   to.resize(to.size() + block.size);
   for (int k = 0; k < block.size; ++k)
     preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, to[block.first + k]);
   const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
-  if (carries(i) || carries(j)) followArc(block, left, to);
+  block.on_arc = carries(i) || carries(j);
+  if (block.on_arc) followArc(block, now, to);
 }
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
@@ -185,23 +193,25 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
 }
 
 // A kinematic body that turns carries what touches it along an arc. Its velocity is taken at the point where
-// the contact will be half-way to where points are found anew: along the chord of the arc, and not along the
-// tangent at its start, which leads outwards by (w t)²/2 of the radius. The contact moves with the other
-// body, or with the centre of one that is round.
-void SolverContacts::followArc(const SolverBlock& block, double left, std::vector<SolverPoint>& of) const {
+// the contact is in the middle of the sub-step: along the chord of the arc, and not along the tangent at its start,
+// which leads outwards by (w h)²/2 of the radius. The contact moves with the surface of the other body.
+void SolverContacts::followArc(const SolverBlock& block, double now, std::vector<SolverPoint>& of) const {
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-  const double rate = (j.v - i.v).norm() + block.reach_i * i.w.norm() + block.reach_j * j.w.norm();
-  const double lasts = std::min(left, h_ * (std::floor(block.drift_limit / (rate * h_)) + 1.0));
-  const auto contactVelocity = [](const SolverBody& s, const Vec3& r) -> Vec3 {
-    return s.round ? s.v : Vec3(s.v + s.w.cross(r));
-  };
+  const Bodies& store = context_.scene.bodies;
+  const bool i_leads = i.inv_mass == 0.0;
+  const SolverBody &led = i_leads ? i : j, &other = i_leads ? j : i;
+  const Vec3 apart_W = context_.step.poseAt(store, other.body, now).p_WB -
+                       context_.step.poseAt(store, led.body, now).p_WB + 0.5 * h_ * (other.v - led.v);
+  const Vec3 spin_W = surfaceSpin(store, other.body, other.w);
   for (int k = block.first; k < block.first + block.size; ++k) {
     SolverPoint& point = of[k];
-    if (i.inv_mass == 0.0)
-      point.r_i += 0.5 * lasts * (contactVelocity(j, point.r_j) - i.v);
-    else
-      point.r_j += 0.5 * lasts * (contactVelocity(i, point.r_i) - j.v);
+    const Vec3& r = i_leads ? point.r_j : point.r_i;
+    (i_leads ? point.r_i : point.r_j) = apart_W + r + 0.5 * h_ * spin_W.cross(r);
   }
+}
+
+void SolverContacts::followArc(Index block, double now) {
+  followArc(blocks[block], now, points);
 }
 
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
@@ -240,8 +250,8 @@ bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
-  const double turn_i = block.reach_i * block.reach_i * (i.turned - block.turned_i).squaredNorm();
-  const double turn_j = block.reach_j * block.reach_j * (j.turned - block.turned_j).squaredNorm();
+  const double turn_i = block.reach_i * block.reach_i * (i.surface_turned - block.turned_i).squaredNorm();
+  const double turn_j = block.reach_j * block.reach_j * (j.surface_turned - block.turned_j).squaredNorm();
   // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are decided without a root.
   if (3.0 * (travel + turn_i + turn_j) <= block.drift_limit * block.drift_limit) return false;
   return std::sqrt(travel) + std::sqrt(turn_i) + std::sqrt(turn_j) > block.drift_limit;

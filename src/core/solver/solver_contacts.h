@@ -16,14 +16,18 @@ struct SolverBody {
   Vec3 v, w;            // m/s, rad/s
   Vec3 v_free, w_free;  // after this sub-step's load, before its impulses
   Vec3 moved, turned;   // since the start, m, rad
+  Vec3 surface_turned;  // the same of its surface: see surfaceSpin()
   Mat3 inv_inertia_W;
   Vec3 turned_axes_at;  // `turned` for which inv_inertia_W holds
   double inv_mass;
   bool turned_axes;  // inv_inertia_W has changed in this sub-step
   bool still;        // nothing moves it: neither impulses nor a motion of its own
-  bool round;        // its surface does not turn with it: a sphere
   Index body;
 };
+
+/// The spin of a body as far as it turns its surface: a body of revolution may turn about its axis, and a sphere about
+/// any, and it stays where it was.
+Vec3 surfaceSpin(const Bodies& bodies, Index i, const Vec3& w_WB);
 
 /// A point where two bodies touch or may touch, with its impulses.
 struct SolverPoint {
@@ -52,11 +56,12 @@ struct SolverBlock {
   Vec3 n, t1, t2;
   PairConstants pair;
   bool rough;                                 // its friction is solved for
+  bool on_arc;                                // one of the two is led, and turns
   double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
   double drift_limit;                         // how far the pair may move until its points are found anew, m
-  Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies when they were found
+  Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
 };
 
 class SolverContacts {
@@ -79,6 +84,8 @@ class SolverContacts {
   void find(double now, double left, double h);
   /// The blocks that have drifted from where their points were found.
   const std::vector<Index>& drifted();
+  /// Moves the points of a block on a led body that turns to where they are at time `now`, when a sub-step begins.
+  void followArc(Index block, double now);
   /// Finds the points of a block anew.
   void refresh(Index block, double now, double left);
   /// Velocity of j against i at a point, m/s.
@@ -111,7 +118,7 @@ class SolverContacts {
   LastNormal lastNormal(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
-  void followArc(const SolverBlock& block, double left, std::vector<SolverPoint>& of) const;
+  void followArc(const SolverBlock& block, double now, std::vector<SolverPoint>& of) const;
   void warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const;
   void warmFrom(const SolverBlock& block, const SolverBlock& old_block, SolverPoint& point) const;
   bool hasDrifted(const SolverBlock& block) const;
