@@ -100,6 +100,8 @@ double defaultDragCoefficient(const Shape& shape);
 /// The air of a scene. It is at rest unless there is wind. Where there is air, drag is simulated.
 struct Air {
   double density = 1.2;  ///< kg/m³, Limits::min_density to Limits::max_density
+
+  friend bool operator==(const Air& a, const Air& b) { return a.density == b.density; }
 };
 
 /// The velocity of the air. Needs Air.
@@ -108,6 +110,10 @@ struct Wind {
   /// Standard deviation of the seeded fluctuation of each horizontal component, m/s, 0 to Limits::max_wind;
   /// 0 is steady.
   double gust = 0.0;
+
+  friend bool operator==(const Wind& a, const Wind& b) {
+    return a.velocity == b.velocity && a.gust == b.gust;
+  }
 };
 
 /// Still water, or any other fluid, that fills all space below a level. It acts on bodies by buoyancy and
@@ -115,6 +121,10 @@ struct Wind {
 struct Fluid {
   double density = 1000.0;  ///< kg/m³, Limits::min_density to Limits::max_density
   double level = 0.0;       ///< z of its surface in W, m
+
+  friend bool operator==(const Fluid& a, const Fluid& b) {
+    return a.density == b.density && a.level == b.level;
+  }
 };
 
 /// The quality level of the solver, from fast to exact.

@@ -130,6 +130,10 @@ struct SavedState {
 /// takes a handle throws InvalidInput for a handle of no body of this world. Every edit throws InvalidInput
 /// for a number out of range.
 ///
+/// An edit to what is already so changes nothing: it wakes nothing, does not count in edits() and gives no
+/// Command. That goes for a body edited to be as it is, for the surroundings and effects, for no bodies added,
+/// and for an empty world cleared.
+///
 /// Sleep: an edit wakes all sleeping bodies, unless its description says otherwise. Reading wakes nothing.
 ///
 /// Cost: n is the number of bodies. A handle is found by binary search. An edit that wakes sleeping bodies,

@@ -237,6 +237,101 @@ TEST(Undo, DoesNotCountWhatChangesNothing) {
   }
 }
 
+// Each setter with what is so already, and then with something else.
+TEST(Undo, DoesNotCountAnEditToWhatIsSoAlready) {
+  SceneDef scene = twoBoxes();
+  scene.bodies[1].twist.w_WB = {0.0, 0.0, 0.1};
+  scene.air = Air{};
+  scene.wind = Wind{{3.0, 0.0, 0.0}, 1.0};
+  scene.fluid = Fluid{};
+  scene.effects[Effect::Sleeping] = false;
+  Simulator simulator(scene, paused());
+  simulator.step(5);
+  const BodyDescription body = (*simulator.snapshot()->bodies)[2];
+  const BodyState state = simulator.snapshot()->states[2];
+  BodyEdit same;
+  same.name = body.name;
+  same.shape = body.shape;
+  same.mass = body.mass;
+  same.kind = body.kind;
+  same.pose = state.pose;
+  same.twist = state.twist;
+  same.friction = body.material.friction;
+  same.color = body.color;
+  same.group = body.group;
+  same.mask = body.mask;
+  BodyEdit name = same, shape = same, mass = same, kind = same, pose = same, twist = same, friction = same,
+           color = same, group = same;
+  name.name = "other";
+  shape.shape = Box{{0.5, 0.5, 0.6}};
+  mass.mass = 2.0 * body.mass;
+  kind.kind = BodyKind::Static;
+  kind.twist.reset();
+  pose.pose->p_WB.x() += 1e-12;
+  twist.twist->w_WB.y() += 1e-12;
+  friction.friction = 0.1;
+  color.color = Color{0.1f, 0.2f, 0.3f, 1.0f};
+  group.group = 2;
+  using Change = std::function<void(World&)>;
+  const auto editsTo = [&](const BodyEdit& edit) -> Change {
+    return [&, edit](World& world) { world.editBody(world.find(body.name), edit); };
+  };
+  struct Case {
+    const char* what;
+    Change same;
+    std::vector<Change> others;
+  };
+  const auto hashed = [&] { return hashOf(simulator); };
+  for (const Case& c :
+       {Case{"gravity", [&](World& w) { w.setGravity(scene.gravity); }, {[](World& w) {
+               w.setGravity({0.0, 0.0, -9.82});
+             }}},
+        Case{"air",
+             [&](World& w) { w.setAir(Air{}); },
+             {[](World& w) { w.setAir(Air{1.3}); }, [](World& w) { w.setAir(std::nullopt); }}},
+        Case{"wind",
+             [&](World& w) { w.setWind(scene.wind); },
+             {[](World& w) {
+                w.setWind(Wind{{3.0, 0.0, 0.0}, 0.9});
+              },
+              [](World& w) {
+                w.setWind(Wind{{3.0, 0.1, 0.0}, 1.0});
+              },
+              [](World& w) { w.setWind(std::nullopt); }}},
+        Case{"fluid",
+             [&](World& w) { w.setFluid(scene.fluid); },
+             {[](World& w) {
+                w.setFluid(Fluid{1000.0, 0.1});
+              },
+              [](World& w) {
+                w.setFluid(Fluid{900.0, 0.0});
+              }}},
+        Case{"effects", [&](World& w) { w.setEffects(scene.effects); }, {[](World& w) { w.setEffects({}); }}},
+        Case{"no bodies", [](World& w) { w.addBodies({}); }, {}},
+        Case{"body",
+             editsTo(same),
+             {editsTo(name), editsTo(shape), editsTo(mass), editsTo(kind), editsTo(pose), editsTo(twist),
+              editsTo(friction), editsTo(color), editsTo(group)}}}) {
+    SCOPED_TRACE(c.what);
+    const std::uint64_t before = hashed(), edits = simulator.snapshot()->edits;
+    simulator.apply([&](World& world) { return c.same(world), "the same"; });
+    EXPECT_EQ(hashed(), before);
+    EXPECT_EQ(simulator.snapshot()->edits, edits);
+    EXPECT_EQ(simulator.snapshot()->undo, "");
+    EXPECT_FALSE(simulator.snapshot()->unsaved);
+    for (std::size_t k = 0; k < c.others.size(); ++k) {
+      simulator.apply([&](World& world) { return c.others[k](world), "another"; });
+      EXPECT_EQ(simulator.snapshot()->undo, "another") << k;
+      simulator.undo();
+      EXPECT_EQ(hashed(), before);
+    }
+  }
+  simulator.load(SceneDef{});
+  simulator.forgetEdits();
+  simulator.apply([](World& world) { return world.clear(), "cleared"; });
+  EXPECT_EQ(simulator.snapshot()->undo, "");
+}
+
 TEST(Undo, AnEditOfSeveralBodiesIsMadeAsAWholeOrNotAtAll) {
   Simulator simulator(twoBoxes(), paused());
   simulator.step(3);
@@ -271,14 +366,20 @@ void setGravity(Simulator& simulator, double gravity) {
 
 TEST(Undo, ForgetsTheOldestEdits) {
   Simulator simulator(twoBoxes(), paused());
-  for (int k = 0; k < 1002; ++k) setGravity(simulator, -0.001 * k);
+  for (int k = 1; k <= 1001; ++k) setGravity(simulator, -0.001 * k);
   EXPECT_EQ(undoAll(simulator), 1000);
+  try {
+    simulator.undo();
+    FAIL() << "the first edit is forgotten";
+  } catch (const InvalidInput& refusal) {
+    EXPECT_THAT(refusal.what(), HasSubstr("edits forgotten: 1"));
+  }
 
   SceneDef many;
   for (int k = 0; k < 1000; ++k)
     many.bodies.push_back(ball("ball_" + std::to_string(k), 0.1, {1.0 * k, 0.0, 0.0}));
   simulator.load(many);
-  for (int k = 0; k < 150; ++k) setGravity(simulator, -0.001 * k);
+  for (int k = 1; k <= 150; ++k) setGravity(simulator, -0.001 * k);
   EXPECT_EQ(undoAll(simulator), 100) << "of 100,000 bodies in all worlds";
 }
 

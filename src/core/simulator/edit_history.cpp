@@ -13,6 +13,7 @@ void EditHistory::add(Entry before) {
     bodies += entry->world.bodies()->size();
     if (kept > 0 && bodies > kMostBodies) break;
   }
+  forgotten_ += done_.size() - kept;
   done_.erase(done_.begin(), done_.end() - static_cast<std::ptrdiff_t>(kept));
 }
 

@@ -39,6 +39,8 @@ class EditHistory {
   /// The next edit to undo or to redo; null: none.
   const Entry* undoable() const { return done_.empty() ? nullptr : &done_.back(); }
   const Entry* redoable() const { return undone_.empty() ? nullptr : &undone_.back(); }
+  /// How many edits could be undone but for these limits.
+  std::uint64_t forgotten() const { return forgotten_; }
   /// Takes the world before the next edit to undo, and keeps the present one for redo; or the other way
   /// round. There must be such an edit. `Entry::what` of the present one does not matter.
   Entry undo(Entry now) { return exchange(done_, undone_, std::move(now)); }
@@ -50,6 +52,7 @@ class EditHistory {
   static Entry exchange(std::deque<Entry>& from, std::deque<Entry>& to, Entry now);
 
   std::deque<Entry> done_, undone_;  // the newest last
+  std::uint64_t forgotten_ = 0;
 };
 
 }  // namespace rbs

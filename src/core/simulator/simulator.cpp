@@ -40,6 +40,15 @@ struct StepRequest {
   void end(const std::string& by) { done.set_value({taken, by}); }
 };
 
+InvalidInput nothingToUndo(std::uint64_t forgotten) {
+  if (forgotten == 0) return InvalidInput({{"undo", "nothing to undo", "an edit first"}});
+  return InvalidInput(
+      {{"undo", "nothing to undo",
+        "an edit among the last 1,000, or fewer where their worlds have more than 100,000 bodies "
+        "together; edits forgotten: " +
+            std::to_string(forgotten)}});
+}
+
 }  // namespace
 
 struct Simulator::Impl {
@@ -165,9 +174,8 @@ struct Simulator::Impl {
   // held a body then holds it no longer.
   std::string goBack(bool undoes) {
     const EditHistory::Entry* const next = undoes ? history.undoable() : history.redoable();
-    if (!next)
-      throw InvalidInput({{undoes ? "undo" : "redo", "nothing to " + std::string(undoes ? "undo" : "redo"),
-                           undoes ? "an edit first" : "an undo first, and no edit since"}});
+    if (!next && undoes) throw nothingToUndo(history.forgotten());
+    if (!next) throw InvalidInput({{"redo", "nothing to redo", "an undo first, and no edit since"}});
     const Setting setting = world.scene().fidelity;
     const std::optional<Goal> goal = world.scene().goal;
     const std::shared_ptr<const Origin> from = std::atomic_load(&origin);

@@ -100,6 +100,12 @@ void addSettings(Hash& hash, const SceneDef& settings) {
 
 }  // namespace
 
+std::uint64_t bodyHash(const Bodies& bodies, Index i) {
+  Hash hash;
+  addBody(hash, bodies, i);
+  return hash.value();
+}
+
 std::uint64_t stateHash(const SceneStore& scene) {
   Hash hash;
   addSettings(hash, scene.settings);

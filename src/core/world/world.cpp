@@ -7,6 +7,7 @@
 #include "rigid_body_sim/quote.h"
 #include "state/invariants.h"
 #include "world/saved_state.h"
+#include "world/state_hash.h"
 
 #include <algorithm>
 #include <cassert>
@@ -77,6 +78,7 @@ BodyId World::addBody(const BodyDef& body) {
 }
 
 std::vector<BodyId> World::addBodies(const std::vector<BodyDef>& bodies) {
+  if (bodies.empty()) return {};
   std::vector<Problem> problems;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
     const std::string path = bodies.size() == 1 ? "body" : "bodies[" + std::to_string(k) + "]";
@@ -113,6 +115,7 @@ void World::removeBody(BodyId id) {
 
 void World::clear() {
   SceneStore& scene = impl_->scene;
+  const bool was_empty = scene.bodies.size() == 0;
   scene.bodies.clear();
   scene.wrenches.clear();
   scene.grabs.clear();
@@ -121,9 +124,25 @@ void World::clear() {
   const unsigned threads = this->threads();
   impl_->step = {};
   setThreads(threads);
+  if (was_empty) return;
   impl_->edited(true);
   impl_->record([] { return commands::Clear{}; });
 }
+
+namespace {
+
+Bodies bodyOf(BodyId id, const BodyDef& def) {
+  Bodies one;
+  one.append(id, def);
+  return one;
+}
+
+bool isSameBody(const Bodies& a, const Bodies& b) {
+  return bodyHash(a, 0) == bodyHash(b, 0) && a.traits[0].density == b.traits[0].density &&
+         a.color[0] == b.color[0];
+}
+
+}  // namespace
 
 void World::editBody(BodyId id, const BodyEdit& edit) {
   const Index i = impl_->require(id);
@@ -131,6 +150,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   const std::string name = bodies.name[i];
   BodyDef def = bodies.define(i, impl_->scene.time);
   def.kind = bodies.traits[i].kind;  // also of a frozen body
+  const Bodies same = bodyOf(id, def);
   if (edit.mass && edit.density) throw InvalidInput({{"body", "mass and density", "at most one of them"}});
   if (edit.name) def.name = *edit.name;
   if (edit.shape) def.shape = *edit.shape;
@@ -162,17 +182,18 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   }
   throwIfAny(problems);
 
-  Bodies fresh;
-  fresh.append(id, def);
+  const Bodies fresh = bodyOf(id, def);
+  const Traits old = bodies.traits[i];
+  const bool thaws = old.frozen && (edit.kind || edit.pose);
+  if (!thaws && isSameBody(fresh, same)) return;
   bodies.pose[i] = fresh.pose[0];
   bodies.since[i] = impl_->scene.time;
   bodies.twist[i] = fresh.twist[0];
   if (edit.name) bodies.rename(i, *edit.name);
   bodies.color[i] = fresh.color[0];
-  const Traits old = bodies.traits[i];
   bodies.traits[i] = fresh.traits[0];
   bodies.traits[i].held = old.held;
-  bodies.traits[i].frozen = old.frozen && !edit.kind && !edit.pose;
+  bodies.traits[i].frozen = old.frozen && !thaws;
   bodies.refresh(i);
   // The forces of the last step were those of the body as it was: 1000 N would shoot a feather away.
   if (edit.pose || edit.shape || bodies.traits[i].mass != old.mass) impl_->scene.contacts.forget(id);
@@ -216,39 +237,30 @@ Vec3 World::freePlace(const Shape& shape, const Quat& q_WB, double clearance) co
 
 // --- surroundings
 
-namespace {
-
 // Puts changed settings to the same test as a scene.
-SceneDef checked(SceneDef settings) {
+template <class Part, class Make>
+void World::Impl::change(Part SceneDef::*part, const Part& value, const Make& command) {
+  SceneDef settings = scene.settings;
+  settings.*part = value;
   throwIfAny(validate(settings));
-  return settings;
+  if (value == scene.settings.*part) return;
+  scene.settings = std::move(settings);
+  edited(false);
+  record(command);
 }
-
-}  // namespace
 
 void World::setGravity(const Vec3& gravity_W) {
-  SceneDef settings = impl_->scene.settings;
-  settings.gravity = gravity_W;
-  impl_->scene.settings = checked(std::move(settings));
-  impl_->edited(false);
-  impl_->record([&] { return commands::SetGravity{gravity_W}; });
+  impl_->change(&SceneDef::gravity, gravity_W, [&] { return commands::SetGravity{gravity_W}; });
 }
 
+// There is no wind without air.
 void World::setAir(const std::optional<Air>& air) {
-  SceneDef settings = impl_->scene.settings;
-  settings.air = air;
-  if (!air) settings.wind.reset();
-  impl_->scene.settings = checked(std::move(settings));
-  impl_->edited(false);
-  impl_->record([&] { return commands::SetAir{air}; });
+  if (!air) impl_->scene.settings.wind.reset();
+  impl_->change(&SceneDef::air, air, [&] { return commands::SetAir{air}; });
 }
 
 void World::setWind(const std::optional<Wind>& wind) {
-  SceneDef settings = impl_->scene.settings;
-  settings.wind = wind;
-  impl_->scene.settings = checked(std::move(settings));
-  impl_->edited(false);
-  impl_->record([&] { return commands::SetWind{wind}; });
+  impl_->change(&SceneDef::wind, wind, [&] { return commands::SetWind{wind}; });
 }
 
 void World::setFidelity(const Setting& setting) {
@@ -265,17 +277,11 @@ void World::setGoal(const std::optional<Goal>& goal) {
 }
 
 void World::setFluid(const std::optional<Fluid>& fluid) {
-  SceneDef settings = impl_->scene.settings;
-  settings.fluid = fluid;
-  impl_->scene.settings = checked(std::move(settings));
-  impl_->edited(false);
-  impl_->record([&] { return commands::SetFluid{fluid}; });
+  impl_->change(&SceneDef::fluid, fluid, [&] { return commands::SetFluid{fluid}; });
 }
 
 void World::setEffects(const EffectOverrides& effects) {
-  impl_->scene.settings.effects = effects;
-  impl_->edited(false);
-  impl_->record([&] { return commands::SetEffects{effects}; });
+  impl_->change(&SceneDef::effects, effects, [&] { return commands::SetEffects{effects}; });
 }
 
 // --- journal

@@ -83,6 +83,9 @@ struct World::Impl {
   TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                        double seconds) const;
   void release(Index i);
+  // Sets a part of the settings, as an edit. Throws InvalidInput.
+  template <class Part, class Make>
+  void change(Part SceneDef::*part, const Part& value, const Make& command);
   void advance(double to);
   std::string freeName(const Shape& shape, const std::unordered_set<std::string>& taken);
   void nameBodies(std::vector<BodyDef>& bodies);
