@@ -11,6 +11,20 @@ namespace {
 
 constexpr double kNoticedLag = 0.1;  // s
 
+// What a reader of the plot has to know.
+QString noteOn(const rigid_body_sim::AccuracyStudy& study) {
+  const bool has_errors = study.windows + study.dropped > 0;
+  if (!study.done) return {};
+  if (!has_errors)
+    return "Measure charts the error of each choice of solver settings against its CPU time, for the scene "
+           "as it is.";
+  if (!study.stale.empty())
+    return QString("Measured on '%1', but %2 since: measure again.")
+        .arg(QString::fromStdString(study.scene), QString::fromStdString(study.stale));
+  const QString what = "A click on a point takes its settings. \"Live\" is the simulation as it runs now.";
+  return study.complete ? what : QString("Ended early: %1 windows are measured. ").arg(study.windows) + what;
+}
+
 }  // namespace
 
 AccuracyView::AccuracyView(SimulatorClient& simulator)
@@ -20,7 +34,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
       error_(new QCheckBox("Error")),
       reference_run_(new QCheckBox("Reference")),
       text_(new QLabel),
-      stale_(new QLabel),
+      note_(new QLabel),
       plot_(new AccuracyPlot) {
   preset_->addItems({"preview", "interactive", "accurate", "reference"});
   guardFromWheel(*preset_);
@@ -34,8 +48,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
   text_->setWordWrap(true);
   text_->setSizePolicy(QSizePolicy::Preferred, QSizePolicy::Maximum);
   text_->hide();
-  stale_->setWordWrap(true);
-  stale_->hide();
+  note_->setWordWrap(true);
   plot_->hide();
 
   auto* row = new QHBoxLayout;
@@ -50,7 +63,7 @@ AccuracyView::AccuracyView(SimulatorClient& simulator)
   rows->addLayout(row);
   rows->addWidget(text_);
   rows->addWidget(plot_, 1);
-  rows->addWidget(stale_);
+  rows->addWidget(note_);
   rows->addStretch(0);  // where there is no plot
 
   connect(preset_, qOverload<int>(&QComboBox::activated), this,
@@ -83,9 +96,7 @@ void AccuracyView::show(const rigid_body_sim::Status& status) {
 void AccuracyView::showStudy(const rigid_body_sim::AccuracyStudy& study) {
   measure_->setText(study.done ? "Measure" : QString("%1 %").arg(int(100.0 * study.progress)));
   plot_->show(study);
-  stale_->setText(QString("Measured on '%1', but %2 since: measure again")
-                      .arg(QString::fromStdString(study.scene), QString::fromStdString(study.stale)));
-  stale_->setVisible(!study.stale.empty());
+  note_->setText(noteOn(study));
 }
 
 }  // namespace rbs

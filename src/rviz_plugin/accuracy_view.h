@@ -29,7 +29,7 @@ class AccuracyView : public QWidget {
   QPushButton* measure_;
   QCheckBox *error_, *reference_run_;
   QLabel* text_;
-  QLabel* stale_;  ///< why the chart does not hold any more
+  QLabel* note_;  ///< on the chart
   AccuracyPlot* plot_;
 };
 

@@ -454,7 +454,7 @@ void BodiesDisplay::leaveOutHidden() {
 }
 
 std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const {
-  std::vector<std::string> names;
+  std::vector<std::string> names, see_through;
   const Ogre::Camera& camera = *viewport.getCamera();
   const Ogre::Matrix4 to_eye = camera.getViewMatrix();
   const Ogre::Matrix4 to_view = camera.getProjectionMatrix();
@@ -467,9 +467,11 @@ std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre:
     const Ogre::Vector3 at = to_view * seen;
     const QPoint pixel(static_cast<int>(0.5f * (1.0f + at.x) * width),
                        static_cast<int>(0.5f * (1.0f - at.y) * height));
-    if (pixels.contains(pixel)) names.push_back(drawn_->bodies[k].name);
+    if (!pixels.contains(pixel)) continue;
+    const CatalogBody& body = drawn_->bodies[k];
+    (body.is_static && body.color.a < 1.0f ? see_through : names).push_back(body.name);
   }
-  return names;
+  return names.empty() ? see_through : names;
 }
 
 }  // namespace rbs

@@ -60,7 +60,7 @@ class BodiesDisplay : public rviz::Display {
   /// Does not draw the bodies of these names.
   void setHidden(const std::set<std::string>& names);
   /// The names of the bodies, other than planes, whose centres are drawn inside a rectangle of pixels of a
-  /// viewport, hidden or not.
+  /// viewport, hidden or not. See-through static bodies, as walls are, only where there are no others.
   std::vector<std::string> namesIn(const QRect& pixels, const Ogre::Viewport& viewport) const;
 
  protected:

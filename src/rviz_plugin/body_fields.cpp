@@ -181,7 +181,7 @@ std::optional<double> fromText(const BodyField& field, const QString& text) {
     const std::uint32_t bits = text.trimmed().toUInt(&is_number, 0);
     return is_number ? std::optional<double>(bits) : std::nullopt;
   }
-  const double value = QLocale::c().toDouble(text.trimmed(), &is_number);
+  const double value = QLocale::c().toDouble(text.trimmed().replace(',', '.'), &is_number);
   return is_number && std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
 }
 

@@ -17,8 +17,8 @@ DuplicateDialog::DuplicateDialog(int bodies, QWidget* parent) : QDialog(parent),
   auto* const form = new QFormLayout(this);
   form->addRow(bodies == 1 ? QString("Copies") : QString("Copies of each of %1 bodies").arg(bodies), count_);
   auto* const parts = new QHBoxLayout;
-  for (QDoubleSpinBox*& part : offset_) {
-    part = new QDoubleSpinBox;
+  for (NumberBox*& part : offset_) {
+    part = new NumberBox;
     part->setRange(-kFarthest, kFarthest);
     part->setDecimals(3);
     part->setSingleStep(0.1);

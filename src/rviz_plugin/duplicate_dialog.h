@@ -2,10 +2,11 @@
 // DuplicateDialog: asks how many copies of the selected bodies are wanted, and how far apart.
 #pragma once
 
+#include "number_box.h"
+
 #include <geometry_msgs/Vector3.h>
 
 #include <QDialog>
-#include <QDoubleSpinBox>
 #include <QSpinBox>
 
 #include <array>
@@ -23,7 +24,7 @@ class DuplicateDialog : public QDialog {
 
  private:
   QSpinBox* count_;
-  std::array<QDoubleSpinBox*, 3> offset_;
+  std::array<NumberBox*, 3> offset_;
 };
 
 }  // namespace rbs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "effects_view.h"
 
+#include "rigid_body_sim/effect.h"
 #include "wheel_guard.h"
 
 #include <QAbstractItemView>
@@ -8,6 +9,7 @@
 #include <QSignalBlocker>
 
 #include <algorithm>
+#include <iterator>
 
 namespace rbs {
 namespace {
@@ -29,7 +31,9 @@ constexpr SwitchedEffect kSwitched[] = {
     {"rolling", "contacts.rolling", "Rolling and torsional resistance"},
     {"restitution", "contacts.restitution", "Rebound"},
     {"gyroscopic", "rotation.gyroscopic", "The spin axis of an uneven body wanders"},
-    {"rotation", "rotation.integrate", "Bodies rotate"}};
+    {"rotation", "rotation.integrate", "Bodies rotate"},
+    {"sleeping", "sleep.update", "What has been at rest for 0.5 s is left out of the step"}};
+static_assert(std::size(kSwitched) == kEffects.size());
 
 }  // namespace
 

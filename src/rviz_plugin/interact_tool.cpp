@@ -14,7 +14,6 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include <QApplication>
-#include <QKeyEvent>
 
 namespace rbs {
 
@@ -49,12 +48,6 @@ int InteractTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
   if (missed_ && event.left()) context_->setStatus(nothing_there_);
   if (missed_ && event.leftUp()) finishMiss(QPoint(event.x, event.y));
   return flags;
-}
-
-int InteractTool::processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) {
-  if (event->key() != Qt::Key_Delete) return rviz::InteractionTool::processKeyEvent(event, panel);
-  SimulationPanel::deleteSelection(context_->getWindowManager()->getParentWindow());
-  return Render;
 }
 
 // Where the view shows something else, such as a click target of an interactive marker, the simulator says which

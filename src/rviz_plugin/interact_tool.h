@@ -27,7 +27,6 @@ class InteractTool : public rviz::InteractionTool {
   void deactivate() override;
   void update(float wall_dt, float ros_dt) override;
   int processMouseEvent(rviz::ViewportMouseEvent& event) override;
-  int processKeyEvent(QKeyEvent* event, rviz::RenderPanel* panel) override;
 
  private:
   /// Adds the body under the mouse to the selection, or takes it away.

@@ -4,6 +4,7 @@
 #include "scene_list.h"
 #include "wheel_guard.h"
 
+#include <QDir>
 #include <QFileDialog>
 #include <QFileInfo>
 #include <QHBoxLayout>
@@ -99,8 +100,9 @@ void SceneBar::fillMenu() {
 }
 
 void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&)) {
-  auto* const dialog =
-      new QFileDialog(this, title, QFileInfo(recent_.value(0).remove(kState)).path(), "Scenes (*.yaml)");
+  const QString folder =
+      recent_.isEmpty() ? QDir::homePath() : QFileInfo(QString(recent_[0]).remove(kState)).path();
+  auto* const dialog = new QFileDialog(this, title, folder, "Scenes (*.yaml)");
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
   dialog->setFileMode(QFileDialog::AnyFile);

@@ -13,6 +13,7 @@
 #include <QVBoxLayout>
 
 #include <rviz/panel_dock_widget.h>
+#include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
 #include <rviz/visualization_manager.h>
 #include <rviz/window_manager_interface.h>
@@ -126,11 +127,21 @@ void SimulationPanel::addKeys() {
   addKey(Qt::Key_1, [this] { simulator_.toggleWind(); });
   addKey(Qt::CTRL | Qt::Key_Z, [this] { simulator_.undo(); });
   addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, [this] { simulator_.redo(); });
+  addKey(
+      Qt::Key_Delete, [this] { deleteSelection(window_); }, vis_manager_->getRenderPanel());
+  qApp->installEventFilter(this);
 }
 
-void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void()>& act) {
-  auto* const key = new QShortcut(keys, window_);
-  key->setContext(Qt::ApplicationShortcut);
+// What is typed into an open list or menu is meant for it.
+bool SimulationPanel::eventFilter(QObject*, QEvent* event) {
+  const bool is_for_popup = event->type() == QEvent::ShortcutOverride && QApplication::activePopupWidget();
+  if (is_for_popup) event->accept();
+  return is_for_popup;
+}
+
+void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void()>& act, QWidget* focus) {
+  auto* const key = new QShortcut(keys, focus ? focus : window_.data());
+  key->setContext(focus ? Qt::WidgetShortcut : Qt::ApplicationShortcut);
   key->setAutoRepeat(false);
   connect(key, &QShortcut::activated, this, act);
   keys_.append(key);

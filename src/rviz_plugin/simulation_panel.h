@@ -40,6 +40,7 @@ class SimulationPanel : public rviz::Panel {
   void onInitialize() override;
   void load(const rviz::Config& config) override;
   void save(rviz::Config config) const override;
+  bool eventFilter(QObject* object, QEvent* event) override;
 
   /// The resolved names of the nodes that the panels of a window follow.
   static std::vector<std::string> nodes(QWidget* window);
@@ -71,7 +72,8 @@ class SimulationPanel : public rviz::Panel {
   void takeKeys();
   void setKeys(bool has_keys);
   void addKeys();
-  void addKey(const QKeySequence& keys, const std::function<void()>& act);
+  /// A key of the window, or of the widget that has the focus.
+  void addKey(const QKeySequence& keys, const std::function<void()>& act, QWidget* focus = nullptr);
   bool hasKeys() const { return !keys_.isEmpty() && keys_.front() && keys_.front()->isEnabled(); }
   void showUnsaved(bool is_unsaved);
   QList<SimulationPanel*> panels() const;

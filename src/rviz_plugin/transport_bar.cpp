@@ -28,8 +28,8 @@ QSpinBox* makeSteps() {
   return box;
 }
 
-QDoubleSpinBox* makeSpeed() {
-  auto* box = new QDoubleSpinBox;
+NumberBox* makeSpeed() {
+  auto* box = new NumberBox;
   box->setRange(0.0, 100.0);
   box->setSingleStep(0.1);
   box->setValue(1.0);

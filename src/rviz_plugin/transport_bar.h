@@ -4,10 +4,10 @@
 
 #include "bag_recorder.h"
 #include "elided_text.h"
+#include "number_box.h"
 #include "seek_bar.h"
 #include "simulator_client.h"
 
-#include <QDoubleSpinBox>
 #include <QHBoxLayout>
 #include <QSlider>
 #include <QSpinBox>
@@ -55,7 +55,7 @@ class TransportBar : public QWidget {
   QToolButton* step_;
   QSpinBox* steps_;
   QSlider* slider_;  ///< logarithm of the requested speed
-  QDoubleSpinBox* speed_;
+  NumberBox* speed_;
   QToolButton *undo_, *redo_;
   QToolButton* reset_;
   QToolButton* record_;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kFastest = 1e4, kDegree = M_PI / 180.0;  // m/s
 
-QDoubleSpinBox* makeBox(double least, double most, const QString& unit, const QString& tip) {
-  auto* const box = new QDoubleSpinBox;
+NumberBox* makeBox(double least, double most, const QString& unit, const QString& tip) {
+  auto* const box = new NumberBox;
   box->setRange(least, most);
   box->setDecimals(2);
   box->setSuffix(unit);
@@ -33,7 +33,7 @@ double degreesOf(int dial) {
   return (630 - dial) % 360;
 }
 
-void showUnlessEdited(QDoubleSpinBox& box, double value) {
+void showUnlessEdited(NumberBox& box, double value) {
   if (box.hasFocus()) return;
   const QSignalBlocker quiet(box);
   box.setValue(value);
@@ -76,7 +76,7 @@ WindView::WindView(SimulatorClient& simulator)
   grid->setRowStretch(5, 1);
   grid->setColumnStretch(0, 1);
 
-  for (QDoubleSpinBox* const box : {direction_, speed_, vertical_, gust_})
+  for (NumberBox* const box : {direction_, speed_, vertical_, gust_})
     connect(box, qOverload<double>(&QDoubleSpinBox::valueChanged), this, &WindView::send);
   connect(compass_, &QDial::valueChanged, this, [this](int dial) { direction_->setValue(degreesOf(dial)); });
   connect(&simulator_, &SimulatorClient::windReceived, this, &WindView::show);

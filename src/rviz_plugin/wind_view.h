@@ -2,10 +2,10 @@
 // WindView: the wind as a direction, a speed and gusts.
 #pragma once
 
+#include "number_box.h"
 #include "simulator_client.h"
 
 #include <QDial>
-#include <QDoubleSpinBox>
 #include <QLabel>
 #include <QWidget>
 
@@ -24,7 +24,7 @@ class WindView : public QWidget {
 
   SimulatorClient& simulator_;
   QDial* compass_;
-  QDoubleSpinBox *direction_, *speed_, *vertical_, *gust_;
+  NumberBox *direction_, *speed_, *vertical_, *gust_;
   QLabel* now_;
 };
 

@@ -214,6 +214,12 @@ class GuiTest(unittest.TestCase):
         wait_for('left', 'right')
         self.rviz.click(right, 'ctrl')
         wait_for('left')
+        self.rviz.key('Delete')
+        wait_until(lambda: 'left' not in call('list_bodies', ListBodies).names, 'the left box is deleted')
+        call('undo', Trigger)
+        self.rviz.wait_for_rest()
+        self.rviz.click(left)
+        wait_for('left')
         self.rviz.key('i')
         self.rviz.click(middle, 'ctrl')
         wait_for('left', 'middle')
@@ -288,6 +294,16 @@ class GuiTest(unittest.TestCase):
         wait_until(lambda: 'right' not in call('list_bodies', ListBodies).names, 'the selected body is deleted')
         self.assertIn('left', call('list_bodies', ListBodies).names)
         self.wait_for_selection('')
+
+    def test_keys_in_an_open_list_are_meant_for_the_list(self):
+        self.addCleanup(call, 'reset', Trigger)
+        step = wait_until(lambda: self.rviz.find_color(STEP_BLUE), 'the step button')
+        self.rviz.click((step[0], step[1] + 60))  # the list of scenes
+        self.screen.xdotool('sleep', 0.5, 'key', '1', 'sleep', 0.5, 'key', 'Escape', 'sleep', 0.5)
+        self.rviz.key('1')
+        self.wait_for_status(lambda s: s.wind, 'the wind is on')
+        call('undo', Trigger)
+        self.wait_for_status(lambda s: 'wind' not in s.undo and not s.wind, 'it was switched once')
 
     def delete_right(self):
         self.rviz.click(self.rviz.pixel_of(position('right')))

@@ -85,6 +85,8 @@ TEST_F(SimulationPanelTest, SetsTheWindByDirectionSpeedAndGusts) {
   EXPECT_TRUE(waitFor([this] { return wind_.mean.z == -2.0; }));
   enter(*boxes[3], "1.5");
   EXPECT_TRUE(waitFor([this] { return wind_.gust == 1.5; }));
+  enter(*boxes[3], "2,5");
+  EXPECT_TRUE(waitFor([this] { return wind_.gust == 2.5; })) << "a decimal comma: " << wind_.gust;
   child<QDial>(view).setValue(0);  // down: to -y
   EXPECT_TRUE(waitFor([this] { return std::abs(wind_.mean.y + 8.0) < 1e-9; }));
   EXPECT_TRUE(waitFor([&] { return boxes[0]->value() == 270.0; }));
@@ -127,6 +129,10 @@ TEST_F(SimulationPanelTest, SwitchesEffectsAndTellsWhatThatNeglects) {
   choose("rolling", "auto");
   ASSERT_TRUE(waitFor([this] { return status_.forced_off.empty() && status_.forced_on.empty(); }));
   EXPECT_TRUE(waitFor([&] { return why(0).contains("9.81"); })) << why(0).toStdString();
+  choose("sleeping", "on");
+  ASSERT_TRUE(waitFor([this] { return status_.forced_on == std::vector<std::string>{"sleeping"}; }));
+  choose("sleeping", "auto");
+  ASSERT_TRUE(waitFor([this] { return status_.forced_on.empty(); }));
 }
 
 TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {

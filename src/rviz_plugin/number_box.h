@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// NumberBox: a spin box whose numbers have a point, whatever the language of the desktop.
+#pragma once
+
+#include <QDoubleSpinBox>
+
+namespace rbs {
+
+/// Shows 1.5 everywhere, and takes 1,5 for it too. QDoubleSpinBox takes a comma for one between thousands, and
+/// reads 15.
+class NumberBox : public QDoubleSpinBox {
+ public:
+  NumberBox();
+
+ protected:
+  QValidator::State validate(QString& text, int& position) const override;
+};
+
+}  // namespace rbs
