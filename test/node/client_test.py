@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The command-line client: what it prints, and its exit codes."""
+import contextlib
+import importlib.util
+import io
 import json
 import os
 import re
@@ -10,6 +13,8 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from importlib.machinery import SourceFileLoader
+from unittest import mock
 
 import rosgraph
 import roslib.packages
@@ -26,6 +31,14 @@ def rbs(*arguments, cwd=None, **environment):
     given = [a if isinstance(a, bytes) else str(a) for a in arguments]
     return subprocess.run([RBS, *given], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60, cwd=cwd,
                           env=dict(os.environ, **environment))
+
+
+def program():
+    """The client as a module."""
+    loader = SourceFileLoader('rbs', roslib.packages.get_pkg_dir('rigid_body_sim') + '/src/tools/rbs')
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader('rbs', loader))
+    loader.exec_module(module)
+    return module
 
 
 class NodeThatHangs:
@@ -165,6 +178,29 @@ class ClientTest(unittest.TestCase):
         answer = json.loads(self.done('--json', 'get', 'crate'))
         self.assertEqual(answer['body']['description']['name'], 'crate')
 
+    def test_general_options_stand_before_a_command_or_after_it(self):
+        node = '--json --node sim_rare --timeout 50'.split()
+        self.assertEqual(self.done(*node, 'list'), self.done('list', *node))
+        self.assertEqual(self.done(*node, 'list'), self.done(*node[:3], 'list', *node[3:]))
+        self.assertEqual(rbs('--node', 'nowhere', 'list', '--timeout', 0.1).returncode, 3)
+
+    def test_numbers_below_zero_are_taken_in_every_notation(self):
+        self.assertIn('(-0.001, -0.5, -50) m/s^2', self.done('gravity', '-1e-3', '-.5', '-5e1'))
+        self.assertIn('(-20, -0.05, -1) m', self.done('move', 'ball', '--at', '-2E1', '-.5e-1', '-1.'))
+        self.done('set', 'ball', '--spin', '-1e-3', '-1e+0', '-0e0', '--velocity', '-1e1', '0', '0')
+        self.done('push', 'ball', '-1e0', '-1e0', '-1e0', '--point', '-1e-3', '0', '0')
+        self.assertEqual(rbs('speed', '-1e0').returncode, 1)
+        self.assertIn('finite', rbs('push', 'ball', '-inf', 0, 0).stderr)
+
+    def test_people_read_six_digits_and_programs_all(self):
+        self.done('set', 'ball', '--mass', 64 / 3)
+        self.assertIn('mass: 21.3333\n', self.done('get', 'ball'))
+        self.assertAlmostEqual(json.loads(self.done('get', 'ball', '--json'))['body']['description']['mass'], 64 / 3, 12)
+
+    def test_lengths_have_a_unit_that_suits_them(self):
+        for metres, text in ((2.0, '2 m'), (0.0031, '3.1 mm'), (2e-6, '2 um'), (3e-9, '3 nm'), (2.8e-14, '2.8e-14 m'), (0.0, '0 m')):
+            self.assertEqual(program().length(metres), text)
+
     def test_a_refusal_is_exit_code_1_and_says_why(self):
         result = rbs('load', 'towr')
         self.assertEqual(result.returncode, 1)
@@ -188,6 +224,8 @@ class ClientTest(unittest.TestCase):
             (1, ['ray', '--from', 0, 0, 'nan', '--along', 0, 0, 1]), (1, ['overlaps', '--at', 0, 0, 0, '--margin', 'nan']),
             (1, ['seek', '--max-error', 'nan']), (1, ['get', 'x' * 100000]), (1, ['spawn', '--name', 'a b']),
             (2, ['--timeout', 'nan', 'list']), (2, ['--timeout', '-1', 'list']), (2, ['get', b'\xff']), (2, []),
+            (2, ['step', 0]), (2, ['duplicate', 'ball', '--count', 0]), (2, ['set', 'ball', '--mass', 0]),
+            (2, ['resize', 'ball', '--factor', 0.0]), (2, ['seek']), (2, ['apply']), (2, ['seek', '--max-error', 0]),
             (2, ['spawn', '--kind', 'flying']), (1, ['set', 'ball']), (1, ['load-state', '/dev/null']),
         ]:
             result = rbs(*arguments)
@@ -206,6 +244,10 @@ class ClientTest(unittest.TestCase):
             self.assertEqual(sorted(os.listdir(folder)), ['scene.yaml', 'state.yaml'])
             there('load', 'scene.yaml')
             there('load', '../%s/scene.yaml' % os.path.basename(folder))
+            there('load', './scene')
+            self.assertNotIn('load_state', rbs('load', './scene', cwd=folder).stdout)
+            for command in (('load', './state'), ('load-with-seed', './state', 3)):
+                self.assertIn('load_state', rbs(*command, cwd=folder).stdout)
             there('load-state', 'state')
             self.assertEqual(rbs('save-scene', 'scene', cwd=folder).returncode, 1)
             there('save-scene', 'scene', '--overwrite')
@@ -223,6 +265,28 @@ class ClientTest(unittest.TestCase):
         self.assertEqual((belt.kind, belt.collision_group, belt.collision_mask), ('dynamic', 1, 0xffffffff))
         self.done('set', 'belt', '--static', 'yes')
         self.assertEqual(body('belt').description.kind, 'static')
+
+    def test_colors_are_given(self):
+        def shown(name):
+            color = body(name).description.color
+            return [round(value, 6) for value in (color.r, color.g, color.b, color.a)]
+
+        self.done('spawn', '--name', 'black', '--color', 0, 0, 0)
+        self.assertEqual(shown('black'), [0, 0, 0, 1])
+        self.done('set', 'black', '--color', 1, 0.5, 0.25)
+        self.assertEqual(shown('black'), [1, 0.5, 0.25, 1])
+        self.done('set', 'black', '--mass', 2)
+        self.assertEqual(shown('black'), [1, 0.5, 0.25, 1])
+        self.assertIn('blue from 0 to 1', rbs('set', 'black', '--color', 0, 0, 2).stderr)
+
+    def test_options_that_contradict_each_other_are_named_together(self):
+        for command, one, other in (('set ball', '--kind dynamic', '--static yes'), ('spawn', '--kind dynamic', '--static'),
+                                    ('seek', '--max-error 1', '--max-step-ms 1'), ('apply', '--max-error 1', '--max-step-ms 1')):
+            for given in ((one, other), (other, one)):
+                result = rbs(*' '.join((command, *given)).split())
+                self.assertEqual(result.returncode, 2, result.stderr)
+                for option in (one, other):
+                    self.assertIn(option.split()[0], result.stderr.splitlines()[-1])
 
     def test_the_help_of_effects_names_them_all(self):
         text = self.done('effects', '--help')
@@ -259,13 +323,15 @@ class ClientTest(unittest.TestCase):
             self.assertNotIn('Traceback', result.stderr)
         node.forget()
 
-    def test_no_simulator_is_exit_code_3_and_says_how_to_start_one(self):
-        result = rbs('--node', 'nowhere', '--timeout', 0.5, 'list')
-        self.assertEqual(result.returncode, 3)
-        self.assertIn('roslaunch', result.stderr)
+    def test_no_simulator_is_exit_code_3_and_says_which_there_are_or_how_to_start_one(self):
+        for command in ('list', 'status'):
+            result = rbs('--node', 'nowhere', '--timeout', 0.5, command)
+            self.assertEqual(result.returncode, 3)
+            self.assertIn('/sim, /sim_rare. Choose one with --node', result.stderr)
         for command in ('list', 'status'):  # and no master either
             result = rbs('--timeout', 0.5, command, ROS_MASTER_URI='http://localhost:1')
             self.assertEqual(result.returncode, 3)
+            self.assertIn('roslaunch', result.stderr)
         for uri in ('nonsense', 'http://', 'http://nowhere.invalid:11311'):
             result = rbs('--timeout', 0.5, 'list', ROS_MASTER_URI=uri)
             self.assertEqual(result.returncode, 3, result.stderr)
@@ -278,6 +344,15 @@ class ClientTest(unittest.TestCase):
     def test_the_help_gives_units(self):
         for command, unit in (('push', 'N s'), ('spawn', 'kg/m3'), ('gravity', 'm/s2')):
             self.assertIn(unit, self.done(command, '--help'))
+
+    def test_the_help_names_the_numbers_of_a_tuple(self):
+        client = program()
+        for command in re.findall(r'^    (\S+)', self.done('--help').split('COMMAND\n')[1], re.MULTILINE):
+            with mock.patch('sys.argv', ['rbs', command, '--help']), contextlib.redirect_stdout(io.StringIO()) as text:
+                self.assertRaises(SystemExit, client.arguments)
+            self.assertNotRegex(text.getvalue(), r'\b(\w+) \1\b', command)
+            if command in ('push', 'gravity', 'set-wind'):
+                self.assertIn(' X Y Z\n', text.getvalue())
 
 
 if __name__ == '__main__':
