@@ -133,6 +133,26 @@ TEST(Governor, TheReasonGoesWithTheGoal) {
   EXPECT_EQ(governor.reason(world), "");
 }
 
+// Every new reason is logged.
+TEST(Governor, AGoalOutOfReachHasOneReasonHoweverOftenItIsMissed) {
+  for (const Goal& goal : {Goal{1e-12, std::nullopt}, Goal{std::nullopt, 1e-9}}) {
+    SceneDef scene = sliding();
+    scene.air = Air{};
+    scene.fidelity = Fidelity::Reference;
+    scene.fidelity.divisions = 8;
+    scene.goal = goal;
+    World world(scene);
+    Governor governor;
+    run(governor, world, 4.0);
+    const std::string reason = governor.reason(world);
+    ASSERT_THAT(reason, HasSubstr("settings, although"));
+    for (int window = 0; window < 8; ++window) {
+      run(governor, world, 0.25);
+      EXPECT_EQ(governor.reason(world), reason);
+    }
+  }
+}
+
 TEST(Governor, AGoalOfErrorComesDownWhereLessWillDo) {
   SceneDef scene = sliding();
   scene.fidelity = Fidelity::Reference;

@@ -72,7 +72,8 @@ struct Governor::Impl {
   std::uint32_t calm = 0;                   // windows since the last trial or turn
   std::uint32_t patience = kFirstPatience;  // windows to be calm before the next trial
   std::optional<ErrorEstimate> estimate;
-  std::string reason;  // of this goal
+  // Of this goal. Every new reason is logged, so that of a goal which is out of reach holds no measurement.
+  std::string reason;
   double step_cpu_seconds = 0.0;
 
   const StepReport& stepWorld(World& world) {
@@ -142,8 +143,8 @@ struct Governor::Impl {
       if (k + 1 < kLadder.size())
         change(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the most accurate settings, with an error of " +
-                 text(1e3 * error) + " mm/s above " + goal;
+        reason = settingName(world.scene().fidelity) +
+                 ": the most accurate settings, although their error exceeds " + goal;
     } else if (++calm >= patience && k > 0) {
       tries_below = true;
     }
@@ -159,8 +160,8 @@ struct Governor::Impl {
       if (k > 0)
         change(world, k - 1, text(ms) + " ms per step are above " + goal);
       else
-        reason = settingName(world.scene().fidelity) + ": the fastest settings, although " + text(ms) +
-                 " ms per step are above " + goal;
+        reason = settingName(world.scene().fidelity) +
+                 ": the fastest settings, although they take more than " + goal + " per step";
     } else if (++calm >= patience && ms < kIdle * most && k + 1 < kLadder.size()) {
       change(world, k + 1, text(ms) + " ms per step are far below " + goal);
     }
