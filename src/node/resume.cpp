@@ -67,9 +67,12 @@ Resume::Resume(Session& session, const std::string& file, bool take) : session_(
 }
 
 void Resume::take() {
+  if (!untaken_) {
+    ROS_WARN_STREAM("no saved session" << (file_.empty() ? ", since ~state_file is none" : " in " + file_)
+                                       << ": '" << session_.simulator().snapshot()->scene << "' starts anew");
+    return;
+  }
   try {
-    if (!untaken_)
-      throw InvalidInput({{file_.empty() ? "~state_file" : file_, "", "a file with a saved state"}});
     checkSeal(file_);
     session_.loadState(file_);
     session_.simulator().forgetEdits();  // nobody has seen the world before it

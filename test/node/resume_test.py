@@ -171,8 +171,10 @@ class ResumeTest(unittest.TestCase):
                     self.assert_usual_scene(node, 'not resumed: ' + self.file, 'loaded \'small\' instead')
 
     def test_resume_without_a_state_loads_the_usual_scene_and_says_so(self):
-        with Node(self.file, resume=True) as node:
-            self.assert_usual_scene(node, 'not resumed: ' + self.file)
+        for file, where in ((self.file, 'in ' + self.file), ('none', '~state_file is none')):
+            with Node(file, resume=True) as node:
+                self.assert_usual_scene(node, 'no saved session', where + ': \'small\' starts anew')
+                self.assertNotIn('ERROR', node.said())
 
     def test_where_nothing_can_be_written_the_reason_is_told_and_the_node_ends(self):
         with open(os.path.join(self.folder, 'states'), 'w') as file:
