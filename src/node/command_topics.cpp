@@ -14,7 +14,7 @@ CommandTopics::CommandTopics(Simulator& simulator) : simulator_(simulator) {
 
 void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
   send("cmd_twist", [command](World& world) {
-    const BodyId body = bodyNamed(world, command.header.frame_id);
+    const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
     const Quat q_WB = world.pose(body).q_WB;
     const Twist twist_B = fromMsg(command.twist);
     BodyEdit edit;
@@ -26,7 +26,7 @@ void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
 
 void CommandTopics::onWrench(const geometry_msgs::WrenchStamped& command) {
   send("cmd_wrench", [command](World& world) {
-    const BodyId body = bodyNamed(world, command.header.frame_id);
+    const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
     const Pose X_WB = world.pose(body);
     const Vec3 force_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.force), "wrench.force");
     const Vec3 torque_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.torque), "wrench.torque");

@@ -36,7 +36,7 @@ std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std:
   std::vector<std::size_t> indices;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto it = known.find(names[k]);
-    if (it == known.end()) bodyNamed(world, names[k]);  // throws
+    if (it == known.end()) bodyNamed(world, names[k], "names");  // throws
     if (given[it->second]) throw InvalidInput({{"names", quoted(names[k]) + " twice", "each body once"}});
     given[it->second] = true;
     indices.push_back(it->second);

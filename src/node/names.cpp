@@ -21,13 +21,15 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
   return list;
 }
 
-[[noreturn]] void refuseName(const std::string& name, const std::vector<BodyDescription>& bodies) {
+[[noreturn]] void refuseName(const std::string& name, const std::string& field,
+                             const std::vector<BodyDescription>& bodies) {
   std::vector<std::string> names;
   for (const BodyDescription& body : bodies) names.push_back(body.name);
   const std::string nearest = nearestName(name, names);
   const std::string hint = nearest.empty() ? "" : "did you mean '" + nearest + "'?; ";
   const std::string known = bodies.empty() ? "the world has no bodies" : "bodies: " + someNames(bodies);
-  throw InvalidInput({{name.empty() ? "name is missing" : "unknown body " + quoted(name), "", hint + known}});
+  if (name.empty()) throw InvalidInput({{field, "empty", "the name of a body; " + known}});
+  throw InvalidInput({{"unknown body " + quoted(name), "", hint + known}});
 }
 
 std::string withoutPrefix(const std::string& frame_id) {
@@ -42,15 +44,15 @@ FrameLookup& frameLookup() {
 
 }  // namespace
 
-BodyId bodyNamed(const World& world, const std::string& name) {
+BodyId bodyNamed(const World& world, const std::string& name, const std::string& field) {
   const BodyId id = world.find(name);
-  if (!id) refuseName(name, *world.bodies());
+  if (!id) refuseName(name, field, *world.bodies());
   return id;
 }
 
-std::size_t indexNamed(const Snapshot& snapshot, const std::string& name) {
+std::size_t indexNamed(const Snapshot& snapshot, const std::string& name, const std::string& field) {
   const int index = snapshot.find(name);
-  if (index < 0) refuseName(name, *snapshot.bodies);
+  if (index < 0) refuseName(name, field, *snapshot.bodies);
   return index;
 }
 

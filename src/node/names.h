@@ -11,10 +11,11 @@
 
 namespace rbs {
 
-/// The body of this name. Throws InvalidInput with the nearest name and some others for an unknown one.
-BodyId bodyNamed(const World& world, const std::string& name);
+/// The body of this name. Throws InvalidInput with the nearest name and some others for an unknown one, and with
+/// the field of the request for an empty one.
+BodyId bodyNamed(const World& world, const std::string& name, const std::string& field = "name");
 /// Its place in `snapshot.bodies` and `snapshot.states`. The same error.
-std::size_t indexNamed(const Snapshot& snapshot, const std::string& name);
+std::size_t indexNamed(const Snapshot& snapshot, const std::string& name, const std::string& field = "name");
 
 /// Place in W of a frame of tf. Throws InvalidInput with the reason.
 using FrameLookup = std::function<Pose(const std::string& frame_id)>;

@@ -19,8 +19,8 @@ std::string nameOf(const Snapshot& snapshot, BodyId id) {
   return (*snapshot.bodies)[snapshot.find(id)].name;
 }
 
-BodyId idNamed(const Snapshot& snapshot, const std::string& name) {
-  return snapshot.states[indexNamed(snapshot, name)].id;
+BodyId idNamed(const Snapshot& snapshot, const std::string& name, const std::string& field) {
+  return snapshot.states[indexNamed(snapshot, name, field)].id;
 }
 
 std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Request& request,
@@ -30,7 +30,7 @@ std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Req
   ray.origin_W = X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(request.origin), "origin");
   ray.direction_W = X_WF.q_WB * finiteVector(fromMsg(request.direction), "direction");
   if (request.max_distance != 0.0) ray.max_distance = request.max_distance;
-  for (const std::string& name : request.ignore) ray.ignore.push_back(idNamed(snapshot, name));
+  for (const std::string& name : request.ignore) ray.ignore.push_back(idNamed(snapshot, name, "ignore"));
 
   std::vector<RayHit> hits;
   if (request.all) {
@@ -54,8 +54,8 @@ std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Req
 
 std::string closestPoints(const Snapshot& snapshot, const rigid_body_sim::ClosestPoints::Request& request,
                           rigid_body_sim::ClosestPoints::Response& response) {
-  const ClosestPoints found =
-      closestPoints(snapshot, idNamed(snapshot, request.body_a), idNamed(snapshot, request.body_b));
+  const ClosestPoints found = closestPoints(snapshot, idNamed(snapshot, request.body_a, "body_a"),
+                                            idNamed(snapshot, request.body_b, "body_b"));
   response.distance = found.distance;
   response.point_a = toPoint(found.p_WA);
   response.point_b = toPoint(found.p_WB);

@@ -12,7 +12,7 @@ import tf2_ros
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Point, Pose, Quaternion, TwistStamped, Vector3, WrenchStamped
 from rigid_body_sim.msg import BodyDescriptions, BodyDetails, BodyStates, Contacts, Event, Status, Wind
-from rosgraph_msgs.msg import Clock
+from rosgraph_msgs.msg import Clock, Log
 from rigid_body_sim.srv import LoadScene, Step
 from tf2_msgs.msg import TFMessage
 
@@ -293,6 +293,19 @@ class TopicsTest(unittest.TestCase):
             # Never more than the force, however often it is sent; and the force itself, wherever none was late.
             self.assertLessEqual(max(pushes), force * (1 + 1e-6), '%d Hz' % rate)
             self.assertGreater(sum(abs(push - force) < 1e-6 * force for push in pushes), len(pushes) // 3, '%d Hz' % rate)
+
+    def test_a_command_without_a_body_is_told_with_the_field_that_names_it(self):
+        log = self.listen('/rosout', Log)
+        for topic, kind in (('cmd_twist', TwistStamped), ('cmd_wrench', WrenchStamped)):
+            publisher = rospy.Publisher('/sim/' + topic, kind, queue_size=1)
+            wait(publisher.get_num_connections, 'the simulator listens')
+            told = '~%s: header.frame_id: empty (allowed: the name of a body; bodies: ' % topic
+
+            def is_told():
+                publisher.publish(kind())
+                return any(m.msg.startswith(told) for m in log.all())
+
+            wait(is_told, 'the empty field is told')
 
     def test_a_command_that_makes_no_sense_changes_nothing(self):
         before = self.status.fresh().hash
