@@ -66,7 +66,8 @@ class AccuracyTest(unittest.TestCase):
     def test_a_measured_setting_is_applied(self):
         refused = ask('apply_accuracy', max_error=1e-3, max_step_ms=1.0)
         self.assertFalse(refused.success)
-        self.assertIn('one of them', refused.message)
+        self.assertIn('both max_error and max_step_ms (allowed: exactly one of them)', refused.message)
+        self.assertIn('neither max_error nor max_step_ms', ask('apply_accuracy').message)
         study = self.measured(seconds=0.5, windows=1)
         within = [cost for cost in study.settings if cost.error <= 1e-3]
         cheapest = min(within, key=lambda cost: cost.step_ms)

@@ -345,7 +345,9 @@ std::vector<Problem> validate(const Setting& setting) {
 std::vector<Problem> validate(const Goal& goal) {
   Faults faults;
   if (goal.max_error.has_value() == goal.max_step_ms.has_value())
-    faults.add("fidelity", "max_error and max_step_ms", "one of them");
+    faults.add("fidelity",
+               goal.max_error ? "both max_error and max_step_ms" : "neither max_error nor max_step_ms",
+               "exactly one of them");
   if (goal.max_error)
     faults.number("fidelity.max_error", *goal.max_error, Limits::min_goal, Limits::max_goal, "m per second");
   if (goal.max_step_ms)
