@@ -43,19 +43,23 @@ std::string loadedInWords(const Simulator& simulator) {
   return words("loaded '", snapshot->scene, "': ", bodyCount(snapshot->bodies->size()));
 }
 
+std::string loadScene(Session& session, const std::string& name,
+                      const std::optional<std::uint64_t>& seed = std::nullopt) {
+  requireSceneName(name);
+  const bool leaves_state = session.loadScene(name, seed);
+  return loadedInWords(session.simulator()) +
+         (leaves_state ? ", without the saved state of the file: load_state continues from it" : "");
+}
+
 }  // namespace
 
 void Services::offerScenes() {
   offer<LoadScene>("load_scene", [this](const LoadScene::Request& request, LoadScene::Response&) {
-    requireSceneName(request.name);
-    session_.loadScene(request.name);
-    return loadedInWords(simulator_);
+    return loadScene(session_, request.name);
   });
   offer<LoadSceneWithSeed>("load_scene_with_seed",
                            [this](const LoadSceneWithSeed::Request& request, LoadSceneWithSeed::Response&) {
-                             requireSceneName(request.name);
-                             session_.loadScene(request.name, request.seed);
-                             return loadedInWords(simulator_);
+                             return loadScene(session_, request.name, request.seed);
                            });
   offer<File>("load_state", [this](const File::Request& request, File::Response&) {
     session_.loadState(yamlPath(request.file));

@@ -16,22 +16,24 @@ void giveBackMemory() {
 }  // namespace
 
 Session::Session(const Options& options)
-    : Session(options, read(options, findScene(options.folder, options.scene))) {}
+    : Session(options, read(options, findScene(options.folder, options.scene)).scene) {}
 
-SceneDef Session::read(const Options& options, const std::string& file) {
-  SceneDef scene = readScene(file, options.seed).scene;
-  if (options.fidelity) scene.fidelity = *options.fidelity, scene.goal.reset();
-  return scene;
+SceneFile Session::read(const Options& options, const std::string& file) {
+  SceneFile read = readScene(file, options.seed);
+  if (options.fidelity) read.scene.fidelity = *options.fidelity, read.scene.goal.reset();
+  return read;
 }
 
 Session::Session(const Options& options, SceneDef first)
     : options_(options), simulator_(std::move(first), options.run), timeline_(options.wall_stamps) {}
 
-void Session::loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed) {
+bool Session::loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed) {
   const std::string file = findScene(options_.folder, name_or_file);
   Options options = options_;
   if (seed) options.seed = seed;
-  replace({read(options, file), std::nullopt}, file);
+  const SceneFile loaded = read(options, file);
+  replace({loaded.scene, std::nullopt}, file);
+  return loaded.state.has_value();
 }
 
 void Session::loadState(const std::string& file) {

@@ -31,9 +31,9 @@ class Session {
   Timeline& timeline() { return timeline_; }
   const std::string& folder() const { return options_.folder; }
 
-  /// Replaces the world by a scene of the catalogue or of a file; `seed` replaces Options::seed. Throws
-  /// InvalidInput for a bad scene.
-  void loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed = std::nullopt);
+  /// Replaces the world by a scene of the catalogue or of a file; `seed` replaces Options::seed. Returns whether
+  /// the file holds a saved state too, which is left out. Throws InvalidInput for a bad scene.
+  bool loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed = std::nullopt);
   /// Replaces the world by a state that was saved, without its user forces. Throws InvalidInput for a file without one.
   void loadState(const std::string& file);
   /// Back to the world as it was loaded.
@@ -50,7 +50,7 @@ class Session {
 
  private:
   Session(const Options& options, SceneDef first);
-  static SceneDef read(const Options& options, const std::string& file);
+  static SceneFile read(const Options& options, const std::string& file);
   void replace(const SceneFile& file, const std::string& text);
   std::string goBack(const std::string& kind, std::string (Simulator::*go)());
   void forgetWind();

@@ -128,6 +128,12 @@ TEST(Scenes, pathsAreTakenAsTheyAre) {
   EXPECT_EQ(findScene(RBS_SCENES, "x.yaml"), "x.yaml");
 }
 
+TEST(Scenes, theEndingOfAPathMayBeLeftOut) {
+  const std::string file = RBS_SCENES "/tower.yaml";
+  EXPECT_EQ(findScene("/no/such/folder", RBS_SCENES "/tower"), file);
+  EXPECT_EQ(findScene("/no/such/folder", file), file);
+}
+
 TEST(Scenes, missingFolderIsRefused) {
   EXPECT_THROW(listScenes("/no/such/folder"), InvalidInput);
 }

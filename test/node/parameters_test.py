@@ -64,6 +64,13 @@ class ParametersTest(unittest.TestCase):
                  ('scenes', '5', 'a text'), ('scene', '3', 'a text')]
         self.assertEqual([fault for fault in (fault_of(*case) for case in wrong) if fault], [])
 
+    def test_a_relative_scene_is_refused_with_the_folder_that_it_begins_in(self):
+        done = answer('__name:=refused', '_scene:=./nowhere.yaml')
+        rospy.delete_param('/refused')
+        self.assertEqual(done.returncode, 1)
+        self.assertIn('./nowhere.yaml: no such file', done.stdout)
+        self.assertIn('a relative path begins in ' + os.getcwd(), done.stdout)
+
     def test_a_period_that_no_clock_holds_does_not_end_the_node(self):
         rospy.set_param('/sim/diagnostic_period', 1e10)
         wait(lambda: rospy.get_param('/sim/diagnostic_period') == 1.0, 'the period is set back')

@@ -203,10 +203,20 @@ void addFaults(const SceneDef& scene, const std::vector<std::size_t>& entries, c
   throw InvalidInput({{printable(file, kLongestPath), value, allowed}});
 }
 
+/// Where a relative path was looked up; empty for an absolute one. A node runs in another folder than the shell
+/// of its user.
+std::string placeOfRelative(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::path(file).is_absolute()) return "";
+  return "; a relative path begins in " +
+         printable(std::filesystem::current_path(error).string(), kLongestPath);
+}
+
 std::string readText(const std::string& file) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) refuseFile(file, "no such file", "a scene file");
+  if (!std::filesystem::exists(status))
+    refuseFile(file, "no such file", "a scene file" + placeOfRelative(file));
   if (!std::filesystem::is_regular_file(status)) refuseFile(file, "not a regular file", "a scene file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) refuseFile(file, "cannot be opened", "a file that may be read");

@@ -44,6 +44,12 @@ bool isPath(const std::string& name_or_file) {
   return name_or_file.find('/') != std::string::npos || fs::path(name_or_file).extension() == kExtension;
 }
 
+/// The path, or with ".yaml" where only that exists, as the services that save a file add it.
+std::string existingFile(const std::string& path) {
+  std::error_code error;
+  return !fs::exists(path, error) && fs::exists(path + kExtension, error) ? path + kExtension : path;
+}
+
 }  // namespace
 
 std::vector<SceneEntry> listScenes(const std::string& folder) {
@@ -55,8 +61,9 @@ std::vector<SceneEntry> listScenes(const std::string& folder) {
 
 std::string findScene(const std::string& folder, const std::string& name_or_file) {
   if (isPath(name_or_file)) {
-    requireAccess(name_or_file, "file");
-    return name_or_file;
+    const std::string file = existingFile(name_or_file);
+    requireAccess(file, "file");
+    return file;
   }
   const std::vector<std::string> names = sceneNames(folder);
   if (std::find(names.begin(), names.end(), name_or_file) != names.end()) return fileOf(folder, name_or_file);
