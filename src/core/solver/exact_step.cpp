@@ -416,17 +416,42 @@ void Stepper::goOver() {
   }
 }
 
-// Whether a segment has ended with far more energy than it began with, though nothing gives the island any: a solve is
-// far from one, or its points were not where they were expected, as of a small ball that is squeezed out between two bodies.
-bool Stepper::runsAway(const std::vector<BodyMotion>& start) const {
+// The work that kinematic bodies have done by the impulses of these points, J.
+double Stepper::workByLed(const Touching& touching, const PointsOfContacts& opened) const {
   const Bodies& bodies = context_.scene.bodies;
-  for (const Index k : active_) {
+  double work = 0.0;
+  const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
     const Contact& contact = context_.scene.contacts.active[k];
-    for (const Index i : {contact.i, contact.j})
-      if (bodies.traits[i].is_kinematic() || !step_.load[i].torque_W.isZero(0.0)) return false;
+    for (const auto& [led, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
+      if (!bodies.traits[led].is_kinematic()) continue;
+      const Twist& twist = bodies.twist[led];
+      const Vec3 r = p_W - step_.poseAt(bodies, led, now_).p_WB;
+      work += sign * impulse_W.dot(twist.v_WB + twist.w_WB.cross(r));
+    }
+  };
+  for (const TouchingPoint& point : touching.points) add(point.contact, point.p_W, point.impulse_W);
+  for (const auto& [k, point] : opened)
+    add(k, point.p_W, point.normal_impulse * point.n_W + point.friction_impulse_W);
+  return work;
+}
+
+// The work of the torques on the bodies in a segment, J.
+double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
+  double work = 0.0;
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    const Vec3 spin_W = 0.5 * (start[k].twist.w_WB + segment_.end[k].twist.w_WB);
+    work += tau_ * step_.load[island_.indices()[k]].torque_W.dot(spin_W);
   }
+  return work;
+}
+
+// Whether a segment has ended with far more energy than it began with and was given: a solve is far from one, or its
+// points were not where they were expected, as of a small ball that is squeezed out between two bodies.
+bool Stepper::runsAway(const std::vector<BodyMotion>& start, double led_before) const {
+  const double by_led = workByLed(segment_.touching, opened_) + workByLed({}, segment_.opened) - led_before;
+  const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0);
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
-  return energyOf(segment_.end) > energyOf(start) + kGain * (kineticOf(start) + fall);
+  return energyOf(segment_.end) > energyOf(start) + given + kGain * (kineticOf(start) + given + fall);
 }
 
 void Stepper::solve() {
@@ -436,10 +461,11 @@ void Stepper::solve() {
     touching_.inherit(before, opened_);
   }
   const std::vector<BodyMotion> start = island_.save();
+  const double led_before = workByLed(touching_, opened_);
   settle();
   goOver();
   const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
-  if (outcome_ == Outcome::Done && runsAway(start)) return giveUp(failure);
+  if (outcome_ == Outcome::Done && runsAway(start, led_before)) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});

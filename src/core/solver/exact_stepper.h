@@ -84,7 +84,9 @@ class Stepper : public InnerRows {
   std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
   double kineticOf(const std::vector<BodyMotion>& motions) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
-  bool runsAway(const std::vector<BodyMotion>& start) const;
+  double workByLed(const Touching& touching, const PointsOfContacts& opened) const;
+  double workOfTorques(const std::vector<BodyMotion>& start) const;
+  bool runsAway(const std::vector<BodyMotion>& start, double led_before) const;
   void giveUp(Outcome why);
   bool takeOverlapsAway();
   void settle();

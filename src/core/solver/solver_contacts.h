@@ -60,6 +60,7 @@ struct SolverBlock {
   double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
+  bool rolls;                                 // its points travel over a surface that is not round
   double drift_limit;                         // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
 };
@@ -116,6 +117,7 @@ class SolverContacts {
   void findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                   std::vector<SolverPoint>& to) const;
   LastNormal lastNormal(const SolverBlock& block) const;
+  bool rolls(const SolverBlock& block, double left) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
   void followArc(const SolverBlock& block, double now, std::vector<SolverPoint>& of) const;
