@@ -101,6 +101,7 @@ double defaultDragCoefficient(const Shape& shape);
 struct Air {
   double density = 1.2;  ///< kg/m³, Limits::min_density to Limits::max_density
 
+  /// Whether every field is equal.
   friend bool operator==(const Air& a, const Air& b) { return a.density == b.density; }
 };
 
@@ -111,6 +112,7 @@ struct Wind {
   /// 0 is steady.
   double gust = 0.0;
 
+  /// Whether every field is equal.
   friend bool operator==(const Wind& a, const Wind& b) {
     return a.velocity == b.velocity && a.gust == b.gust;
   }
@@ -122,6 +124,7 @@ struct Fluid {
   double density = 1000.0;  ///< kg/m³, Limits::min_density to Limits::max_density
   double level = 0.0;       ///< z of its surface in W, m
 
+  /// Whether every field is equal.
   friend bool operator==(const Fluid& a, const Fluid& b) {
     return a.density == b.density && a.level == b.level;
   }
