@@ -43,8 +43,8 @@ struct SceneEntry {
 std::vector<SceneEntry> listScenes(const std::string& folder);
 
 /// The scene file for `name_or_file`: a name of the catalogue in `folder`, or a path (it has a '/' or ends in
-/// ".yaml"), which need not exist; ".yaml" is added where only that file exists. Throws InvalidInput that lists the known names
-/// for an unknown one, and for a path that confineFilesTo() excludes.
+/// ".yaml"), which need not exist; ".yaml" is added where only that file exists. Throws InvalidInput that lists
+/// the known names for an unknown one, and for a path that confineFilesTo() excludes.
 std::string findScene(const std::string& folder, const std::string& name_or_file);
 
 }  // namespace rbs

@@ -469,7 +469,7 @@ std::vector<std::string> BodiesDisplay::namesIn(const QRect& pixels, const Ogre:
                        static_cast<int>(0.5f * (1.0f - at.y) * height));
     if (!pixels.contains(pixel)) continue;
     const CatalogBody& body = drawn_->bodies[k];
-    (body.is_static && body.color.a < 1.0f ? see_through : names).push_back(body.name);
+    (body.isSeeThrough() ? see_through : names).push_back(body.name);
   }
   return names.empty() ? see_through : names;
 }

@@ -42,6 +42,7 @@ struct CatalogBody {
   bool is_dynamic = false, is_static = false;
   double friction = 0.0;  ///< coefficient
 
+  bool isSeeThrough() const { return is_static && color.a < 1.0f; }  ///< as isSeeThrough() of a description
   /// Radius of a ball about the body's origin that holds it, m; of a plane: 0.
   float reach() const { return (half_size + middle.length()).length(); }
 };

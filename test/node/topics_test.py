@@ -305,7 +305,7 @@ class TopicsTest(unittest.TestCase):
                 publisher.publish(kind())
                 return any(m.msg.startswith(told) for m in log.all())
 
-            wait(is_told, 'the empty field is told')
+            wait(is_told, 'the empty field is named')
 
     def test_a_command_that_makes_no_sense_changes_nothing(self):
         before = self.status.fresh().hash

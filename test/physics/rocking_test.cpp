@@ -10,9 +10,9 @@
 namespace rbs::test {
 namespace {
 
-constexpr double kTilt = 0.1;  // rad, at the start, at rest
-constexpr double kRadius = 0.5,
-                 kThin = 0.05;  // m, of the round body, and half the thickness of the one on it
+constexpr double kTilt = 0.1;    // rad, at the start, at rest
+constexpr double kRadius = 0.5;  // m, of the round body
+constexpr double kThin = 0.05;   // m, half the thickness of the one on it
 
 struct Rocker {
   const char* name;
@@ -72,7 +72,8 @@ Rocked rock(const Rocker& rocker, Fidelity fidelity, double step, double seconds
   return {(energy(world) - level) / first, (crossed - first_crossing) / (crossings - 1)};
 }
 
-// Of small swings; those here take 0.4 % longer. The energy is m g (R - b) t²/2 + (I + m b²) t'²/2, b being half the thickness and t the tilt.
+// Of small swings; those here take 0.4 % longer. With b half the thickness and t the tilt, the energy is
+// m g (R - b) t²/2 + (I + m b²) t'²/2.
 double periodOf(const Rocker& rocker) {
   return 2.0 * kPi * std::sqrt((rocker.inertia + kThin * kThin) / (kGravity * (kRadius - kThin)));
 }

@@ -67,8 +67,6 @@ constexpr double kJump = 0.5;
 // many times in a step.
 constexpr double kMostSunk = 2e-5;
 constexpr int kMostHalvings = 8;
-// Share of its kinetic energy, and of that of a fall for one step, that an island may gain in a segment.
-constexpr double kGain = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
 // Of the margin at which pairs are looked at: where to stop widening it.
@@ -196,29 +194,6 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     all->add(point, law);
   }
   return all;
-}
-
-// Kinetic energy of the island, and its potential energy in the field of the loads, J.
-double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
-  const Bodies& bodies = context_.scene.bodies;
-  double energy = 0.0;
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    const Index i = island_.indices()[k];
-    const auto& [pose, twist] = motions[k];
-    const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
-    energy += bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - step_.load[i].a_W.dot(pose.p_WB)) +
-              0.5 * w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B));
-  }
-  return energy;
-}
-
-double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
-  double energy = energyOf(motions);
-  for (std::size_t k = 0; k < motions.size(); ++k) {
-    const Index i = island_.indices()[k];
-    energy += context_.scene.bodies.traits[i].mass * step_.load[i].a_W.dot(motions[k].pose.p_WB);
-  }
-  return energy;
 }
 
 // By point: whether friction holds it at the start. It is closed, and it does not slide: its slip is none, or its
@@ -414,44 +389,6 @@ void Stepper::goOver() {
     stops_.resize(stops);
     longest_ = 0.5 * uncut;
   }
-}
-
-// The work that kinematic bodies have done by the impulses of these points, J.
-double Stepper::workByLed(const Touching& touching, const PointsOfContacts& opened) const {
-  const Bodies& bodies = context_.scene.bodies;
-  double work = 0.0;
-  const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
-    const Contact& contact = context_.scene.contacts.active[k];
-    for (const auto& [led, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
-      if (!bodies.traits[led].is_kinematic()) continue;
-      const Twist& twist = bodies.twist[led];
-      const Vec3 r = p_W - step_.poseAt(bodies, led, now_).p_WB;
-      work += sign * impulse_W.dot(twist.v_WB + twist.w_WB.cross(r));
-    }
-  };
-  for (const TouchingPoint& point : touching.points) add(point.contact, point.p_W, point.impulse_W);
-  for (const auto& [k, point] : opened)
-    add(k, point.p_W, point.normal_impulse * point.n_W + point.friction_impulse_W);
-  return work;
-}
-
-// The work of the torques on the bodies in a segment, J.
-double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
-  double work = 0.0;
-  for (std::size_t k = 0; k < start.size(); ++k) {
-    const Vec3 spin_W = 0.5 * (start[k].twist.w_WB + segment_.end[k].twist.w_WB);
-    work += tau_ * step_.load[island_.indices()[k]].torque_W.dot(spin_W);
-  }
-  return work;
-}
-
-// Whether a segment has ended with far more energy than it began with and was given: a solve is far from one, or its
-// points were not where they were expected, as of a small ball that is squeezed out between two bodies.
-bool Stepper::runsAway(const std::vector<BodyMotion>& start, double led_before) const {
-  const double by_led = workByLed(segment_.touching, opened_) + workByLed({}, segment_.opened) - led_before;
-  const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0);
-  const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
-  return energyOf(segment_.end) > energyOf(start) + given + kGain * (kineticOf(start) + given + fall);
 }
 
 void Stepper::solve() {

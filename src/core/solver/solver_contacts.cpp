@@ -17,8 +17,8 @@ namespace {
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kDriftLimit = 0.05;
 
-// The turn of one surface against the other in a step, rad, from which on a pair rolls, and the most pairs of an island in
-// which that is followed.
+// The turn of one surface against the other in a step, rad, from which on a pair rolls, and the most pairs of an
+// island in which that is followed.
 constexpr double kRoll = 1e-9;
 constexpr std::size_t kFollowedPairs = 30;
 
@@ -188,13 +188,13 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.rolls = rolls(block, left);
 }
 
-// A round surface touches one that turns against it where that is steepest: the contact travels, and the torque of its
-// force on the other body with it. A plank that rocks on a cylinder feels -k x from a contact at x. From a contact found
-// at the start of a step of n sub-steps, x is one of h later than the force, on average half a step:
-//   v' = v - h k x,   x' = x + h v - (n + 1)/(2n) h² k x,   of determinant 1 + (n - 1)/(2n) k h²,
-// so that it gains energy for ever. Found anew in each sub-step (n = 1) the map keeps areas, and the energy stays about
-// what it was (E. Hairer, C. Lubich and G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, IX.8). In a pile of many
-// nothing rocks freely, and to look so often would cost half as much again as the whole step.
+// Where a round surface touches another body, the contact travels over that body as the two turn against each other,
+// and takes the torque of its force along. With x what a plank has rocked by on a cylinder, v its rate, and k > 0 of the
+// restoring torque, a contact found once in a step of length h with n sub-steps gives
+//   v' = v - h k x,   x' = x + h v - (n + 1)/(2n) h² k x,   of determinant 1 + (n - 1)/(2n) k h² > 1:
+// it gains energy for ever. Found in each sub-step (n = 1) the map keeps areas, and the energy stays about what it was
+// (E. Hairer, C. Lubich and G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, IX.8). In a pile of many bodies
+// nothing rocks freely, and to look so often costs half as much again as the whole step.
 bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
@@ -270,9 +270,9 @@ Vec3 SolverContacts::inPlane(const SolverBlock& block, const Eigen::Vector2d& t)
 }
 
 bool SolverContacts::hasDrifted(const SolverBlock& block) const {
+  if (block.rolls) return true;
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
-  if (block.rolls) return true;
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
   const double turn_i = block.reach_i * block.reach_i * (i.surface_turned - block.turned_i).squaredNorm();
   const double turn_j = block.reach_j * block.reach_j * (j.surface_turned - block.turned_j).squaredNorm();
