@@ -31,9 +31,11 @@ bool Session::loadScene(const std::string& name_or_file, const std::optional<std
   const std::string file = findScene(options_.folder, name_or_file);
   Options options = options_;
   if (seed) options.seed = seed;
-  const SceneFile loaded = read(options, file);
-  replace({loaded.scene, std::nullopt}, file);
-  return loaded.state.has_value();
+  SceneFile loaded = read(options, file);
+  const bool leaves_state = loaded.state.has_value();
+  loaded.state.reset();
+  replace(loaded, file);
+  return leaves_state;
 }
 
 void Session::loadState(const std::string& file) {
