@@ -89,23 +89,32 @@ Mat3 responseAt(const SolverContacts& contacts, const SolverBlock& block, const 
          r_j * j.inv_inertia_W * r_j;
 }
 
-void passInOrder(SolverContacts& contacts, bool soft) {
-  for (const SolverBlock& block : contacts.blocks) {
-    Eigen::Matrix<double, 3, 2> T;
-    T << block.t1, block.t2;
-    for (int k = block.first; k < block.first + block.size && block.rough; ++k) {
-      SolverPoint& point = contacts.points[k];
-      const Eigen::Matrix2d S = T.transpose() * responseAt(contacts, block, point) * T;
-      const Eigen::Vector2d slip = T.transpose() * contacts.velocityAt(block, point);
-      const double limit = block.pair.mu * point.l_n;
-      Eigen::Vector2d l_t = point.l_t - S.inverse() * slip;
-      if (l_t.norm() > limit) {
-        l_t = point.l_t - slip / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(S).eigenvalues()[1];
-        if (l_t.norm() > limit) l_t *= limit / l_t.norm();
-      }
-      push(contacts, block, point, T * (l_t - point.l_t));
-      point.l_t = l_t;
+// The friction of a block: of all points, or again of those that slide, which are written down in `slides`.
+void solveFriction(SolverContacts& contacts, const SolverBlock& block, bool again,
+                   std::vector<bool>& slides) {
+  Eigen::Matrix<double, 3, 2> T;
+  T << block.t1, block.t2;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    SolverPoint& point = contacts.points[k];
+    if (again && !slides[k]) continue;
+    const Eigen::Matrix2d S = T.transpose() * responseAt(contacts, block, point) * T;
+    const Eigen::Vector2d slip = T.transpose() * contacts.velocityAt(block, point);
+    const double limit = block.pair.mu * point.l_n;
+    Eigen::Vector2d l_t = point.l_t - S.inverse() * slip;
+    slides[k] = l_t.norm() > limit;
+    if (slides[k]) {
+      l_t = point.l_t - slip / Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(S).eigenvalues()[1];
+      if (l_t.norm() > limit) l_t *= limit / l_t.norm();
     }
+    push(contacts, block, point, T * (l_t - point.l_t));
+    point.l_t = l_t;
+  }
+}
+
+void passInOrder(SolverContacts& contacts, bool soft) {
+  std::vector<bool> slides(contacts.points.size());
+  for (const SolverBlock& block : contacts.blocks) {
+    if (block.rough) solveFriction(contacts, block, false, slides);
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts.points[k];
       if (!soft && point.l_n == 0.0) continue;
@@ -121,6 +130,7 @@ void passInOrder(SolverContacts& contacts, bool soft) {
       push(contacts, block, point, (l_n - point.l_n) * block.n);
       point.l_n = l_n;
     }
+    if (block.rough && !soft) solveFriction(contacts, block, true, slides);
   }
 }
 

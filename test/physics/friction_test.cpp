@@ -183,4 +183,37 @@ TEST(RollingFriction, WhatRollsIsBrakedByNoMoreThanFrictionAllowsAndGoesStraight
       }
 }
 
+// A prism that lies on one of its sides is thrown over the floor. Its friction cannot tip it over an edge, so that it slides
+// on and is braked by mu g, and nothing turns it.
+TEST(SlidingFriction, BrakesAPrismAsALawOfOnePointWouldAndDoesNotTurnIt) {
+  const double friction = 0.1, speed = 5.0, radius = 0.3;
+  for (const int sides : {6, 12, 24})
+    for (const double angle : {0.0, 0.3, 0.8, 1.2, 0.5 * kPi})
+      for (const Fidelity setting : {Fidelity::Preview, Fidelity::Interactive, Fidelity::Accurate}) {
+        std::vector<Vec3> corners;
+        for (const double y : {-0.5, 0.5})
+          for (int k = 0; k < sides; ++k) {
+            const double at = 2.0 * kPi * (k + 0.5) / sides;
+            corners.emplace_back(radius * std::sin(at), y, radius * std::cos(at));
+          }
+        SceneDef scene = onFloor(1.0 / 60.0, friction);
+        scene.fidelity = setting;
+        scene.bodies.push_back(box("prism", Vec3::Ones(), Vec3(0.0, 0.0, radius * std::cos(kPi / sides))));
+        BodyDef& prism = scene.bodies.back();
+        prism.shape = makeHull(corners, "prism").hull;
+        prism.material.friction = friction;
+        prism.twist.v_WB = speed * Vec3(std::cos(angle), std::sin(angle), 0.0);
+        World world(scene);
+        advance(world, 0.5);
+        const double before = stateOf(world, "prism").twist.v_WB.norm();
+        advance(world, 1.0);
+        const BodyState after = stateOf(world, "prism");
+        const Vec3 along = after.pose.q_WB * Vec3::UnitY();
+        const std::string which =
+            std::to_string(sides) + " sides, " + std::to_string(angle) + " rad, " + fidelityName(setting);
+        EXPECT_NEAR((before - after.twist.v_WB.norm()) / (friction * kGravity), 1.0, 1e-5) << which;
+        EXPECT_LE(std::abs(std::atan2(along.x(), along.y())), 2e-4) << which;
+      }
+}
+
 }  // namespace

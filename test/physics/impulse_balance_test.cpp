@@ -132,41 +132,41 @@ TEST_P(ImpulseBalance, OfBodiesThatTumbleInABox) {
     }
 }
 
-// A block pushes a ball into the floor. The plane itself stops the ball at half of its size, and their contact reports that
-// impulse.
+// A block comes down on a plate with one of its edges, and pushes it into the floor. The plane itself stops the plate at half
+// of its thickness, and their contact reports that impulse.
 TEST_P(ImpulseBalance, OfWhatAPlaneStops) {
   double stopped = 0.0;  // change of a speed by the plane itself, m/s
   for (const double speed : {10.0, 30.0, 100.0}) {
     SceneDef scene = onFloor(kStep, 0.3);
     scene.fidelity.preset = GetParam();
-    scene.bodies.push_back(ball("ball", 0.05, {0.0, 0.0, 0.05}));
-    scene.bodies.push_back(box("block", {2.0, 2.0, 2.0}, {0.1, 0.0, 1.1001}));
+    scene.bodies.push_back(box("plate", {1.0, 1.0, 0.1}, {0.0, 0.0, 0.05}));
+    scene.bodies.push_back(box("block", {2.0, 2.0, 2.0}, {0.9, 0.0, 1.1001}));
     scene.bodies.back().density = 1e5;
     scene.bodies.back().twist = {{0.0, 0.0, -speed}, {speed, 0.5 * speed, 0.0}};
     World world(ordered(scene));
-    const double mass = (*world.snapshot().bodies)[world.snapshot().find("ball")].mass;
+    const double mass = (*world.snapshot().bodies)[world.snapshot().find("plate")].mass;
     for (int k = 0; k < 20; ++k) {
-      const Vec3 before = stateOf(world, "ball").twist.v_WB;
+      const Vec3 before = stateOf(world, "plate").twist.v_WB;
       world.step();
       const Snapshot now = world.snapshot();
       Vec3 reported = Vec3::Zero();
       double size = 0.0;
       bool lifted = false;
       for (const ContactPoint& point : now.contacts) {
-        if (point.a != world.find("ball") && point.b != world.find("ball")) continue;
+        if (point.a != world.find("plate") && point.b != world.find("plate")) continue;
         const Vec3 impulse = point.normal_impulse * point.n_W + point.friction_impulse;
-        reported += (point.b == world.find("ball") ? 1.0 : -1.0) * impulse;
+        reported += (point.b == world.find("plate") ? 1.0 : -1.0) * impulse;
         size += impulse.norm();
         const bool by_floor = point.a == world.find("floor") || point.b == world.find("floor");
         if (!by_floor || std::abs(point.separation + 0.05) > 1e-9 || point.normal_impulse == 0.0) continue;
         lifted = true, stopped = std::max(stopped, point.normal_impulse / mass);
       }
       if (!lifted) continue;  // what overlaps deeply is kept from gaining energy, which no contact does
-      const Vec3 given = mass * (stateOf(world, "ball").twist.v_WB - before - scene.gravity * kStep);
+      const Vec3 given = mass * (stateOf(world, "plate").twist.v_WB - before - scene.gravity * kStep);
       EXPECT_LE((reported - given).norm(), 1e-9 * size) << speed << " m/s, step " << k;
     }
   }
-  if (GetParam() == Fidelity::Preview) EXPECT_GT(stopped, 0.5);
+  if (GetParam() == Fidelity::Preview) EXPECT_GT(stopped, 0.2);
 }
 
 // The weight of what sleeps is what its contacts report.

@@ -16,8 +16,6 @@ const std::vector<Shortfall>& knownShortfalls() {
        "the exact contact at rest leaves its own tolerance"},
       {"A11", "accurate", "drift at rest, e = 0.99", "6.8e-13 m",
        "the exact contact at rest leaves its own tolerance"},
-      {"A21", "interactive", "stays below the threshold by 0.001", "0",
-       "one pass a sub-step leaves too much of the friction of four corners unsolved"},
       {"A38", "interactive", "places after 60 steps, boxes of 0.001 m against 0.05 m, of the size", "0.00099",
        "rounding decides the order of the first touches, and one pass a sub-step does not bring the answers "
        "together"},

@@ -41,6 +41,7 @@ class ContactLanes {
     Turning turning1, turning2;
     Lanes mass11, mass12, mass22, rho;
     Lanes impulse1, impulse2, sum1, sum2;
+    LaneMask slides;  // as last solved for
   };
   /// Four pairs of a level. The k-th points of them make a row.
   struct Bundle {
@@ -102,7 +103,7 @@ class ContactLanes {
   /// then.
   enum class Pass {
     Soft,   ///< contacts are soft and close their gaps
-    Relax,  ///< points that push are to be at rest
+    Relax,  ///< points that push are to be at rest; those that slide get friction once more after that
   };
   void solve(Pass pass, const Softness& soft, double h);
   /// Adds the impulses of this sub-step to the sums.

@@ -64,19 +64,23 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
     const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
     Lanes total[3] = {zero, zero, zero};
 
-    if (kRough && bundle.rough) {
-      Lanes u1, u2, along1 = zero, along2 = zero;
-      dot(bundle.t1, apart, u1);
-      dot(bundle.t2, apart, u2);
+    // Of all points, or again of those that slide.
+    const auto solveFriction = [&](bool again) __attribute__((always_inline)) {
+      Lanes now[3], u1, u2, along1 = zero, along2 = zero;
+      for (int c = 0; c < 3; ++c) now[c] = apart[c] + inv_mass * total[c];
+      dot(bundle.t1, now, u1);
+      dot(bundle.t2, now, u2);
       for (int k = 0; k < bundle.size; ++k) {
         FrictionRow& row = friction_[bundle.friction + k];
         const Lanes limit = bundle.mu * normal_[bundle.normal + k].impulse;
+        const LaneMask pushes = limit > zero || row.impulse1 != zero || row.impulse2 != zero;
+        if (again && !any(row.slides & pushes)) continue;
         Lanes slip1, slip2;
         add6(u1, row.turning1.lever, w, slip1);
         add6(u2, row.turning2.lever, w, slip2);
         Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
         Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
-        const auto slides = l1 * l1 + l2 * l2 > limit * limit;
+        const LaneMask slides = l1 * l1 + l2 * l2 > limit * limit;
         if (any(slides)) {
           const Lanes r1 = row.impulse1 - row.rho * slip1, r2 = row.impulse2 - row.rho * slip2;
           const Lanes square = r1 * r1 + r2 * r2;
@@ -86,6 +90,11 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
           l1 = slides ? share * r1 : l1;
           l2 = slides ? share * r2 : l2;
         }
+        if (again) {
+          l1 = row.slides ? l1 : row.impulse1;
+          l2 = row.slides ? l2 : row.impulse2;
+        }
+        row.slides = slides;
         const Lanes change1 = l1 - row.impulse1, change2 = l2 - row.impulse2;
         row.impulse1 = l1;
         row.impulse2 = l2;
@@ -95,8 +104,9 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
         along2 += change2;
         for (int c = 0; c < 6; ++c) w[c] += change1 * row.turning1.turn[c] + change2 * row.turning2.turn[c];
       }
-      for (int c = 0; c < 3; ++c) total[c] = along1 * bundle.t1[c] + along2 * bundle.t2[c];
-    }
+      for (int c = 0; c < 3; ++c) total[c] += along1 * bundle.t1[c] + along2 * bundle.t2[c];
+    };
+    if (kRough && bundle.rough) solveFriction(false);
 
     Lanes u_n, along_n = zero;
     dot(bundle.n, apart, u_n);
@@ -124,8 +134,9 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
       along_n += change;
       for (int c = 0; c < 6; ++c) w[c] += change * row.turning.turn[c];
     }
+    for (int c = 0; c < 3; ++c) total[c] += along_n * bundle.n[c];
+    if (kPass == Pass::Relax && kRough && bundle.rough) solveFriction(true);
     for (int c = 0; c < 3; ++c) {
-      total[c] += along_n * bundle.n[c];
       v[c] -= bundle.inv_mass_i * total[c];
       v[3 + c] += bundle.inv_mass_j * total[c];
     }

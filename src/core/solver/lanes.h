@@ -13,6 +13,8 @@ namespace rbs {
 
 /// One number of each of four pairs. Arithmetic goes number by number and rounds as if each were alone.
 using Lanes = double __attribute__((vector_size(32), aligned(32)));
+/// What a comparison of them gives: for each all bits or none.
+using LaneMask = decltype(Lanes{} > Lanes{});
 inline constexpr int kLanes = 4;
 
 }  // namespace rbs

@@ -12,7 +12,8 @@
 //   3. moves the bodies, and finds anew how those respond to impulses whose axes have turned: a pass with masses
 //      that are more than twice too large diverges;
 //   4. solves each contact once more without the position error (relax), which takes away the speed that
-//      only served to separate the bodies, so that pushing bodies apart adds no kinetic energy.
+//      only served to separate the bodies, so that pushing bodies apart adds no kinetic energy. It solves the
+//      friction of sliding points again after the normals: they slide on with mu times the force they have then.
 //
 // Soft contact. A contact of effective mass m that is open by s with speed u gets a spring and damper of
 // frequency w and damping ratio z, integrated implicitly, which an impulse solver writes as

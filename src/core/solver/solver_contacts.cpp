@@ -96,6 +96,8 @@ double SolverContacts::approachIn(const SolverBlock& block, double left) const {
   return approach(left, j.v - i.v, block.reach_i * i.w.norm(), block.reach_j * j.w.norm(), a);
 }
 
+// Contacts with what no impulse moves come last. The last contact of a pass keeps what it asks for, and an earlier one
+// gives way to it: a body pressed against a wall by others is to stay before it, whatever that costs between the others.
 void SolverContacts::find(double now, double left, double h) {
   h_ = h;
   const EffectOverrides& overrides = context_.scene.settings.effects;
@@ -111,6 +113,9 @@ void SolverContacts::find(double now, double left, double h) {
     block.j = slotOf(contact.j);
     block.contact = edge.of;
   }
+  const auto moves = [this](Index s) { return bodies[s].inv_mass > 0.0; };
+  std::stable_partition(blocks.begin(), blocks.end(),
+                        [&](const SolverBlock& block) { return moves(block.i) && moves(block.j); });
   Workers& workers = *context_.step.workers;
   const bool alone = workers.count() == 1;
   const std::size_t parts = Workers::parts(blocks.size(), kBlocksOfAPart);
