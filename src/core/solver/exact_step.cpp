@@ -188,8 +188,11 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     if (known != kNone) all->points[all->matching(point)].feature = SolvedPoint::kPassed;
     point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
     point.force_W.setZero(), point.impulse_W.setZero();
-    law.r_i = point.p_W - step_.poseAt(bodies, contact.i, now_).p_WB;
-    law.r_j = point.p_W - step_.poseAt(bodies, contact.j, now_).p_WB;
+    // One place for both keeps the angular momentum of the two. But the two places part as the bodies slip, and without
+    // friction nothing may turn a ball.
+    const bool rough = law.mu > 0.0;
+    law.r_i = (rough ? point.p_W : p_i) - step_.poseAt(bodies, contact.i, now_).p_WB;
+    law.r_j = (rough ? point.p_W : p_j) - step_.poseAt(bodies, contact.j, now_).p_WB;
     law.impulse.setZero(), law.slide.setZero();
     all->add(point, law);
   }

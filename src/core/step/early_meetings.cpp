@@ -97,6 +97,20 @@ double turned(const Traits& traits, const Pose& from, const Pose& to) {
   return traits.bounding_radius * from.q_WB.angularDistance(to.q_WB);
 }
 
+// How far a body is from where its course has it, m.
+double deviation(const Traits& traits, const Motion& course, double time, const Pose& now) {
+  const Pose expected = course.at(time);
+  return (now.p_WB - expected.p_WB).norm() + turned(traits, expected, now);
+}
+
+// The way of a body from one pose to another, with the acceleration of its course and a constant spin.
+Motion wayAlong(const Motion& course, double t0, const Pose& from, double t1, const Pose& to) {
+  Motion way = Motion::between(t0, from, t1, to);
+  way.a_W = course.a_W;
+  way.twist.v_WB -= 0.5 * (t1 - t0) * course.a_W;
+  return way;
+}
+
 // When two bodies came together on their way to where they are now, at `time`, if they did.
 std::optional<double> timeOfMeeting(const Context& context, const Courses& courses, Index i, Index j,
                                     double time) {
@@ -108,13 +122,15 @@ std::optional<double> timeOfMeeting(const Context& context, const Courses& cours
   const double start = std::max(course_i.t0, course_j.t0);
   const Pose X_i0 = course_i.at(start), X_j0 = course_j.at(start);
   if (late >= -kLate * length) {
+    // What has not left its course met nothing early: that is what the prediction says, and a way is less exact.
+    if (deviation(a, course_i, time, X_i1) + deviation(b, course_j, time, X_j1) <= kLate * length) return {};
     const double seconds = time - start;
     if (!(seconds > 0.0) || turnsFar(a, course_i, seconds) || turnsFar(b, course_j, seconds)) return {};
     const double way = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turned(a, X_i0, X_i1) +
                        turned(b, X_j0, X_j1);
     if (late > way) return {};
-    const auto met = metOnWay(a.shape, Motion::between(start, X_i0, time, X_i1), b.shape,
-                              Motion::between(start, X_j0, time, X_j1), start, time);
+    const auto met = metOnWay(a.shape, wayAlong(course_i, start, X_i0, time, X_i1), b.shape,
+                              wayAlong(course_j, start, X_j0, time, X_j1), start, time);
     return met && met->time > start && met->beyond > kLate * length ? std::optional(met->time) : std::nullopt;
   }
   const double early = gap(a.shape, X_i0, b.shape, X_j0).distance;

@@ -8,7 +8,8 @@
 // steady approach, at
 //   t = t_0 + (t_1 - t_0) s_0/(s_0 - s_1);
 // and where s_0 is no more than rounding, when they are in each other by as little. A thin body may even be through the
-// other, and apart from it again: then t is when the two first touch on straight ways from where they began to where they are.
+// other, and apart from it again: then t is when the two first touch on ways from where they began to where they are, with the
+// acceleration that was expected of them and constant spins.
 // From there the two are predicted anew. What contacts do to them in the little time that is left is little.
 #pragma once
 

@@ -187,10 +187,10 @@ bool isFree(const Context& context, Index i) {
   if (!isAlone(context, i)) return false;
   const Traits& traits = context.scene.bodies.traits[i];
   const StepStore& step = context.step;
-  if (!traits.moved_by_forces() || step.load[i].torque_W.isZero(0.0)) return true;
+  if (!traits.moved_by_forces()) return true;
   const double turn = step.h() * step.h() * step.load[i].torque_W.norm() *
                       context.scene.bodies.inertia[i].inv_moments.maxCoeff();
-  return !step.solver.exact && turn * traits.bounding_radius <= kWide * traits.length;
+  return turn * traits.bounding_radius <= (step.solver.exact ? kTight : kWide) * traits.length;
 }
 
 namespace {

@@ -13,8 +13,8 @@ std::optional<MetOnWay> metOnWay(const Shape& a, const Motion& way_a, const Shap
   if (!time) return {};
   const Pose X_a = way_a.at(*time), X_b = way_b.at(*time);
   const Gap met = gap(a, X_a, b, X_b);
-  const double closing = met.n_W.dot(velocityAt(way_a.twist, met.p_WA - X_a.p_WB) -
-                                     velocityAt(way_b.twist, met.p_WB - X_b.p_WB));
+  const double closing = met.n_W.dot(velocityAt(way_a.twistAt(*time), met.p_WA - X_a.p_WB) -
+                                     velocityAt(way_b.twistAt(*time), met.p_WB - X_b.p_WB));
   return MetOnWay{*time, closing * (to - *time)};
 }
 

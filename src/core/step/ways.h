@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where two bodies met on straight ways: a search for what predictions have not seen, once it is known where bodies went.
+// Where two bodies met on simple ways: a search for what predictions have not seen, once it is known where bodies went.
 #pragma once
 
 #include "dynamics/motion.h"
