@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <sstream>
 
 using namespace rbs;
@@ -191,9 +192,13 @@ Measure rounding(const SceneDef& scene) {
       difference, [open](SceneDef def, SplitMix64& random) { return nudged(std::move(def), open, random); }};
 }
 
+// The last seeds failed where no other of 14,000 did: see early_meetings.cpp, impacts::isFree() and withUnforeseen().
 TEST(Soundness, WhatDetectionLeavesOutDoesNotMatter) {
+  std::vector<std::uint64_t> seeds(kScenes);
+  std::iota(seeds.begin(), seeds.end(), 1u);
+  seeds.insert(seeds.end(), {1071, 2789, 3180, 5088, 6995, 8970, 13185});
   int exact = 0, cut = 0, failures = 0;
-  for (std::uint64_t seed = 1; seed <= kScenes; ++seed) {
+  for (const std::uint64_t seed : seeds) {
     const SceneDef scene = randomScene(seed);
     const Comparison result = compare(scene, forced(scene), rounding(scene));
     exact += result.found == 0.0;
@@ -203,7 +208,7 @@ TEST(Soundness, WhatDetectionLeavesOutDoesNotMatter) {
   }
   EXPECT_EQ(failures, 0);
   EXPECT_LE(cut, kScenes / 10);  // a test whose windows all end early would see nothing
-  std::printf("%d scenes: %d equal bit for bit, %d windows cut short by chaos\n", kScenes, exact, cut);
+  std::printf("%zu scenes: %d equal bit for bit, %d windows cut short by chaos\n", seeds.size(), exact, cut);
 }
 
 // The comparison sees an effect that matters: with drag taken away where there is wind it must fail.

@@ -90,7 +90,7 @@ double deepestOverlap(const World& world) {
 TEST(StruckPlates, AreNotPushedIntoEachOther) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<> off(-1e-13, 1e-13);
-  for (const unsigned seed : {2, 3, 11, 13, 30, 45, 49, 51, 85, 87, 91, 114, 121, 126, 136})
+  for (const unsigned seed : {2, 3, 11, 13, 30, 45, 49, 85, 87, 91, 114, 121, 123, 126, 136})
     for (int start = 0; start < 2; ++start) {
       SceneDef scene = struckPlates(seed);
       if (start > 0)

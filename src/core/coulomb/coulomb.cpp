@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coulomb/coulomb.h"
 
+#include "base/algebra.h"
 #include "coulomb/coulomb_solvers.h"
 
 #include <algorithm>
@@ -23,10 +24,12 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
   double fastest = 0.0;
   for (const CoulombPoint& point : problem.points) {
     if (!point.impulse.isZero(0.0)) return std::numeric_limits<double>::infinity();
-    Vec3 u_W = Vec3::Zero();
-    if (point.j != kNone) u_W += problem.bodies[point.j].v + problem.bodies[point.j].w.cross(point.r_j);
-    if (point.i != kNone) u_W -= problem.bodies[point.i].v + problem.bodies[point.i].w.cross(point.r_i);
-    const double u_n = point.frame.col(2).dot(u_W) + point.drive[2];
+    const auto speedOf = [&](Index body, const Vec3& arm) {
+      if (body == kNone) return 0.0;
+      const Vec3 moment = momentsOf(arm, point.frame, point.axis_W).col(2);
+      return point.frame.col(2).dot(problem.bodies[body].v) + moment.dot(problem.bodies[body].w);
+    };
+    const double u_n = speedOf(point.j, point.r_j) - speedOf(point.i, point.r_i) + point.drive[2];
     if (!std::isfinite(u_n)) return std::numeric_limits<double>::infinity();
     fastest = std::max(fastest, -u_n);
   }

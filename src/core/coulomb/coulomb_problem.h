@@ -41,6 +41,9 @@ struct CoulombPoint {
   /// In the frame, added to the velocity of j against i, m/s: the velocity of a side that is led, the speed
   /// at which an open gap may close (+gap/h along n), restitution.
   Vec3 drive{0.0, 0.0, 0.0};
+  /// Of revolution, of the only body of the point, of length 1: no normal impulse has a moment about it, though the point may
+  /// be one of a few that stand for a rim. Zero: there is none, or two bodies, of which the angular momentum is to stay.
+  Vec3 axis_W{0.0, 0.0, 0.0};
   /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
   /// u_T is. Zero: Coulomb's law decides.
   Eigen::Vector2d slide{0.0, 0.0};

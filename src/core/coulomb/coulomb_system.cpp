@@ -25,12 +25,11 @@ Mat3 solveLower(const Mat3& L, Mat3 B) {
   return B;
 }
 
-Mat36 jacobian(double mass, const Mat3& L, const Vec3& arm, const Mat3& frame, double total_mass) {
-  // u = frame^T (v + w x arm), v = y_v/sqrt(m), w = L^-T y_w.
+Mat36 jacobian(double mass, const Mat3& L, const Mat3& frame, const Mat3& moments, double total_mass) {
+  // u = frame^T v + moments^T w, v = y_v/sqrt(m), w = L^-T y_w.
   Mat36 J;
   J.leftCols<3>() = frame.transpose() / std::sqrt(mass / total_mass);
-  const Mat3 turn = crossMatrix(arm) * frame;  // (frame^T (-[arm]))^T
-  J.rightCols<3>() = solveLower(L, turn).transpose() * std::sqrt(total_mass);
+  J.rightCols<3>() = solveLower(L, moments).transpose() * std::sqrt(total_mass);
   return J;
 }
 
@@ -61,11 +60,13 @@ System::System(const CoulombProblem& problem) {
     if (!body.turns) free_.col(k).tail<3>().setZero();
   }
   // The spin of a body that does not turn is part of what drives its points.
-  const auto jacobianOf = [&](Index body, const Vec3& arm, const Mat3& frame, double sign, Vec3& drive) {
-    Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), arm, frame, total_mass);
+  const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
+                              Vec3& drive) {
+    const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
+    Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), point.frame, moments, total_mass);
     if (!turns_[body]) {
       J.rightCols<3>().setZero();
-      drive += sign * (frame.transpose() * problem.bodies[body].w.cross(arm));
+      drive += sign * (moments.transpose() * problem.bodies[body].w);
     }
     return J;
   };
@@ -76,8 +77,8 @@ System::System(const CoulombProblem& problem) {
     point.J_i.setZero();
     point.J_j.setZero();
     point.drive = given.drive;
-    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given.frame, -1.0, point.drive);
-    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given.frame, 1.0, point.drive);
+    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given, -1.0, point.drive);
+    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given, 1.0, point.drive);
     point.drive /= speed_;
     point.sliding = {given.mu, given.slide};
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
@@ -220,13 +221,13 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     CoulombPoint& point = problem.points[k];
     point.impulse = impulse_ * r.col(k);
-    const Vec3 impulse_W = point.frame * point.impulse;
     const auto apply = [&](Index body, const Vec3& arm, const Vec3& push) {
-      problem.bodies[body].v += push / problem.bodies[body].mass;
-      if (turns_[body]) problem.bodies[body].w += roots_[body].solve(arm.cross(push));
+      problem.bodies[body].v += point.frame * push / problem.bodies[body].mass;
+      if (turns_[body])
+        problem.bodies[body].w += roots_[body].solve(momentsOf(arm, point.frame, point.axis_W) * push);
     };
-    if (point.i != kNone) apply(point.i, point.r_i, -impulse_W);
-    if (point.j != kNone) apply(point.j, point.r_j, impulse_W);
+    if (point.i != kNone) apply(point.i, point.r_i, -point.impulse);
+    if (point.j != kNone) apply(point.j, point.r_j, point.impulse);
   }
   for (std::size_t k = 0; k < couples_.size(); ++k) {
     CoulombCouple& couple = problem.couples[k];

@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t kBundlesOfAPart = 64;  // that a thread takes at a time
 
+constexpr auto setLever = [](auto& turning, const Lanes* d, const auto& row) __attribute__((always_inline)) {
+  cross(d, row.arm_i, turning.lever);
+  cross(row.arm_j, d, turning.lever + 3);
+};
+
 }  // namespace
 
 // Orders the pairs by level, within a level by friction and number of points, and cuts levels into bundles.
@@ -188,23 +193,22 @@ void ContactLanes::refresh(double now, double left) {
 
 // The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay as they are.
 RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
-  const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
-    cross(d, row.arm_i, turning.lever);
-    cross(row.arm_j, d, turning.lever + 3);
-  };
-  for (int k = 0; k < bundle.size; ++k) {
-    NormalRow& row = normal_[bundle.normal + k];
-    setLever(row.turning, bundle.n, row);
-    if (!bundle.rough) continue;
-    setLever(friction_[bundle.friction + k].turning1, bundle.t1, row);
-    setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
+  for (int k = 0; k < bundle.size && bundle.rough; ++k) {
+    const NormalRow& row = normal_[bundle.normal + k];
+    FrictionRow& friction = friction_[bundle.friction + k];
+    setLever(friction.turning1, bundle.t1, row);
+    setLever(friction.turning2, bundle.t2, row);
   }
   findTurns(bundle);
   findMasses(bundle, found);
 }
 
+// How the bodies of a bundle turn now. The normal of a surface of revolution goes through its axis. So a normal impulse has
+// no moment about that axis, though the place of a point may be one of a while ago, or one of a few that stand for a rim.
 RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
-  Lanes inv_i[9], inv_j[9];
+  Lanes inv_i[9], inv_j[9], axis_i[3], axis_j[3];
+  gather(bundle.i, &SolverBody::axis_W, axis_i);
+  gather(bundle.j, &SolverBody::axis_W, axis_j);
   for (int c = 0; c < 9; ++c) {
     const auto of = [c](const SolverBody* body) { return body->inv_inertia_W.data()[c]; };
     inv_i[c] = Lanes{of(bundle.i[0]), of(bundle.i[1]), of(bundle.i[2]), of(bundle.i[3])};
@@ -216,8 +220,17 @@ RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
       dot(inv_j + 3 * c, turning.lever + 3, turning.turn[3 + c]);
     }
   };
+  const auto takeAxisOut = [](const Lanes* axis, Lanes* lever) {
+    Lanes along;
+    dot(axis, lever, along);
+    for (int c = 0; c < 3; ++c) lever[c] -= along * axis[c];
+  };
   for (int k = 0; k < bundle.size; ++k) {
-    setTurn(normal_[bundle.normal + k].turning);
+    NormalRow& row = normal_[bundle.normal + k];
+    setLever(row.turning, bundle.n, row);
+    takeAxisOut(axis_i, row.turning.lever);
+    takeAxisOut(axis_j, row.turning.lever + 3);
+    setTurn(row.turning);
     if (!bundle.rough) continue;
     setTurn(friction_[bundle.friction + k].turning1);
     setTurn(friction_[bundle.friction + k].turning2);

@@ -193,6 +193,7 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     const bool rough = law.mu > 0.0;
     law.r_i = (rough ? point.p_W : p_i) - step_.poseAt(bodies, contact.i, now_).p_WB;
     law.r_j = (rough ? point.p_W : p_j) - step_.poseAt(bodies, contact.j, now_).p_WB;
+    if (law.i == kNone || law.j == kNone) law.axis_W = bodies.axis_W(law.i == kNone ? contact.j : contact.i);
     law.impulse.setZero(), law.slide.setZero();
     all->add(point, law);
   }

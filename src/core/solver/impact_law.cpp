@@ -22,21 +22,33 @@ constexpr int kMostSolves = 60;
 
 struct ImpactPoint {
   Vec3 r_a, r_b;                // from the centres
+  Mat3 m_a, m_b;                // momentsOf() there
   Mat3 W;                       // response in the contact frame, 1/kg
   double closing_in;            // normal velocity before the impact, m/s; negative when closing
   Vec3 velocity_in;             // in the contact frame
   Vec3 impulse = Vec3::Zero();  // in the contact frame
 };
 
-void push(ImpactSide& side, const Vec3& r, const Vec3& impulse_W) {
-  side.twist.v_WB += side.inv_mass * impulse_W;
-  side.twist.w_WB += side.inv_inertia_W * r.cross(impulse_W);
+// The impulse is in the contact frame.
+void push(ImpactSide& side, const Mat3& frame, const Mat3& moments, const Vec3& impulse) {
+  side.twist.v_WB += side.inv_mass * (frame * impulse);
+  side.twist.w_WB += side.inv_inertia_W * (moments * impulse);
 }
 
 // In the contact frame. As a sum of squares it stays positive where r is long and along the normal.
-Mat3 response(const ImpactSide& side, const Vec3& r, const Mat3& frame) {
-  const Mat3 lever = frame.transpose() * crossMatrix(r);
-  return side.inv_mass * Mat3::Identity() + lever * side.inv_inertia_W * lever.transpose();
+Mat3 response(const ImpactSide& side, const Mat3& moments) {
+  return side.inv_mass * Mat3::Identity() + moments.transpose() * side.inv_inertia_W * moments;
+}
+
+// In the contact frame.
+Vec3 velocityOf(const ImpactSide& side, const Mat3& frame, const Mat3& moments) {
+  return frame.transpose() * side.twist.v_WB + moments.transpose() * side.twist.w_WB;
+}
+
+// An axis counts where the other side does not move.
+Vec3 axisOf(const ImpactSide& a, const ImpactSide& b) {
+  if (a.inv_mass > 0.0 && b.inv_mass > 0.0) return Vec3::Zero();
+  return a.inv_mass > 0.0 ? a.axis_W : b.axis_W;
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
@@ -46,14 +58,16 @@ Mat3 response(const ImpactSide& side, const Vec3& r, const Mat3& frame) {
 class Impact {
  public:
   Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
-      : a_(a), b_(b), mu_(friction), size_(manifold.size) {
+      : a_(a), b_(b), axis_W_(axisOf(a, b)), mu_(friction), size_(manifold.size) {
     const auto [t1, t2] = tangents(manifold.n_W);
     frame_ << t1, t2, manifold.n_W;
     for (int k = 0; k < size_; ++k) {
       ImpactPoint& c = points_[k];
       c.r_a = manifold.points[k].p_W - a.p_WB;
       c.r_b = manifold.points[k].p_W - b.p_WB;
-      c.W = response(a, c.r_a, frame_) + response(b, c.r_b, frame_);
+      c.m_a = momentsOf(c.r_a, frame_, axis_W_);
+      c.m_b = momentsOf(c.r_b, frame_, axis_W_);
+      c.W = response(a, c.m_a) + response(b, c.m_b);
       c.velocity_in = relative(a, b, c);
       c.closing_in = c.velocity_in[2];
     }
@@ -73,9 +87,8 @@ class Impact {
         Vec3 q = relative(a, b, c) - c.W * c.impulse;
         q[2] += e * std::min(c.closing_in, 0.0);
         const Vec3 impulse = solveContact(c.W, q, mu_);
-        const Vec3 difference_W = frame_ * (impulse - c.impulse);
-        push(a, c.r_a, -difference_W);
-        push(b, c.r_b, difference_W);
+        push(a, frame_, c.m_a, c.impulse - impulse);
+        push(b, frame_, c.m_b, impulse - c.impulse);
         c.impulse = impulse;
       }
       still = size_ == 1 || isStill(a_before, a, b_before, b, kConverged);
@@ -113,6 +126,7 @@ class Impact {
       point.i = i, point.j = j;
       point.r_i = c.r_a, point.r_j = c.r_b;
       point.frame = frame_;
+      point.axis_W = axis_W_;
       point.mu = mu_;
       Vec3 prescribed_W = Vec3::Zero();
       if (j == kNone) prescribed_W += velocityAt(b_.twist, c.r_b);
@@ -135,7 +149,7 @@ class Impact {
   }
 
   Vec3 relative(const ImpactSide& a, const ImpactSide& b, const ImpactPoint& c) const {
-    return frame_.transpose() * (velocityAt(b.twist, c.r_b) - velocityAt(a.twist, c.r_a));
+    return velocityOf(b, frame_, c.m_b) - velocityOf(a, frame_, c.m_a);
   }
 
   // Whether no point has changed its velocity by more than this share of those it is the difference of.
@@ -153,6 +167,7 @@ class Impact {
   }
 
   const ImpactSide a_, b_;
+  const Vec3 axis_W_;
   double mu_;
   int size_;
   Mat3 frame_;
@@ -163,9 +178,13 @@ class Impact {
 
 double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold) {
   double fastest = 0.0;
+  Mat3 frame;
+  frame << Vec3::Zero(), Vec3::Zero(), manifold.n_W;
+  const Vec3 axis_W = axisOf(a, b);
   for (int k = 0; k < manifold.size; ++k) {
     const Vec3& p = manifold.points[k].p_W;
-    const double u_n = manifold.n_W.dot(velocityAt(b.twist, p - b.p_WB) - velocityAt(a.twist, p - a.p_WB));
+    const double u_n = velocityOf(b, frame, momentsOf(p - b.p_WB, frame, axis_W))[2] -
+                       velocityOf(a, frame, momentsOf(p - a.p_WB, frame, axis_W))[2];
     fastest = std::max(fastest, -u_n);
   }
   return fastest;

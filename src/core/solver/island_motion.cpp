@@ -10,10 +10,12 @@
 namespace rbs {
 
 Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law) {
-  Vec3 u_W = Vec3::Zero();
-  if (law.j != kNone) u_W += bodies[law.j].v + bodies[law.j].w.cross(law.r_j);
-  if (law.i != kNone) u_W -= bodies[law.i].v + bodies[law.i].w.cross(law.r_i);
-  return law.frame.transpose() * u_W + law.drive;
+  const auto of = [&](Index body, const Vec3& arm) -> Vec3 {
+    if (body == kNone) return Vec3::Zero();
+    return law.frame.transpose() * bodies[body].v +
+           momentsOf(arm, law.frame, law.axis_W).transpose() * bodies[body].w;
+  };
+  return of(law.j, law.r_j) - of(law.i, law.r_i) + law.drive;
 }
 
 Vec3 turningAt(const CoulombBodies& bodies, const CoulombCouple& couple) {

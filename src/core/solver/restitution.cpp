@@ -12,9 +12,9 @@ void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint&
   SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
   const Vec3 impulse_W = impulse * block.n;
   i.v -= i.inv_mass * impulse_W;
-  i.w -= i.inv_inertia_W * point.r_i.cross(impulse_W);
+  i.w -= impulse * (i.inv_inertia_W * SolverContacts::normalMoment(i, point.r_i, block.n));
   j.v += j.inv_mass * impulse_W;
-  j.w += j.inv_inertia_W * point.r_j.cross(impulse_W);
+  j.w += impulse * (j.inv_inertia_W * SolverContacts::normalMoment(j, point.r_j, block.n));
 }
 
 // The largest s in [0, 1] with a s² + b s + c <= 0; a >= 0. 0 where there is none.
@@ -48,7 +48,7 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts.points[k];
       if (-block.pair.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
-      const double u_n = block.n.dot(contacts.velocityAt(block, point));
+      const double u_n = contacts.normalVelocityAt(block, point);
       const double impulse = -point.mass_n * (u_n + block.pair.e * point.u_0);
       if (impulse <= 0.0) continue;
       if (before.empty()) before = contacts.bodies;

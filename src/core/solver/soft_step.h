@@ -209,6 +209,7 @@ inline void SoftStep<Kinds...>::integrate() {
       rotateFreely(q_WB, s.w, inertia, h_);
       if ((s.turned - s.turned_axes_at).squaredNorm() > kAxesTurn * kAxesTurn) {
         s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
+        if (!s.axis_W.isZero(0.0)) s.axis_W = q_WB * Vec3::UnitZ();
         s.turned_axes_at = s.turned, s.turned_axes = true;
       }
     }

@@ -57,9 +57,8 @@ SolverContacts::SolverContacts(Context& context, const IslandBatch& batch, Store
 Vec3 surfaceSpin(const Bodies& bodies, Index i, const Vec3& w_WB) {
   const Traits& traits = bodies.traits[i];
   if (traits.round) return Vec3::Zero();
-  if (!traits.revolved) return w_WB;
-  const Vec3 axis = bodies.pose[i].q_WB * Vec3::UnitZ();
-  return w_WB - axis.dot(w_WB) * axis;
+  const Vec3 axis_W = bodies.axis_W(i);
+  return w_WB - axis_W.dot(w_WB) * axis_W;
 }
 
 SolverBody SolverContacts::makeBody(Index i) const {
@@ -74,6 +73,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   s.inv_mass = store.inertia[i].inv_mass;
   s.inv_inertia_W = store.inertia[i].isotropic ? Mat3(store.inertia[i].inv_moments.asDiagonal())
                                                : store.inertia[i].inverseW(store.R_WB(i));
+  s.axis_W = store.axis_W(i);
   s.turned_axes = false;
   s.still = s.inv_mass == 0.0 && s.v.isZero(0.0) && s.w.isZero(0.0);
   s.body = i;
@@ -217,7 +217,7 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.r_j = found.p_W - centre_j;
   point.gap = point.open = found.separation;
   point.feature = found.feature;
-  point.u_0 = block.n.dot(velocityAt(block, point));
+  point.u_0 = normalVelocityAt(block, point);
 }
 
 // A kinematic body that turns carries what touches it along an arc. Its velocity is taken at the point where
@@ -377,7 +377,7 @@ IslandResiduals SolverContacts::residualsOf(const SolverBlock& block) const {
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
     const Vec3 u = velocityAt(block, point);
-    const double u_n = block.n.dot(u);
+    const double u_n = normalVelocityAt(block, point);
     if (point.l_n == 0.0) {
       if (point.open <= 0.0) solved.signorini = std::max(solved.signorini, -u_n / unit);
       continue;

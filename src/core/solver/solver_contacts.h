@@ -18,9 +18,10 @@ struct SolverBody {
   Vec3 moved, turned;   // since the start, m, rad
   Vec3 surface_turned;  // the same of its surface: see surfaceSpin()
   Mat3 inv_inertia_W;
-  Vec3 turned_axes_at;  // `turned` for which inv_inertia_W holds
+  Vec3 axis_W;          // of a body of revolution, of length 1; zero: it is none
+  Vec3 turned_axes_at;  // `turned` for which inv_inertia_W and axis_W hold
   double inv_mass;
-  bool turned_axes;  // inv_inertia_W has changed in this sub-step
+  bool turned_axes;  // these two have changed in this sub-step
   bool still;        // nothing moves it: neither impulses nor a motion of its own
   Index body;
 };
@@ -99,6 +100,22 @@ class SolverContacts {
       u -= i.w.cross(point.r_i);
     }
     return u;
+  }
+  /// The moment of a unit of normal impulse on a body at r from its centre, m: none about an axis of revolution.
+  static Vec3 normalMoment(const SolverBody& s, const Vec3& r, const Vec3& n_W) {
+    const Vec3 moment = r.cross(n_W);
+    return moment - s.axis_W.dot(moment) * s.axis_W;
+  }
+  /// The same velocity along the normal, by these moments.
+  double normalVelocityAt(const SolverBlock& block, const SolverPoint& point) const {
+    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
+    double u_n = 0.0;
+    if (!j.still) u_n = block.n.dot(j.v) + j.w.dot(normalMoment(j, point.r_j, block.n));
+    if (!i.still) {
+      u_n -= block.n.dot(i.v);
+      u_n -= i.w.dot(normalMoment(i, point.r_i, block.n));
+    }
+    return u_n;
   }
   /// The island of the dynamic bodies of a block.
   Index islandOf(const SolverBlock& block) const;

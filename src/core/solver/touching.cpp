@@ -72,6 +72,8 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
       law.i = slots[i], law.j = slots[j];
       law.r_i = found.p_W - X_i.p_WB, law.r_j = found.p_W - X_j.p_WB;
       law.frame << t1, t2, manifold.n_W;
+      if (law.i == kNone) law.axis_W = bodies.axis_W(j);
+      if (law.j == kNone) law.axis_W = bodies.axis_W(i);
       law.mu = pair.mu;
       Vec3 prescribed_W = Vec3::Zero();
       if (law.j == kNone) prescribed_W += velocityAt(twist_j, law.r_j);

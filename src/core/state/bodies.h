@@ -84,6 +84,10 @@ struct Bodies {
   BodyDescription describe(Index i) const;
   BodyDef define(Index i, double time) const;
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+  /// Axis of revolution, of length 1; zero for a sphere, and for a body that has none.
+  Vec3 axis_W(Index i) const {
+    return traits[i].revolved && !traits[i].round ? Vec3(pose[i].q_WB * Vec3::UnitZ()) : Vec3(Vec3::Zero());
+  }
 
  private:
   NameTable by_name_;

@@ -44,6 +44,8 @@ ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double ti
   side.p_WB = pose.p_WB;
   side.inv_mass = bodies.inertia[i].inv_mass;
   side.inv_inertia_W = bodies.inertia[i].inverseW(pose.q_WB.toRotationMatrix());
+  const Traits& traits = bodies.traits[i];
+  if (traits.revolved && !traits.round) side.axis_W = pose.q_WB * Vec3::UnitZ();
   return side;
 }
 
