@@ -18,12 +18,10 @@ inline Mat3 crossMatrix(const Vec3& r) {
   return m;
 }
 
-/// The moments about a centre of unit impulses along the columns (t1, t2, n) of a frame, at r from that centre, m. One along
-/// the normal of a surface of revolution has none about its axis, of length 1: the normal goes through it. Zero: no axis.
-inline Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis) {
-  Mat3 moments = crossMatrix(r) * frame;
-  moments.col(2) -= axis.dot(moments.col(2)) * axis;
-  return moments;
+/// The moment about an axis, of length 1, of a unit impulse along n at r from a centre on that axis, m. 0 where the axis is
+/// zero.
+inline double momentAbout(const Vec3& axis, const Vec3& r, const Vec3& n) {
+  return axis.isZero(0.0) ? 0.0 : axis.dot(r.cross(n));
 }
 
 /// Velocity of a point of a body at r from its centre, m/s.

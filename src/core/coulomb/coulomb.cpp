@@ -26,8 +26,9 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
     if (!point.impulse.isZero(0.0)) return std::numeric_limits<double>::infinity();
     const auto speedOf = [&](Index body, const Vec3& arm) {
       if (body == kNone) return 0.0;
-      const Vec3 moment = momentsOf(arm, point.frame, point.axis_W).col(2);
-      return point.frame.col(2).dot(problem.bodies[body].v) + moment.dot(problem.bodies[body].w);
+      const Vec3 n_W = point.frame.col(2), &w = problem.bodies[body].w;
+      return n_W.dot(problem.bodies[body].v + w.cross(arm)) -
+             momentAbout(point.axis_W, arm, n_W) * point.axis_W.dot(w);
     };
     const double u_n = speedOf(point.j, point.r_j) - speedOf(point.i, point.r_i) + point.drive[2];
     if (!std::isfinite(u_n)) return std::numeric_limits<double>::infinity();

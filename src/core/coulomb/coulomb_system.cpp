@@ -62,7 +62,8 @@ System::System(const CoulombProblem& problem) {
   // The spin of a body that does not turn is part of what drives its points.
   const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
                               Vec3& drive) {
-    const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
+    Mat3 moments = crossMatrix(arm) * point.frame;  // of unit impulses, (frame^T (-[arm]))^T
+    moments.col(2) -= momentAbout(point.axis_W, arm, point.frame.col(2)) * point.axis_W;
     Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), point.frame, moments, total_mass);
     if (!turns_[body]) {
       J.rightCols<3>().setZero();
@@ -221,13 +222,16 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     CoulombPoint& point = problem.points[k];
     point.impulse = impulse_ * r.col(k);
-    const auto apply = [&](Index body, const Vec3& arm, const Vec3& push) {
-      problem.bodies[body].v += point.frame * push / problem.bodies[body].mass;
-      if (turns_[body])
-        problem.bodies[body].w += roots_[body].solve(momentsOf(arm, point.frame, point.axis_W) * push);
+    const Vec3 impulse_W = point.frame * point.impulse;
+    const auto apply = [&](Index body, const Vec3& arm, double sign) {
+      problem.bodies[body].v += sign * impulse_W / problem.bodies[body].mass;
+      if (!turns_[body]) return;
+      const double about = momentAbout(point.axis_W, arm, point.frame.col(2));
+      const Vec3 moment_W = arm.cross(impulse_W) - about * point.impulse[2] * point.axis_W;
+      problem.bodies[body].w += sign * roots_[body].solve(moment_W);
     };
-    if (point.i != kNone) apply(point.i, point.r_i, -point.impulse);
-    if (point.j != kNone) apply(point.j, point.r_j, point.impulse);
+    if (point.i != kNone) apply(point.i, point.r_i, -1.0);
+    if (point.j != kNone) apply(point.j, point.r_j, 1.0);
   }
   for (std::size_t k = 0; k < couples_.size(); ++k) {
     CoulombCouple& couple = problem.couples[k];

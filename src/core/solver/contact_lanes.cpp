@@ -15,11 +15,6 @@ namespace {
 
 constexpr std::size_t kBundlesOfAPart = 64;  // that a thread takes at a time
 
-constexpr auto setLever = [](auto& turning, const Lanes* d, const auto& row) __attribute__((always_inline)) {
-  cross(d, row.arm_i, turning.lever);
-  cross(row.arm_j, d, turning.lever + 3);
-};
-
 }  // namespace
 
 // Orders the pairs by level, within a level by friction and number of points, and cuts levels into bundles.
@@ -193,22 +188,48 @@ void ContactLanes::refresh(double now, double left) {
 
 // The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay as they are.
 RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
-  for (int k = 0; k < bundle.size && bundle.rough; ++k) {
-    const NormalRow& row = normal_[bundle.normal + k];
-    FrictionRow& friction = friction_[bundle.friction + k];
-    setLever(friction.turning1, bundle.t1, row);
-    setLever(friction.turning2, bundle.t2, row);
+  const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
+    cross(d, row.arm_i, turning.lever);
+    cross(row.arm_j, d, turning.lever + 3);
+  };
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    setLever(row.turning, bundle.n, row);
+    if (!bundle.rough) continue;
+    setLever(friction_[bundle.friction + k].turning1, bundle.t1, row);
+    setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
   }
   findTurns(bundle);
   findMasses(bundle, found);
 }
 
-// How the bodies of a bundle turn now. The normal of a surface of revolution goes through its axis. So a normal impulse has
-// no moment about that axis, though the place of a point may be one of a while ago, or one of a few that stand for a rim.
-RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
-  Lanes inv_i[9], inv_j[9], axis_i[3], axis_j[3];
+// The normal of a surface of revolution goes through its axis. So a normal impulse has no moment about that axis, though the
+// place of a point may be one of a while ago, or one of a few that stand for a rim.
+RBS_WIDE void ContactLanes::leaveAxesOut(const Bundle& bundle) {
+  Lanes axis_i[3], axis_j[3];
   gather(bundle.i, &SolverBody::axis_W, axis_i);
   gather(bundle.j, &SolverBody::axis_W, axis_j);
+  const auto leaveOut = [](const Lanes* axis, Lanes* lever) {
+    Lanes along;
+    dot(axis, lever, along);
+    for (int c = 0; c < 3; ++c) lever[c] -= along * axis[c];
+  };
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    cross(bundle.n, row.arm_i, row.turning.lever);
+    cross(row.arm_j, bundle.n, row.turning.lever + 3);
+    leaveOut(axis_i, row.turning.lever);
+    leaveOut(axis_j, row.turning.lever + 3);
+  }
+}
+
+// How the bodies of a bundle turn as they lie now.
+RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
+  const auto hasAxis = [](const SolverBody* body) { return !body->axis_W.isZero(0.0); };
+  if (std::any_of(bundle.i.begin(), bundle.i.end(), hasAxis) ||
+      std::any_of(bundle.j.begin(), bundle.j.end(), hasAxis))
+    leaveAxesOut(bundle);
+  Lanes inv_i[9], inv_j[9];
   for (int c = 0; c < 9; ++c) {
     const auto of = [c](const SolverBody* body) { return body->inv_inertia_W.data()[c]; };
     inv_i[c] = Lanes{of(bundle.i[0]), of(bundle.i[1]), of(bundle.i[2]), of(bundle.i[3])};
@@ -220,17 +241,8 @@ RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
       dot(inv_j + 3 * c, turning.lever + 3, turning.turn[3 + c]);
     }
   };
-  const auto takeAxisOut = [](const Lanes* axis, Lanes* lever) {
-    Lanes along;
-    dot(axis, lever, along);
-    for (int c = 0; c < 3; ++c) lever[c] -= along * axis[c];
-  };
   for (int k = 0; k < bundle.size; ++k) {
-    NormalRow& row = normal_[bundle.normal + k];
-    setLever(row.turning, bundle.n, row);
-    takeAxisOut(axis_i, row.turning.lever);
-    takeAxisOut(axis_j, row.turning.lever + 3);
-    setTurn(row.turning);
+    setTurn(normal_[bundle.normal + k].turning);
     if (!bundle.rough) continue;
     setTurn(friction_[bundle.friction + k].turning1);
     setTurn(friction_[bundle.friction + k].turning2);

@@ -127,6 +127,7 @@ class ContactLanes {
   void giveBackBlock(Index block);
   void findRows(const Bundle& bundle, const std::array<bool, kLanes>& found);
   void findTurns(const Bundle& bundle);
+  void leaveAxesOut(const Bundle& bundle);
   void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
   /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
   void forBundles(const std::function<void(std::size_t begin, std::size_t end)>& body);

@@ -50,16 +50,18 @@ const char* nameOf(CoulombSolver solver) {
   return "admm";
 }
 
-// Adds an impulse, in the frame, on the second side of a point, and its opposite on the first.
-void push(CoulombBodies& bodies, const CoulombPoint& law, const Vec3& impulse) {
-  const auto give = [&](Index body, const Vec3& arm, const Vec3& part) {
+// Adds an impulse on the second side of a point, and its opposite on the first.
+void push(CoulombBodies& bodies, const CoulombPoint& law, const Vec3& impulse_W) {
+  const auto give = [&](Index body, const Vec3& arm, const Vec3& part_W) {
     if (body == kNone) return;
     CoulombBody& b = bodies[body];
-    b.v += law.frame * part / b.mass;
-    if (b.turns) b.w += b.inertia_W.llt().solve(momentsOf(arm, law.frame, law.axis_W) * part);
+    const Vec3 n_W = law.frame.col(2);
+    b.v += part_W / b.mass;
+    const Vec3 about_axis_W = momentAbout(law.axis_W, arm, n_W) * n_W.dot(part_W) * law.axis_W;
+    if (b.turns) b.w += b.inertia_W.llt().solve(arm.cross(part_W) - about_axis_W);
   };
-  give(law.i, law.r_i, -impulse);
-  give(law.j, law.r_j, impulse);
+  give(law.i, law.r_i, -impulse_W);
+  give(law.j, law.r_j, impulse_W);
 }
 
 // The fastest of the points of a problem, on either side, m/s.
@@ -290,8 +292,7 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
   if (result.solver == CoulombSolver::WarmStart) return 0.0;
   CoulombBodies guessed = solved;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    push(guessed, laws[k],
-         seconds * (laws[k].frame.transpose() * touching.points[k].force_W) - laws[k].impulse);
+    push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
   double wrong = 0.0, mended = 0.0;
   for (const CoulombPoint& law : laws) {
     if (!(law.impulse[2] > 0.0)) continue;

@@ -29,6 +29,13 @@ struct ImpactPoint {
   Vec3 impulse = Vec3::Zero();  // in the contact frame
 };
 
+// The moments of unit impulses along the columns of the contact frame.
+Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis_W) {
+  Mat3 moments = crossMatrix(r) * frame;
+  moments.col(2) -= momentAbout(axis_W, r, frame.col(2)) * axis_W;
+  return moments;
+}
+
 // The impulse is in the contact frame.
 void push(ImpactSide& side, const Mat3& frame, const Mat3& moments, const Vec3& impulse) {
   side.twist.v_WB += side.inv_mass * (frame * impulse);
@@ -178,13 +185,14 @@ class Impact {
 
 double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold) {
   double fastest = 0.0;
-  Mat3 frame;
-  frame << Vec3::Zero(), Vec3::Zero(), manifold.n_W;
   const Vec3 axis_W = axisOf(a, b);
+  const auto speedOf = [&](const ImpactSide& side, const Vec3& r) {
+    return manifold.n_W.dot(velocityAt(side.twist, r)) -
+           momentAbout(axis_W, r, manifold.n_W) * axis_W.dot(side.twist.w_WB);
+  };
   for (int k = 0; k < manifold.size; ++k) {
     const Vec3& p = manifold.points[k].p_W;
-    const double u_n = velocityOf(b, frame, momentsOf(p - b.p_WB, frame, axis_W))[2] -
-                       velocityOf(a, frame, momentsOf(p - a.p_WB, frame, axis_W))[2];
+    const double u_n = speedOf(b, p - b.p_WB) - speedOf(a, p - a.p_WB);
     fastest = std::max(fastest, -u_n);
   }
   return fastest;

@@ -10,12 +10,17 @@
 namespace rbs {
 
 Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law) {
-  const auto of = [&](Index body, const Vec3& arm) -> Vec3 {
-    if (body == kNone) return Vec3::Zero();
-    return law.frame.transpose() * bodies[body].v +
-           momentsOf(arm, law.frame, law.axis_W).transpose() * bodies[body].w;
+  Vec3 u_W = Vec3::Zero();
+  double about_axis = 0.0;
+  const auto add = [&](Index body, const Vec3& arm, double sign) {
+    if (body == kNone) return;
+    const CoulombBody& b = bodies[body];
+    u_W += sign * (b.v + b.w.cross(arm));
+    about_axis += sign * momentAbout(law.axis_W, arm, law.frame.col(2)) * law.axis_W.dot(b.w);
   };
-  return of(law.j, law.r_j) - of(law.i, law.r_i) + law.drive;
+  add(law.j, law.r_j, 1.0);
+  add(law.i, law.r_i, -1.0);
+  return law.frame.transpose() * u_W + law.drive - Vec3(0.0, 0.0, about_axis);
 }
 
 Vec3 turningAt(const CoulombBodies& bodies, const CoulombCouple& couple) {

@@ -3,6 +3,7 @@
 // step and the next one know of it. Shared by the methods that solve contacts by impulses.
 #pragma once
 
+#include "base/algebra.h"
 #include "narrowphase/manifold.h"
 #include "solver/contact_preparation.h"
 #include "solver/methods.h"
@@ -103,8 +104,7 @@ class SolverContacts {
   }
   /// The moment of a unit of normal impulse on a body at r from its centre, m: none about an axis of revolution.
   static Vec3 normalMoment(const SolverBody& s, const Vec3& r, const Vec3& n_W) {
-    const Vec3 moment = r.cross(n_W);
-    return moment - s.axis_W.dot(moment) * s.axis_W;
+    return r.cross(n_W) - momentAbout(s.axis_W, r, n_W) * s.axis_W;
   }
   /// The same velocity along the normal, by these moments.
   double normalVelocityAt(const SolverBlock& block, const SolverPoint& point) const {
