@@ -7,6 +7,7 @@
 namespace rbs {
 
 std::string lengthText(double metres) {
+  if (metres == 0.0) return "0";
   struct Unit {
     double metres;
     const char* name;

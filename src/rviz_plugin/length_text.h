@@ -6,7 +6,7 @@
 
 namespace rbs {
 
-/// A length with three digits that count, in the unit that suits it: "20 mm". `metres` >= 0.
+/// A length with three digits that count, in the unit that suits it: "20 mm"; "0" for none. `metres` >= 0.
 std::string lengthText(double metres);
 
 }  // namespace rbs

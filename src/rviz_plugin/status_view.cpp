@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "status_view.h"
 
+#include "length_text.h"
+
 namespace rbs {
 namespace {
 
@@ -10,13 +12,6 @@ QString speedInWords(const rigid_body_sim::Status& status) {
   if (status.steps_left > 0) return QString("%1 steps to go").arg(status.steps_left);
   if (status.paused) return "paused, " + requested;
   return QString::number(status.achieved_speed, 'g', 2) + " of " + requested;
-}
-
-/// A length that is small beside the bodies.
-QString smallLength(double metres) {
-  if (metres == 0.0) return "0";
-  return metres < 1e-3 ? QString::number(1e6 * metres, 'g', 3) + " µm"
-                       : QString::number(1e3 * metres, 'g', 3) + " mm";
 }
 
 QString lossInWords(const rigid_body_sim::Status& status) {
@@ -69,7 +64,7 @@ void StatusView::show(const rigid_body_sim::Status& status) {
   contacts_->setText(QString::number(status.contacts));
   energy_->setText(QString::number(energy, 'g', 5) + " J");
   impacts_->setText(QString::number(status.impacts));
-  deepest_->setText(smallLength(status.deepest_penetration));
+  deepest_->setText(QString::fromStdString(lengthText(status.deepest_penetration)));
   slow_->setText(status.bottleneck.empty() ? "–" : QString::fromStdString(status.bottleneck));
   slow_->setToolTip(lossInWords(status));
   step_time_->setText(QString::number(1e3 * status.step_seconds, 'f', 3) + " ms");

@@ -287,7 +287,8 @@ TEST(LengthText, HasTheUnitThatSuits) {
   EXPECT_EQ(lengthText(static_cast<double>(1e-3f)), "1 mm");
   EXPECT_EQ(lengthText(1e-6), "1 µm");
   EXPECT_EQ(lengthText(1e-9), "1 nm");
-  EXPECT_EQ(lengthText(0.0), "0 nm");
+  EXPECT_EQ(lengthText(0.0), "0");
+  EXPECT_EQ(lengthText(2.8e-11), "0.028 nm");
   EXPECT_EQ(lengthText(2500.0), "2.5 km");
   EXPECT_EQ(lengthText(0.99951), "1 m");
 }

@@ -24,12 +24,11 @@ struct Softness {
 };
 
 class ContactLanes {
-  /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others.
+  /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others. Along a normal
+  /// both are without their parts along an axis of revolution.
   struct Turning {
-    Lanes lever
-        [6];  // (-r_i x d, r_j x d), m, for a normal without its part along an axis of revolution: by it angular
-              // velocities make a speed along d
-    Lanes turn[6];  // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
+    Lanes lever[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
+    Lanes turn[6];   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
   };
   /// Along the normal. Mass, arms and impulse are zero in lanes without such a point: nothing happens there.
   struct NormalRow {

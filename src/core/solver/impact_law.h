@@ -15,8 +15,8 @@ struct ImpactSide {
   Twist twist;  ///< changed by collideBodies()
   double inv_mass = 0.0;
   Mat3 inv_inertia_W = Mat3::Zero();
-  Vec3 axis_W =
-      Vec3::Zero();  ///< of revolution, as in CoulombPoint where the other side does not move; zero: none
+  /// Of revolution, of length 1; it counts where the other side does not move. Zero: none.
+  Vec3 axis_W = Vec3::Zero();
 };
 
 /// Largest speed at which a point of the manifold closes, m/s; <= 0 when none does.
