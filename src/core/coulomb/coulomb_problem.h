@@ -14,6 +14,7 @@
 // in the same sense: each does what ends the turning, or dissipates all it can.
 #pragma once
 
+#include "base/algebra.h"
 #include "base/index.h"
 #include "base/solve_budget.h"
 #include "rigid_body_sim/types.h"
@@ -68,6 +69,14 @@ struct CoulombCouple {
   /// In the frame, L/R on j, N s. In: a guess. Out: the solution.
   Vec3 impulse{0.0, 0.0, 0.0};
 };
+
+/// The moments about a centre of unit impulses along the columns of a frame, at r from that centre, m; `axis_W` as in
+/// CoulombPoint.
+inline Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis_W) {
+  Mat3 moments = crossMatrix(r) * frame;
+  moments.col(2) -= momentAbout(axis_W, r, frame.col(2)) * axis_W;
+  return moments;
+}
 
 struct CoulombProblem {
   std::vector<CoulombBody> bodies;

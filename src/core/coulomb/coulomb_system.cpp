@@ -62,8 +62,7 @@ System::System(const CoulombProblem& problem) {
   // The spin of a body that does not turn is part of what drives its points.
   const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
                               Vec3& drive) {
-    Mat3 moments = crossMatrix(arm) * point.frame;  // of unit impulses, (frame^T (-[arm]))^T
-    moments.col(2) -= momentAbout(point.axis_W, arm, point.frame.col(2)) * point.axis_W;
+    const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
     Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), point.frame, moments, total_mass);
     if (!turns_[body]) {
       J.rightCols<3>().setZero();

@@ -29,13 +29,6 @@ struct ImpactPoint {
   Vec3 impulse = Vec3::Zero();  // in the contact frame
 };
 
-// The moments of unit impulses along the columns of the contact frame.
-Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis_W) {
-  Mat3 moments = crossMatrix(r) * frame;
-  moments.col(2) -= momentAbout(axis_W, r, frame.col(2)) * axis_W;
-  return moments;
-}
-
 // The impulse is in the contact frame.
 void push(ImpactSide& side, const Mat3& frame, const Mat3& moments, const Vec3& impulse) {
   side.twist.v_WB += side.inv_mass * (frame * impulse);
