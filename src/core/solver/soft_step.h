@@ -207,11 +207,12 @@ inline void SoftStep<Kinds...>::integrate() {
       q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
     } else {
       rotateFreely(q_WB, s.w, inertia, h_);
-      if ((s.turned - s.turned_axes_at).squaredNorm() > kAxesTurn * kAxesTurn) {
-        s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
-        if (!s.axis_W.isZero(0.0)) s.axis_W = q_WB * Vec3::UnitZ();
-        s.turned_axes_at = s.turned, s.turned_axes = true;
-      }
+    }
+    const bool has_axes = !inertia.isotropic || !s.axis_W.isZero(0.0);
+    if (has_axes && (s.turned - s.turned_axes_at).squaredNorm() > kAxesTurn * kAxesTurn) {
+      if (!inertia.isotropic) s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());
+      if (!s.axis_W.isZero(0.0)) s.axis_W = q_WB * Vec3::UnitZ();
+      s.turned_axes_at = s.turned, s.turned_axes = true;
     }
   }
   lanes_.follow();
