@@ -97,5 +97,94 @@ TEST(Squeeze, ElasticBodiesEndTheirReboundsByCount) {
   }
 }
 
+// How far a body goes from where it is at most within half a second, in sizes.
+double farthest(World& world, const std::string& name, double size) {
+  const Vec3 start = stateOf(world, name).pose.p_WB;
+  double way = 0.0;
+  for (int k = 0; k * world.scene().step < 0.5; ++k) {
+    world.step();
+    way = std::max(way, (stateOf(world, name).pose.p_WB - start).norm());
+  }
+  return way / size;
+}
+
+// A box on the floor, and a lid that nothing moves and that overlaps it: there is no place for it. It stays where it is, give or
+// take its overlap.
+TEST(Squeeze, WhatHasNoPlaceStays) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double step : {1.0 / 60.0, 1.0 / 240.0})
+      for (const double size : {0.02, 1.0})
+        for (const double overlap : {1e-8, 1e-5, 1e-3})
+          for (const double shift : {0.0, 0.1, 0.5}) {
+            SceneDef scene = onFloor(step, 0.6);
+            scene.fidelity = fidelity;
+            scene.bodies.push_back(box("body", {size, size, 0.5 * size}, {0.0, 0.0, 0.25 * size}));
+            scene.bodies.push_back(
+                box("lid", {size, size, 0.5 * size}, {shift * size, 0.0, (0.75 - overlap) * size}));
+            scene.bodies.back().kind = BodyKind::Static;
+            World world(ordered(scene));
+            const double sag = 0.15 * kGravity * step * step / size;  // of soft contacts
+            EXPECT_LE(farthest(world, "body", size), 2.0 * overlap + sag)
+                << fidelityName(fidelity) << ", size " << size << ", overlap " << overlap << ", shift "
+                << shift;
+          }
+}
+
+// A pusher presses a box against a wall, a little too far, and stops.
+TEST(Squeeze, AClampDoesNotThrow) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double size : {0.02, 0.1})
+      for (const double speed : {0.01, 0.3})
+        for (const double beyond : {0.0, 1e-5, 1e-3})
+          for (const double aside : {0.0, 0.2}) {
+            SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+            scene.fidelity = fidelity;
+            scene.bodies.push_back(box("wall", {size, 3.0 * size, 2.0 * size}, {size, 0.0, size}));
+            scene.bodies.back().kind = BodyKind::Static;
+            scene.bodies.push_back(box("body", Vec3::Constant(size), {-0.01 * size, 0.0, 0.5 * size}));
+            scene.bodies.push_back(
+                box("pusher", {size, 0.5 * size, 0.5 * size}, {-1.02 * size, aside * size, 0.5 * size}));
+            const double way = (0.02 + beyond) * size;
+            const int steps = std::max(1, static_cast<int>(std::lround(way / speed / scene.step)));
+            scene.bodies.back().kind = BodyKind::Kinematic;
+            scene.bodies.back().twist.v_WB.x() = way / (steps * scene.step);
+            World world(ordered(scene));
+            for (int k = 0; k < steps; ++k) world.step();
+            BodyEdit stop;
+            stop.twist = Twist();
+            world.editBody(world.find("pusher"), stop);
+            EXPECT_LE(farthest(world, "body", size), 0.05)
+                << fidelityName(fidelity) << ", size " << size << ", " << speed << " m/s, beyond " << beyond;
+          }
+}
+
+// Boxes on each other at rest, and the upper one is made static, or kinematic and pressed down by 50 um. What soft contacts have
+// let sink overlaps it then.
+TEST(Squeeze, WhatIsFrozenAboveThrowsNothing) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double size : {0.02, 0.1, 1.0})
+      for (const double shift : {0.0, 0.1})
+        for (const bool presses : {false, true}) {
+          SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+          scene.fidelity = fidelity;
+          for (int k = 0; k < 3; ++k)
+            scene.bodies.push_back(box("box_" + std::to_string(k), {size, size, 0.5 * size},
+                                       {k % 2 ? shift * size : 0.0, 0.0, (0.25 + 0.5 * k) * size}));
+          World world(ordered(scene));
+          advance(world, 1.0);
+          BodyEdit freeze;
+          freeze.kind = presses ? BodyKind::Kinematic : BodyKind::Static;
+          if (presses) freeze.twist = Twist{{0.0, 0.0, -1e-3}, Vec3::Zero()};
+          world.editBody(world.find("box_2"), freeze);
+          for (int k = 0; k < 3; ++k) world.step();
+          BodyEdit stop;
+          stop.twist = Twist();
+          if (presses) world.editBody(world.find("box_2"), stop);
+          for (const char* name : {"box_0", "box_1"})
+            EXPECT_LE(farthest(world, name, size), 0.02)
+                << name << " at " << fidelityName(fidelity) << ", size " << size << ", shift " << shift;
+        }
+}
+
 }  // namespace
 }  // namespace rbs::test

@@ -144,5 +144,132 @@ TEST(Standing, ALightBallUnderAHeavyBlockIsNotSquirtedOut) {
   }
 }
 
+// The largest way of a body as seen from the carrier, which began at the origin and moves on with its twist, m.
+double wayOnCarrier(const SceneDef& scene, const Twist& carrier, double seconds) {
+  World world(ordered(scene));
+  const Snapshot start = world.snapshot();
+  advance(world, seconds);
+  const Snapshot end = world.snapshot();
+  const Quat turned = about(carrier.w_WB.norm() > 0.0 ? Vec3(carrier.w_WB.normalized()) : Vec3(Vec3::UnitZ()),
+                            carrier.w_WB.norm() * world.time());
+  double way = 0.0;
+  for (std::size_t k = 0; k < end.states.size(); ++k) {
+    const Vec3 wanted = turned * start.states[k].pose.p_WB + world.time() * carrier.v_WB;
+    way = std::max(way, (end.states[k].pose.p_WB - wanted).norm());
+  }
+  return way;
+}
+
+// A train, a lift, and a turntable so slow that nothing slides: what stands on the ground stands there. So high stacks and so
+// unequal masses need the exact step.
+TEST(Standing, WhatStandsOnTheGroundStandsOnACarrier) {
+  for (const double step : {1.0 / 30.0, kStep})
+    for (const Twist& carrier : {Twist{{0.2, 0.1, 0.0}, Vec3::Zero()}, Twist{{3.0, -1.0, 0.0}, Vec3::Zero()},
+                                 Twist{{0.0, 0.0, 1.0}, Vec3::Zero()}, Twist{Vec3::Zero(), {0.0, 0.0, 0.1}}})
+      for (const int boxes : {2, 20}) {
+        SceneDef scene;
+        scene.step = step;
+        scene.bodies.push_back(box("carrier", {6.0, 6.0, 0.2}, {0.0, 0.0, -0.1}));
+        scene.bodies[0].kind = BodyKind::Kinematic;
+        for (int k = 0; k < boxes; ++k) {
+          scene.bodies.push_back(box("", Vec3::Constant(0.2), {2.0, 0.0, 0.1 + 0.2 * k}));
+          if (boxes == 2) scene.bodies.back().mass = k == 0 ? 1.0 : 100.0;
+        }
+        for (BodyDef& def : scene.bodies) {
+          def.material.friction = 0.6;
+          def.twist.w_WB = carrier.w_WB;
+          def.twist.v_WB = carrier.v_WB + carrier.w_WB.cross(def.pose.p_WB);
+        }
+        for (const Fidelity setting : kSettings) {
+          scene.fidelity = setting;
+          EXPECT_LE(wayOnCarrier(scene, carrier, 3.0), 2e-6)
+              << boxes << " at " << fidelityName(setting) << ", v " << carrier.v_WB.transpose();
+        }
+      }
+}
+
+// Two boxes at rest, and a heavy one is put on them, or one of three becomes heavy or light.
+TEST(Standing, AnEditOfMassesMovesNothing) {
+  for (const double step : {1.0 / 30.0, kStep, 1.0 / 120.0})
+    for (const double ratio : {10.0, 100.0, 1e3, 1e4})
+      for (const std::string& edit : {"added", "heavy", "light"}) {
+        SceneDef scene = onFloor(step, 0.6);
+        for (int k = 0; k < (edit == "added" ? 2 : 3); ++k)
+          scene.bodies.push_back(box("box_" + std::to_string(k), {0.4, 0.4, 0.2}, {0.0, 0.0, 0.1 + 0.2 * k}));
+        for (BodyDef& def : scene.bodies)
+          if (def.kind == BodyKind::Dynamic) def.mass = edit == "light" ? ratio : 1.0;
+        World world(ordered(scene));
+        advance(world, 1.0);
+        BodyDef heavy = box("box_2", {0.4, 0.4, 0.2}, {0.0, 0.0, 0.5});
+        heavy.mass = ratio;
+        heavy.material.friction = 0.6;
+        if (edit == "added") world.addBody(heavy);
+        BodyEdit mass;
+        mass.mass = edit == "heavy" ? ratio : 1.0;
+        if (edit != "added") world.editBody(world.find(edit == "heavy" ? "box_2" : "box_0"), mass);
+        for (int k = 0; k < 100; ++k) {
+          world.step();
+          for (int body = 0; body < 3; ++body)
+            ASSERT_NEAR(stateOf(world, "box_" + std::to_string(body)).pose.p_WB.z(), 0.1 + 0.2 * body, 2e-3)
+                << edit << " 1 : " << ratio << " at a step of " << step;
+        }
+      }
+}
+
+// A cylinder or capsule of 20 to 500 mm that lies on two edges as on rails, with and without friction. A slot that is nearly as
+// wide as the body wedges it, so that only small steps hold it at the fast settings.
+TEST(Standing, RoundBodiesRestOnTwoEdges) {
+  for (const Fidelity setting :
+       {Fidelity::Preview, Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
+    for (const double step : {kStep, 1.0 / 240.0})
+      for (const double friction : {0.0, 0.6})
+        for (const bool is_capsule : {false, true})
+          for (const double size : {0.02, 0.1, 0.5})
+            for (const double slot : {0.3, 0.5, 0.7}) {
+              const double radius = 0.5 * size, half = 0.5 * slot * size;
+              const double height = std::sqrt(radius * radius - half * half);
+              SceneDef scene;
+              scene.step = step;
+              scene.fidelity = setting;
+              for (const double side : {-1.0, 1.0}) {
+                scene.bodies.push_back(
+                    box("", {size, 3.0 * size, size}, {side * (half + radius), 0.0, -radius}));
+                scene.bodies.back().kind = BodyKind::Static;
+              }
+              const Shape shape = is_capsule ? Shape(Capsule{radius, size}) : Shape(Cylinder{radius, size});
+              scene.bodies.push_back(body("log", shape, {0.0, 0.0, height}));
+              scene.bodies.back().pose.q_WB = about(Vec3::UnitX(), 0.5 * kPi);
+              for (BodyDef& def : scene.bodies) def.material.friction = friction;
+              World world(ordered(scene));
+              advance(world, 2.0);
+              const std::string what = std::string(fidelityName(setting)) +
+                                       (is_capsule ? ", capsule" : ", cylinder") + " of " +
+                                       std::to_string(size) + ", slot " + std::to_string(slot);
+              EXPECT_NEAR(stateOf(world, "log").pose.p_WB.z(), height, 0.12 * height) << what;
+              EXPECT_LE(stateOf(world, "log").twist.v_WB.norm(), 1e-4) << what;
+            }
+}
+
+// A log or a ball that lies on a free cube, over its middle or beside it, does not roll off by itself.
+TEST(Standing, RoundBodiesLieOnAFreeCube) {
+  for (const double step : {kStep, 1.0 / 120.0})
+    for (const double size : {0.01, 0.1})
+      for (const double aside : {0.0, 0.1}) {
+        const double radius = 0.4 * size;
+        for (const Shape& shape :
+             {Shape(Sphere{radius}), Shape(Capsule{radius, 0.5 * size}), Shape(Cylinder{radius, 0.8 * size})})
+          for (const Fidelity setting : kSettings) {
+            SceneDef scene = onFloor(step, 0.6);
+            scene.fidelity = setting;
+            scene.bodies.push_back(box("cube", Vec3::Constant(size), {0.0, 0.0, 0.5 * size}));
+            scene.bodies.push_back(body("log", shape, {aside * size, 0.0, size + radius}));
+            scene.bodies.back().pose.q_WB = about(Vec3::UnitX(), 0.5 * kPi);
+            for (BodyDef& def : scene.bodies) def.material.friction = 0.6;
+            EXPECT_LE(wayIn(scene, 4.0), 1e-3 * size) << fidelityName(setting) << ", size " << size
+                                                      << ", aside " << aside << ", shape " << shape.index();
+          }
+      }
+}
+
 }  // namespace
 }  // namespace rbs::test

@@ -18,6 +18,10 @@ namespace {
 constexpr double kWarmStart = 10.0;
 // A residual from which Newton's method needs no better start.
 constexpr double kNearlySolved = 1e-3;
+// A guess that misses by more than this is worth a try of Newton's method with so many points at most: with more, some change
+// their state whatever the method does.
+constexpr double kWorthATry = 2e-2;
+constexpr std::size_t kFewPoints = 8;
 
 // How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
 double closingWithoutImpulses(const CoulombProblem& problem) {
@@ -99,8 +103,9 @@ Answer admmFromBest(const Case& at, double tolerance, int cap) {
 // every digit is asked.
 constexpr Attempt kAttempts[] = {
     // Loads that changed in size only.
-    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_warm; }, &Case::aim,
-     &Case::target, 5, 0},
+    {CoulombSolver::Newton, newtonFromGuess,
+     [](const Case& at) { return at.is_warm && (at.size <= kFewPoints || at.best.within(kWorthATry)); },
+     &Case::aim, &Case::target, 8, 0},
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::aim,
      &Case::target, 100, 10},
     {CoulombSolver::Newton, newtonFromRest, [](const Case& at) { return at.system.free().cols() <= 4; },

@@ -36,9 +36,12 @@ constexpr double kMostStiffness = 1e10;
 constexpr double kLeastStiffness = 1e-2;
 constexpr double kMostGrowth = 10.0, kLeastGrowth = 2.0;  // of the stiffness from one round to the next
 constexpr double kHardlyLess = 0.5;                       // of what the last round has left
-constexpr double kCutShort = 0.05;                        // a part of a step at which its round ends
-constexpr int kMostSteps = 10;                            // of Newton in a round
-constexpr int kMostHalvings = 8;                          // of a step
+// Over the best residual: a stiffness at which rho u is a small part of usual impulses, which make velocities of the order of 1, so
+// that most points keep the state that the best impulses give them.
+constexpr double kTrust = 0.03;
+constexpr double kCutShort = 0.05;  // a part of a step at which its round ends
+constexpr int kMostSteps = 10;      // of Newton in a round
+constexpr int kMostHalvings = 8;    // of a step
 
 class Round {
  public:
@@ -147,7 +150,7 @@ Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, dou
       if (now <= tolerance || (now <= enough && now > kHardlyLess * last)) break;
     }
     if (!found) {
-      stiffness *= 0.1;
+      stiffness = std::min(0.1 * stiffness, std::max(kTrust / best.residuals.beyond_rounding, 1.0));
       growth = std::max(std::sqrt(growth), kLeastGrowth);
       if (now >= last) continue;
     } else if (now > 0.1 * last) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kRim = 8;
 // Tilts, rad, from which a disc stands on one point of its rim, and from which it rolls on it.
-constexpr double kTilted = 0.05, kRolls = 0.1;
+constexpr double kTilted = 0.01, kRolls = 0.02;
 
 // The direction across the z axis in which d points; x where it points along z.
 Eigen::Vector2d acrossAxis(const Vec3& d) {

@@ -4,8 +4,9 @@
 // through it along n meets the facets. The two are treated alike, so that it does not matter whose face is
 // better aligned, and nothing flickers when that changes. A facet on which an edge or a corner of the other
 // rests leaves the margin soon, so that an edge keeps its two ends and a corner its one point without being
-// told apart. Where n is the normal of neither, edges or corners meet: then the highest edge stands for a
-// facet.
+// told apart. Where n is the normal of no face, edges or corners meet: then the highest edge stands for a
+// face. The part of a side over one of the two faces of an edge would end where it crosses that edge, and
+// that end moves far along the two as they turn a little.
 //
 // A corner of the patch is named by what it is made of: a corner of A, a corner of B, or an edge of each
 // that cross. Edges are named by their ends, so that an edge that two faces share keeps its name when the
@@ -177,14 +178,15 @@ class Patch {
       addEdges(facing_.a, facing_.b);
     } else if (a > 1 && b > 1) {
       const Shadow on_a(kOfA, facing_.a, facing_.middle, R_), on_b(kOfB, facing_.b, facing_.middle, R_);
-      if (a == 2)
+      if (!on_a.flat && !on_b.flat)
+        addEdges(a == 2 ? facing_.a : highestEdge(facing_.a, facing_.n),
+                 b == 2 ? facing_.b : highestEdge(facing_.b, -facing_.n));
+      else if (a == 2)
         addEdgeOnFace(on_a, on_b, on_a, on_b);
       else if (b == 2)
         addEdgeOnFace(on_b, on_a, on_a, on_b);
-      else if (on_a.flat || on_b.flat)
-        addFaces(on_a, on_b);
       else
-        addEdges(highestEdge(facing_.a, facing_.n), highestEdge(facing_.b, -facing_.n));
+        addFaces(on_a, on_b);
     }
     if (deepest_ > facing_.distance + kCovers * size_) manifold_.add(facing_.middle, facing_.distance, 0);
     return manifold_;

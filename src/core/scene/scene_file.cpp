@@ -178,13 +178,15 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
   return state;
 }
 
-/// Maps a path of the expanded scene to the entry of the file: "bodies[507].size" to "bodies[2].size".
+/// Maps a path of the expanded scene to the entry of the file: "bodies[507].material.friction" to "bodies[2].friction".
 std::string pathInFile(const std::string& path, const std::vector<std::size_t>& entries) {
-  const std::string list = "bodies[";
+  const std::string list = "bodies[", material = ".material";
   if (path.compare(0, list.size(), list) != 0) return path;
   std::size_t digits = 0;
   const std::size_t body = std::stoul(path.substr(list.size()), &digits);
-  return list + std::to_string(entries.at(body)) + path.substr(list.size() + digits);
+  std::string field = path.substr(list.size() + digits);
+  if (const std::size_t at = field.find(material + "."); at != field.npos) field.erase(at, material.size());
+  return list + std::to_string(entries.at(body)) + field;
 }
 
 /// An entry that makes many bodies reports a fault once, with the value of its first body.

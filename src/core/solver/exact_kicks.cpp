@@ -26,6 +26,8 @@ constexpr double kCoarsest = 1e-6;
 constexpr double kNoClosing = 1e-9;
 // Forces that change by less than this many times what solves aim at are nearly as expected.
 constexpr double kNoChange = 1e3;
+// Of all overlaps together: the longest displacement that is a way out of them.
+constexpr double kNarrowest = 50.0;
 // A point that overlaps by more than this share of the length was put there by an edit. How its gap curves
 // tells nothing: its normal jumps from face to face, and the speed that would undo the jump is no speed of a
 // body.
@@ -127,6 +129,21 @@ void Stepper::addResiduals(const CoulombResult& result) {
   residuals::add(own_, solved);
 }
 
+// Whether a displacement is a way out of overlaps. What two that nothing moves overlap has no place between them, or leaves them
+// along a wedge so narrow that friction would hold it there: the impulses of such a problem, and with them the displacement,
+// grow without end.
+bool Stepper::isWayOut(const CoulombProblem& problem) const {
+  double asked = 0.0;
+  for (const CoulombPoint& law : problem.points) asked += std::max(-law.drive[2], 0.0);
+  const std::vector<Traits>& traits = context_.scene.bodies.traits;
+  for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
+    const CoulombBody& body = problem.bodies[k];
+    const double reach = traits[island_.indices()[k]].bounding_radius;
+    if (!(body.v.norm() + reach * body.w.norm() <= kNarrowest * asked)) return false;
+  }
+  return true;
+}
+
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
 // friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
 // the two bodies, l n x (v_j - v_i), they give back by their spin.
@@ -144,6 +161,7 @@ bool Stepper::takeOverlapsAway() {
   }
   if (problem.speed_unit == 0.0) return false;
   solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
+  if (!isWayOut(problem)) return false;
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;

@@ -51,8 +51,8 @@ constexpr double kLoneAim = 1e-12;
 // |w| tau of a body that is not a ball up to which a first guess leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
 // Sine of the tilt from which a body stands on its rim.
-constexpr double kLeaning = 0.1;
-// |w| tau of a body that is not a ball, and the most segments that it may ask for.
+constexpr double kLeaning = 0.01;
+// |w| tau of a body that is not a ball, and the most segments of a step that it may ask for.
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
@@ -78,6 +78,19 @@ std::vector<Index> contactsOf(const std::vector<Edge>& edges) {
     if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
   std::sort(contacts.begin(), contacts.end());
   return contacts;
+}
+
+// Whether a kinematic body that turns carries others. They stay on their circles by the curvature of their ways alone: without it
+// a box creeps outwards by w^2 r h/2 a second.
+bool isCarriedRound(const Context& context, const std::vector<Index>& contacts) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto turns = [&](Index i) {
+    return bodies.traits[i].is_kinematic() && !bodies.twist[i].w_WB.isZero(0.0);
+  };
+  return std::any_of(contacts.begin(), contacts.end(), [&](Index k) {
+    const Contact& contact = context.scene.contacts.active[k];
+    return turns(contact.i) || turns(contact.j);
+  });
 }
 
 std::vector<Index> sorted(std::vector<Index> list) {
@@ -112,7 +125,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   const SolverSettings& settings = context.step.solver;
   tolerance_ = settings.tolerance;
   aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
-  corrections_ = settings.corrections;
+  corrections_ = std::max(settings.corrections, isCarriedRound(context, active_) ? 1 : 0);
   cuts_ = settings.cuts;
   halvings_ = kMostHalvings;
   promoted_ = settings.promotes;
@@ -306,13 +319,20 @@ void Stepper::prepare() {
   start_ = island_.save();
   before_solves_ = island().residuals;
   expectLastForces(context_.scene.contacts, touching_);
-  const double turn = turnsBy(end_ - now_);
-  longest_ =
-      (end_ - now_) / std::clamp(static_cast<int>(std::ceil(std::min(turn / kTurn, 1e6))), 1, kMostSegments);
+  longest_ = end_ - now_;
 }
 
-// How far a body that is not a ball turns in some time at most, rad, or a point goes round the rim on which
-// one stands. With a its axis and n the normal there, that point turns about n by |w x a| / |a x n|.
+// What comes round quickly asks for short segments. A disc that falls flat goes round the faster the flatter it is, so that
+// one look at the start of the step would not do.
+void Stepper::limitSegment() {
+  const double left = end_ - now_;
+  const int most = std::max(1, static_cast<int>(kMostSegments * (left / step_.h())));
+  longest_ = std::min(longest_, left / std::clamp(std::ceil(turnsBy(left) / kTurn), 1.0, 1.0 * most));
+}
+
+// How far a body that is not a ball turns in some time at most, rad, or the point of a rim on which one stands goes round. That
+// point lies where the axis a leans, so that it turns about the normal n as the part of a across n does, whose length is the
+// sine of the tilt: with a' = w x a by n (a x a') / |a x n|^2 = n (w - (a w) a) / |a x n|^2.
 double Stepper::turnsBy(double seconds) const {
   const Bodies& bodies = context_.scene.bodies;
   double rate = 0.0;
@@ -326,8 +346,10 @@ double Stepper::turnsBy(double seconds) const {
       const Traits& traits = bodies.traits[i];
       if (!traits.revolved || traits.round || !traits.moved_by_forces()) continue;
       const Vec3 axis = bodies.pose[i].q_WB * Vec3::UnitZ();
-      const double tilt = axis.cross(touching_.law[k].frame.col(2)).norm();
-      if (tilt > kLeaning) rate = std::max(rate, bodies.twist[i].w_WB.cross(axis).norm() / tilt);
+      const Vec3 n_W = touching_.law[k].frame.col(2), w_WB = bodies.twist[i].w_WB;
+      const double leans = axis.cross(n_W).squaredNorm();
+      if (leans > kLeaning * kLeaning)
+        rate = std::max(rate, std::abs(n_W.dot(w_WB - axis.dot(w_WB) * axis)) / leans);
     }
   }
   return rate * seconds;
@@ -344,6 +366,7 @@ void Stepper::giveUp(Outcome why) {
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
   if (outcome_ != Outcome::Done || end_ - now_ <= 1e-12 * step_.h()) return false;
+  limitSegment();
   if (budget_.work > 0) return true;
   giveUp(Outcome::TooDear);
   return false;

@@ -101,6 +101,7 @@ class Stepper : public InnerRows {
                         const Touching& later, double tau, std::vector<Vec3>& curvature) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
   double turnsBy(double seconds) const;
+  void limitSegment();
   double lastingShare(const CoulombResult& result, const Touching& touching,
                       const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
                       const CoulombBodies& solved) const;
@@ -119,6 +120,7 @@ class Stepper : public InnerRows {
   Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
   CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double aim, double needed) const;
   void addResiduals(const CoulombResult& result);
+  bool isWayOut(const CoulombProblem& problem) const;
 
   Context& context_;
   StepStore& step_;

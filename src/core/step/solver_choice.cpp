@@ -8,11 +8,13 @@
 // What sinks in also turns. So two more things are bad for the soft step however few the bodies are: thrust
 // between them, as in an arch, which they hold by friction only while they stand as they were put; and weight
 // near the edge of what it stands on. And a light body that a heavy one presses on sinks in until it is
-// squirted out.
+// squirted out. What lies on a free body by a point or a line, as a log on a box, is in neutral equilibrium: the
+// box sinks in under it and tilts towards it, and it rolls off.
 //
 // A direct solve is cheap where the forces of the last step still hold, and dear where bodies tumble; there
 // the errors of the soft step do not show. So only islands are promoted in which nothing moves faster than
-// what gravity adds in a step or two, but for the few bodies of which one is crushed, or is about to be: a
+// what gravity adds in a step or two, as seen from something that carries them: what stands in a train stands
+// like that on the ground. Promoted are also the few bodies of which one is crushed, or is about to be: a
 // heavy body has struck it.
 #include "step/solver_choice.h"
 
@@ -76,6 +78,7 @@ struct Forces {
   bool known = false;    // some point has one
   bool leans = false;    // thrust, or weight near an edge
   bool crushes = false;  // a body carries many times its weight
+  bool rolls = false;    // a body lies on another by a point or a line
 };
 
 Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
@@ -96,9 +99,36 @@ Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
     const Traits &a = bodies.traits[contact.i], &b = bodies.traits[contact.j];
     const bool both = a.moved_by_forces() && b.moved_by_forces();
     forces.leans = forces.leans || least < kNearEdge * most || (both && friction_W.norm() > kThrust * normal);
+    forces.rolls = forces.rolls || (both && contact.points.size() <= 2);
     forces.crushes = forces.crushes || (both && normal > kCrushed * gravity * std::min(a.mass, b.mass));
   }
   return forces;
+}
+
+// How fast the surface of a body moves at most as seen from what carries it, which turns on under it. kNone is the world.
+double speedSeenFrom(const Bodies& bodies, Index carrier, Index i) {
+  const bool moves = carrier != kNone && bodies.traits[carrier].is_kinematic();
+  const Twist own = bodies.twist[i], base = moves ? bodies.twist[carrier] : Twist();
+  const Vec3 arm_W = moves ? Vec3(bodies.pose[i].p_WB - bodies.pose[carrier].p_WB) : Vec3(Vec3::Zero());
+  return (own.v_WB - base.v_WB - base.w_WB.cross(arm_W)).norm() +
+         bodies.traits[i].bounding_radius * (own.w_WB - base.w_WB).norm();
+}
+
+// Whether no body of an island moves faster than this as seen from one of its carriers: what forces do not move, and the world
+// where there is none.
+bool isCalm(const Context& context, const Island& island, double speed) {
+  const Bodies& bodies = context.scene.bodies;
+  std::vector<Index> carriers;
+  for (const Edge& edge : island.edges)
+    for (const Index i : edge.bodies)
+      if (i != kNone && !bodies.traits[i].moved_by_forces()) carriers.push_back(i);
+  if (carriers.empty()) carriers.push_back(kNone);
+  std::sort(carriers.begin(), carriers.end());
+  carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
+  return std::any_of(carriers.begin(), carriers.end(), [&](Index carrier) {
+    return std::all_of(island.bodies.begin(), island.bodies.end(),
+                       [&](Index i) { return speedSeenFrom(bodies, carrier, i) <= speed; });
+  });
 }
 
 // Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
@@ -117,21 +147,17 @@ bool isPromoted(const Context& context, const Island& island) {
     if (list[k].state.isTouching()) touching.push_back(k);
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
-  if (touching.empty()) touching = contacts;  // nothing is known yet of bodies that have just been made
+  if (touching.empty()) touching = contacts;  // nothing is known yet of what has just been put together
   if (island.edges.size() > bounds.pairs) return false;
   const bool few = island.edges.size() <= kFewPairs;
   const Forces forces = few ? forcesOf(context, contacts) : Forces{};
   if (forces.crushes) return true;
-  const double gravity = context.scene.gravity_W.norm();
-  for (const Index i : island.bodies) {
-    const Traits& t = bodies.traits[i];
-    const double speed = bodies.twist[i].v_WB.norm() + t.bounding_radius * bodies.twist[i].w_WB.norm();
-    if (speed > bounds.speed * gravity * context.step.h()) return false;
-  }
-  if (few && (!forces.known || (was_exact && forces.leans))) return true;
+  if (!isCalm(context, island, bounds.speed * context.scene.gravity_W.norm() * context.step.h()))
+    return false;
+  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return true;
 
   double mass_ratio = 1.0, slenderness = 1.0;
-  for (const Index k : touching) {
+  for (const Index k : contacts) {
     const Traits &a = bodies.traits[list[k].i], &b = bodies.traits[list[k].j];
     if (a.moved_by_forces() && b.moved_by_forces())
       mass_ratio = std::max(mass_ratio, std::max(a.mass / b.mass, b.mass / a.mass));

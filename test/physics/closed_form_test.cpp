@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Motions of bodies in contact with a closed form in textbooks of mechanics: a top on its tip, a block on a wedge that gives
+// way, a ball on a plank that it takes along.
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+using namespace rbs;
+using namespace rbs::test;
+
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;
+
+class ClosedForm : public testing::TestWithParam<Fidelity> {
+ protected:
+  // One of these bounds, by the settings.
+  double bound(double preview, double interactive, double exact) const {
+    if (GetParam() == Fidelity::Preview) return preview;
+    return GetParam() == Fidelity::Interactive ? interactive : exact;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Settings, ClosedForm, testing::ValuesIn(kFidelities),
+                         [](const auto& at) { return fidelityName(at.param); });
+
+BodyDef massive(BodyDef def, double mass, double friction) {
+  def.mass = mass;
+  def.material.friction = friction;
+  def.material.restitution = 0.0;
+  return def;
+}
+
+// A cone stands on its apex, which friction holds. With the moments I3 about its axis and I1 across it at the apex, the
+// distance l from the apex to the centre of mass, the tilt t and the spin s about the axis it precesses steadily at the rates
+// W of I1 cos(t) W^2 - I3 s W + g l m = 0; here the slower one (Goldstein, Classical Mechanics, 5.7).
+TEST_P(ClosedForm, ATopOnItsTipPrecessesSteadily) {
+  const double radius = 0.2, height = 0.2, tilt = 0.7, spin = 60.0, l = 0.75 * height;
+  const double i3 = 0.3 * radius * radius, i1 = 0.15 * radius * radius + 0.6 * height * height;  // of 1 kg
+  const double half = 0.5 * i3 * spin;
+  const double rate = kGravity * l / (half + std::sqrt(half * half - i1 * std::cos(tilt) * kGravity * l));
+  const Vec3 axis_W(std::sin(tilt), 0.0, std::cos(tilt));
+  BodyDef top = massive(body("top", Cone{radius, height}, l * axis_W), 1.0, 1.0);
+  top.pose.q_WB = Quat::FromTwoVectors(-Vec3::UnitZ(), axis_W);
+  top.twist.w_WB = rate * Vec3::UnitZ() + (spin - rate * std::cos(tilt)) * axis_W;
+  top.twist.v_WB = top.twist.w_WB.cross(l * axis_W);
+  SceneDef scene = onFloor(kStep, 1.0);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(top);
+  World world(ordered(scene));
+  for (int k = 1; k <= 120; ++k) {
+    world.step();
+    const BodyState state = stateOf(world, "top");
+    const Vec3 now_W = -(state.pose.q_WB * Vec3::UnitZ());
+    const double angle = rate * k * kStep;
+    const Vec3 expected_W(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
+    ASSERT_LT((now_W - expected_W).norm(), bound(0.1, 0.05, 4e-3)) << "step " << k;
+    ASSERT_LT((state.pose.p_WB - l * now_W).norm(), bound(0.08, 0.03, 2e-3)) << "its tip, step " << k;
+  }
+}
+
+// A block slides down a wedge on a smooth floor. Nothing rubs. The wedge of the angle a and of r times the mass of the block
+// has the acceleration g sin(a) cos(a)/(r + sin^2 a) backwards, and the block falls with g (r + 1) sin^2 a/(r + sin^2 a).
+TEST_P(ClosedForm, ABlockSlidesDownAWedgeThatGivesWay) {
+  for (const auto& [ratio, angle] : {std::pair(1.0, 0.5), std::pair(10.0, 0.9), std::pair(0.1, 0.3)}) {
+    const double base = 3.0, height = base * std::tan(angle), size = 0.3, time = 0.4;
+    const PlacedHull hull = makeHull({{0.0, -0.5, 0.0},
+                                      {base, -0.5, 0.0},
+                                      {0.0, -0.5, height},
+                                      {0.0, 0.5, 0.0},
+                                      {base, 0.5, 0.0},
+                                      {0.0, 0.5, height}},
+                                     "wedge");
+    const Vec3 normal(std::sin(angle), 0.0, std::cos(angle)), down(std::cos(angle), 0.0, -std::sin(angle));
+    SceneDef scene = onFloor(kStep, 0.0);
+    scene.fidelity = GetParam();
+    BodyDef wedge = massive(body("wedge", hull.hull, Vec3::Zero()), ratio, 0.0);
+    wedge.pose = hull.X_PB;
+    BodyDef block =
+        massive(box("block", Vec3::Constant(size), Vec3(0.0, 0.0, height) + 0.5 * down + 0.5 * size * normal),
+                1.0, 0.0);
+    block.pose.q_WB = Quat::FromTwoVectors(Vec3::UnitZ(), normal);
+    scene.bodies.insert(scene.bodies.end(), {wedge, block});
+    World world(ordered(scene));
+    advance(world, time);
+    const double squared = std::sin(angle) * std::sin(angle), common = kGravity / (ratio + squared);
+    const double back = common * std::sin(angle) * std::cos(angle) * time,
+                 fall = common * (ratio + 1.0) * squared * time;
+    const double most = bound(1e-2, 3e-3, 1e-9);  // of the speed
+    EXPECT_NEAR(stateOf(world, "wedge").twist.v_WB.x(), -back, most * back) << ratio;
+    EXPECT_NEAR(stateOf(world, "block").twist.v_WB.z(), -fall, most * fall) << ratio;
+  }
+}
+
+// A ball of the mass m slides onto a plank of the mass M on a smooth floor, until it rolls: friction has then passed on
+// J = v/(7/(2 m) + 1/M), for its spin is 5 J/(2 m r).
+TEST_P(ClosedForm, ABallTakesAPlankAlong) {
+  const double m = 1.0, plank_mass = 2.0, radius = 0.2, v = 2.0;
+  SceneDef scene = onFloor(kStep, 0.0);
+  scene.fidelity = GetParam();
+  BodyDef rolling = massive(ball("ball", radius, {-3.0, 0.0, 0.1 + radius}), m, 0.3);
+  rolling.twist.v_WB.x() = v;
+  scene.bodies.push_back(massive(box("plank", {10.0, 1.0, 0.1}, {0.0, 0.0, 0.05}), plank_mass, 0.3));
+  scene.bodies.push_back(rolling);
+  World world(ordered(scene));
+  advance(world, 2.0);
+  const double passed = v / (3.5 / m + 1.0 / plank_mass), most = bound(2e-3, 5e-4, 1e-10);
+  EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.x(), v - passed / m, most);
+  EXPECT_NEAR(stateOf(world, "plank").twist.v_WB.x(), passed / plank_mass, most);
+  EXPECT_NEAR(stateOf(world, "ball").twist.w_WB.y() * radius, 2.5 * passed / m, most);
+}
+
+}  // namespace
