@@ -18,9 +18,9 @@
 namespace rbs {
 namespace {
 
-constexpr double kLeast = 1e-15;    // m/s: what is drawn for less
-constexpr std::size_t kTimes = 15;  // whose median is shown
-constexpr double kNear = 12.0;      // pixels from a point that the mouse may be
+constexpr double kLeastError = 1e-15;  // m/s: what is drawn for less
+constexpr std::size_t kTimes = 15;     // whose median is shown
+constexpr double kNear = 12.0;         // pixels from a point that the mouse may be
 constexpr int kPointSize = 8, kLiveSize = 11;
 
 /// A preset, and the number of its colour (curveColor()).
@@ -32,7 +32,7 @@ constexpr Preset kPresetLooks[] = {{"preview", 1}, {"interactive", 0}, {"accurat
 constexpr std::size_t kLiveColour = 4, kStaleColour = 7;
 
 QPointF pointOf(const rigid_body_sim::SettingCost& cost) {
-  return {cost.step_ms, std::max(cost.error, kLeast)};
+  return {cost.step_ms, std::max(cost.error, kLeastError)};
 }
 
 /// The settings that none beats in both, from cheap to exact.
@@ -150,7 +150,7 @@ void AccuracyPlot::showLive(double step_ms, double error) {
   const double median = sorted[sorted.size() / 2];
   QVector<QPointF> points;
   if (error > 0.0) {
-    points.append({median, std::max(error, kLeast)});
+    points.append({median, std::max(error, kLeastError)});
   } else {
     const auto [best, worst] = std::minmax_element(
         settings_.begin(), settings_.end(), [](const auto& a, const auto& b) { return a.error < b.error; });

@@ -37,7 +37,7 @@ QString megabytes(double bytes) {
   return QString::number(1e-6 * bytes, 'f', bytes < 1e7 ? 1 : 0) + " MB";
 }
 
-QString clockTime(double seconds) {
+QString wholeSeconds(double seconds) {
   const auto whole = static_cast<int>(seconds);
   return QString("%1:%2").arg(whole / 60).arg(whole % 60, 2, 10, QChar('0'));
 }
@@ -118,7 +118,7 @@ void BagRecorder::reportProgress() {
   }
   const double seconds = 1e-3 * static_cast<double>(elapsed_.elapsed());
   const auto bytes = static_cast<double>(QFileInfo(file_ + ".active").size());
-  QString text = "Recording " + clockTime(seconds);
+  QString text = "Recording " + wholeSeconds(seconds);
   if (bytes > 0.0)
     text += QString(", %1, %2 a minute").arg(megabytes(bytes), megabytes(60.0 * bytes / seconds));
   text += ": " + QFileInfo(file_).fileName();
@@ -136,7 +136,7 @@ void BagRecorder::finish(int code, QProcess::ExitStatus status) {
   const QFileInfo bag(file_);
   if (bag.exists() && was_stopped && code == 0 && status == QProcess::NormalExit) {
     Q_EMIT reported(QString("Recorded %1 into %2 (%3).")
-                        .arg(clockTime(seconds_), file_, megabytes(static_cast<double>(bag.size()))),
+                        .arg(wholeSeconds(seconds_), file_, megabytes(static_cast<double>(bag.size()))),
                     false);
     return;
   }

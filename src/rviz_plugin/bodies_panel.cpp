@@ -53,7 +53,12 @@ BodiesPanel::BodiesPanel()
   addActions();
   showGroups(kAllBodies);
 
+  constexpr int kReadIn = 10000;  // ms
+  done_.setSingleShot(true);
+  done_.setInterval(kReadIn);
+  connect(&done_, &QTimer::timeout, this, [this] { showMessage({}, false); });
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
+  connect(properties_, &BodyProperties::entered, this, [this] { showMessage({}, false); });
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodiesPanel::enableActions);
@@ -138,8 +143,8 @@ void BodiesPanel::addActions() {
   of_selection_ +=
       QList<QAction*>{addAction("Make a group…", Qt::CTRL | Qt::Key_G, &BodiesPanel::groupSelection),
                       addAction("Hide in the view", Qt::Key_H, &BodiesPanel::hideSelection)};
-  addAction("Show all", Qt::SHIFT | Qt::Key_H, &BodiesPanel::showAll);
-  addAction("Forget the group", {}, &BodiesPanel::ungroup);
+  show_all_ = addAction("Show all", Qt::SHIFT | Qt::Key_H, &BodiesPanel::showAll);
+  ungroup_ = addAction("Forget the group", {}, &BodiesPanel::ungroup);
   enableActions();
 }
 
@@ -147,6 +152,8 @@ void BodiesPanel::enableActions() {
   for (QAction* const action : of_selection_)
     action->setEnabled(!simulator_.selection().isEmpty() &&
                        !(simulator_.isReplay() && edits_.contains(action)));
+  show_all_->setEnabled(!hidden_.isEmpty());
+  ungroup_->setEnabled(in_group_.contains(groups_->currentText()));
 }
 
 QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, void (BodiesPanel::*act)()) {
@@ -240,6 +247,7 @@ void BodiesPanel::sendSelection() {
   }
   for (const QString& name : rows)
     if (!kept.contains(name)) names.append(name);
+  showMessage({}, false);
   simulator_.select(names);
 }
 
@@ -254,6 +262,10 @@ void BodiesPanel::showCount() {
 void BodiesPanel::showMessage(const QString& text, bool is_trouble) {
   answer_->setText(text);
   showTrouble(*answer_, is_trouble);
+  if (text.isEmpty() || is_trouble)
+    done_.stop();
+  else
+    done_.start();
 }
 
 void BodiesPanel::rename(const QString& name, const QString& new_name) {
@@ -317,6 +329,7 @@ void BodiesPanel::applyHidden() {
     for (const std::string& name : names) hidden_.insert(QString::fromStdString(name));
   }
   table_.setHidden(hidden_);
+  enableActions();
   hideInView(names);
 }
 
@@ -357,7 +370,7 @@ void BodiesPanel::groupSelection() {
 }
 
 void BodiesPanel::ungroup() {
-  if (in_group_.remove(groups_->currentText()) == 0) return showMessage("No group is chosen.", false);
+  in_group_.remove(groups_->currentText());
   showGroups(kAllBodies);
   chooseGroup(0);
   Q_EMIT configChanged();

@@ -16,6 +16,7 @@
 #include <QMap>
 #include <QPointer>
 #include <QTableView>
+#include <QTimer>
 
 #include <set>
 
@@ -67,9 +68,11 @@ class BodiesPanel : public rviz::Panel {
   QLabel* count_;
   BodyProperties* properties_;
   ElidedText* answer_;
+  QTimer done_;  ///< takes away the answer to what was done
   NodeBox* node_;
-  QList<QAction*> of_selection_;                  ///< actions that need one
-  QList<QAction*> edits_;                         ///< actions that change the world
+  QList<QAction*> of_selection_;  ///< actions that need one
+  QList<QAction*> edits_;         ///< actions that change the world
+  QAction *show_all_, *ungroup_;
   QMap<QString, QStringList> in_group_;           ///< names of bodies, by the name of the group
   QSet<QString> hidden_;                          ///< names of bodies that the view does not draw
   QPointer<rviz::VisualizationManager> manager_;  ///< it may go before the panel

@@ -11,7 +11,7 @@ namespace {
 using Ogre::Vector3;
 
 /// The meshes of a shape by fineness.
-struct Meshes {
+struct ShapeMeshes {
   std::array<BodyMesh, 4> sphere{sphereMesh(4), sphereMesh(6), sphereMesh(12), sphereMesh(24)};
   std::array<BodyMesh, 4> capsule{capsuleMesh(4), capsuleMesh(6), capsuleMesh(12), capsuleMesh(24)};
   std::array<BodyMesh, 4> cylinder{cylinderMesh(8), cylinderMesh(12), cylinderMesh(24), cylinderMesh(48)};
@@ -20,8 +20,8 @@ struct Meshes {
   BodyMesh plane = squareMesh(Pattern::Tiles);
 };
 
-const Meshes& meshes() {
-  static const Meshes all;
+const ShapeMeshes& shapeMeshes() {
+  static const ShapeMeshes all;
   return all;
 }
 
@@ -35,21 +35,21 @@ std::size_t finenessOf(const CatalogBody& body, float distance, const Eye& eye) 
 const BodyMesh& meshOf(const CatalogBody& body, std::size_t fineness) {
   switch (body.shape) {
     case BodyShape::Sphere:
-      return meshes().sphere[fineness];
+      return shapeMeshes().sphere[fineness];
     case BodyShape::Capsule:
-      return meshes().capsule[fineness];
+      return shapeMeshes().capsule[fineness];
     case BodyShape::Cylinder:
-      return meshes().cylinder[fineness];
+      return shapeMeshes().cylinder[fineness];
     case BodyShape::Cone:
-      return meshes().cone[fineness];
+      return shapeMeshes().cone[fineness];
     case BodyShape::Hull:
       return *body.hull;
     case BodyShape::Box:
-      return meshes().box;
+      return shapeMeshes().box;
     case BodyShape::Plane:
       break;
   }
-  return meshes().plane;
+  return shapeMeshes().plane;
 }
 
 // By what the instance multiplies the mesh of its shape.
@@ -168,7 +168,7 @@ void BodiesVisual::addPlane(const BodyPlace& place, Instance instance, const Eye
   instance.position = place.position + place.orientation * middle_B;
   instance.size = Vector3(far, far, 1.0f);
   instance.extra = tile_;
-  groups_.add(meshes().plane, Look::Ground, instance);
+  groups_.add(shapeMeshes().plane, Look::Ground, instance);
 }
 
 }  // namespace rbs

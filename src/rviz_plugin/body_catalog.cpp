@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "body_catalog.h"
 
+#include "rigid_body_sim/quote.h"
 #include "rigid_body_sim/shape.h"
 
 #include <algorithm>
@@ -20,12 +21,6 @@ const std::map<std::string, BodyShape> kShapes = {
     {"box", BodyShape::Box},         {"sphere", BodyShape::Sphere},     {"plane", BodyShape::Plane},
     {"capsule", BodyShape::Capsule}, {"cylinder", BodyShape::Cylinder}, {"cone", BodyShape::Cone},
     {"hull", BodyShape::Hull}};
-
-// A message's text may be anything.
-std::string quoted(const std::string& text) {
-  constexpr std::size_t kMost = 64;
-  return "'" + text.substr(0, kMost) + "'";
-}
 
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {

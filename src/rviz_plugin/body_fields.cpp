@@ -170,9 +170,11 @@ const std::vector<BodyField>& bodyFields() {
 
 QString inText(const BodyField& field, double value) {
   if (field.is_mask) return "0x" + QString::number(static_cast<std::uint32_t>(value), 16);
-  constexpr double kNothing = 5e-13;  // of the unit: noise that is not worth a line of digits
-  const bool is_nothing = !field.above_zero && std::abs(value) < kNothing;
-  return QString::number(is_nothing ? 0.0 : value, 'g', 6);
+  // A place or a motion of less than this, of its unit, is noise. What is left of it is short enough for its field.
+  constexpr double kNothing = 5e-7;
+  const bool is_nothing = field.parts == 3 && !field.above_zero && std::abs(value) < kNothing;
+  const QString digits = QString::number(is_nothing ? 0.0 : value, 'g', 6);
+  return digits.contains('e') ? QString::number(value, 'g', 3) : digits;
 }
 
 std::optional<double> fromText(const BodyField& field, const QString& text) {

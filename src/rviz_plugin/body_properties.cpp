@@ -224,13 +224,15 @@ void BodyProperties::note(const Row& row, const QString& refusal) {
 
 void BodyProperties::enterNumber(const BodyField& field, Row& row, int part, const QString& text) {
   ValueField* const editor = row.fields[part];
+  Q_EMIT entered();
   const auto answer = [this, &row, editor](const QString& refusal) {
     editor->answer(refusal);
     if (!refusal.isEmpty()) note(row, refusal);
   };
   const std::optional<double> value = fromText(field, text);
-  if (!value) return answer(field.is_mask ? "a whole number, 0 to 0xffffffff" : "a number");
-  if (field.above_zero && *value == 0.0) return answer("a number above 0");
+  const auto refuse = [&](const char* allowed) { answer(QString("%1 (allowed: %2)").arg(text, allowed)); };
+  if (!value) return refuse(field.is_mask ? "a whole number, 0 to 0xffffffff" : "a number");
+  if (field.above_zero && *value == 0.0) return refuse("a number above 0");
   ask(
       [&](rigid_body_sim::BodyChange& change, const KnownBody& body) {
         if (field.read(body, part)) field.write(change, body, part, *value);
@@ -242,6 +244,7 @@ void BodyProperties::enterNumber(const BodyField& field, Row& row, int part, con
 void BodyProperties::enterName(const QString& text) {
   const bool is_one = bodies_.size() == 1;
   int number = 0;
+  Q_EMIT entered();
   ask(
       [&](rigid_body_sim::BodyChange& change, const KnownBody&) {
         change.new_name = (is_one ? text : QString("%1_%2").arg(text).arg(++number)).toStdString();

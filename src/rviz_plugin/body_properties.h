@@ -28,6 +28,10 @@ class BodyProperties : public QScrollArea {
   /// Puts the cursor into the name.
   void editName();
 
+ Q_SIGNALS:
+  /// A value is entered: what was said before it is about something else.
+  void entered();
+
  private:
   /// A row of the form: a title, one to three editors, and room for a refusal below them.
   struct Row {

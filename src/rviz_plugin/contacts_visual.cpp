@@ -13,13 +13,13 @@ using Ogre::Vector3;
 const ColourValue kPoint(0.05f, 0.05f, 0.05f), kNormal(0.00f, 0.45f, 0.70f), kFriction(0.84f, 0.37f, 0.00f),
     kCone(0.34f, 0.71f, 0.91f, 0.25f);
 
-struct Meshes {
+struct ArrowMeshes {
   BodyMesh ball = sphereMesh(6, Pattern::None), shaft = cylinderMesh(8, Pattern::None),
            head = coneMesh(12, Pattern::None), cone = coneMesh(24, Pattern::None);
 };
 
-const Meshes& meshes() {
-  static const Meshes all;
+const ArrowMeshes& arrowMeshes() {
+  static const ArrowMeshes all;
   return all;
 }
 
@@ -79,7 +79,7 @@ float ContactsVisual::draw(const BodyCatalog& catalog, const std::vector<DrawnCo
   groups_.begin();
   for (const DrawnContact& contact : contacts) {
     if (shown.points)
-      groups_.add(meshes().ball, Look::OnTop,
+      groups_.add(arrowMeshes().ball, Look::OnTop,
                   Instance::at(contact.position, Ogre::Quaternion::IDENTITY, Vector3(0.06f * reach), kPoint));
     if (shown.forces && step > 0.0f) {
       addArrow(contact.position, scale / step * contact.normal_impulse, 0.035f * reach, kNormal);
@@ -91,7 +91,7 @@ float ContactsVisual::draw(const BodyCatalog& catalog, const std::vector<DrawnCo
         kWidest, std::sqrt(catalog.bodies[contact.a].friction * catalog.bodies[contact.b].friction)));
     const float height = 0.6f * reach, radius = std::max(1e-3f, friction) * height;
     groups_.add(
-        meshes().cone, Look::SeeThrough,
+        arrowMeshes().cone, Look::SeeThrough,
         Instance::at(contact.position + 0.75f * height * contact.normal,
                      Vector3::UNIT_Z.getRotationTo(-contact.normal), Vector3(radius, radius, height), kCone));
   }
@@ -108,9 +108,9 @@ void ContactsVisual::addArrow(const Vector3& from, const Vector3& along, float w
   const Vector3 direction = along / length;
   const Ogre::Quaternion turned = Vector3::UNIT_Z.getRotationTo(direction);
   groups_.add(
-      meshes().shaft, Look::OnTop,
+      arrowMeshes().shaft, Look::OnTop,
       Instance::at(from + 0.5f * shaft * direction, turned, Vector3(width, width, 0.5f * shaft), color));
-  groups_.add(meshes().head, Look::OnTop,
+  groups_.add(arrowMeshes().head, Look::OnTop,
               Instance::at(from + (shaft + 0.25f * head) * direction, turned,
                            Vector3(2.4f * width, 2.4f * width, head), color));
 }

@@ -14,7 +14,7 @@
 namespace rbs {
 namespace {
 
-enum Column { kEffect, kSwitch, kMilliseconds, kReason, kColumns };
+enum EffectColumn { kEffect, kSwitch, kEffectMilliseconds, kEffectReason, kEffectColumns };
 const QStringList kModes = {"auto", "on", "off"};
 
 /// An effect that can be switched, and the stage of the step that simulates it.
@@ -38,13 +38,13 @@ static_assert(std::size(kSwitched) == kEffects.size());
 }  // namespace
 
 EffectsView::EffectsView(SimulatorClient& simulator) : simulator_(simulator) {
-  setColumnCount(kColumns);
+  setColumnCount(kEffectColumns);
   setHeaderLabels({"Effect", "Switch", "ms", "Why"});
   setRootIsDecorated(false);
   setSelectionMode(QAbstractItemView::NoSelection);
   setFocusPolicy(Qt::NoFocus);
   header()->setStretchLastSection(true);
-  for (const int column : {kEffect, kSwitch, kMilliseconds})
+  for (const int column : {kEffect, kSwitch, kEffectMilliseconds})
     header()->setSectionResizeMode(column, QHeaderView::ResizeToContents);
   for (const SwitchedEffect& row : kSwitched) {
     addRow(row.effect);
@@ -92,16 +92,16 @@ void EffectsView::show(const rigid_body_sim::Status& status) {
     QString reason = QString::fromStdString(stage->reason);
     if (neglected_.contains(known.effect)) reason = neglected_[known.effect];
     QTreeWidgetItem& row = *rows_[known.effect];
-    row.setText(kMilliseconds, stage->active && stage->seconds > 0.0
-                                   ? QString::number(1e3 * stage->seconds, 'f', 3)
-                               : stage->active ? QString("on")
-                                               : QString("–"));
-    row.setTextAlignment(kMilliseconds, Qt::AlignRight | Qt::AlignVCenter);
-    row.setText(kReason, reason);
-    row.setToolTip(kReason, reason);
+    row.setText(kEffectMilliseconds, stage->active && stage->seconds > 0.0
+                                         ? QString::number(1e3 * stage->seconds, 'f', 3)
+                                     : stage->active ? QString("on")
+                                                     : QString("–"));
+    row.setTextAlignment(kEffectMilliseconds, Qt::AlignRight | Qt::AlignVCenter);
+    row.setText(kEffectReason, reason);
+    row.setToolTip(kEffectReason, reason);
     const QBrush brush =
         palette().brush(stage->active ? QPalette::Active : QPalette::Disabled, QPalette::Text);
-    for (int column = 0; column < kColumns; ++column) row.setForeground(column, brush);
+    for (int column = 0; column < kEffectColumns; ++column) row.setForeground(column, brush);
   }
 }
 

@@ -8,6 +8,10 @@
 
 namespace rbs {
 
+namespace {
+constexpr int kBelow = 2;  // pixels: some fonts draw the underscore below their last row
+}
+
 ElidedText::ElidedText(int rows) : rows_(rows) {
   setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
   auto* const copy = new QAction("Copy", this);
@@ -24,7 +28,7 @@ void ElidedText::setText(const QString& text) {
 }
 
 QSize ElidedText::sizeHint() const {
-  return {1, rows_ * fontMetrics().lineSpacing()};
+  return {1, rows_ * fontMetrics().lineSpacing() + kBelow};
 }
 
 void ElidedText::paintEvent(QPaintEvent*) {

@@ -9,12 +9,12 @@ namespace {
 using Ogre::ColourValue;
 using Ogre::Vector3;
 
-struct Meshes {
+struct GuideMeshes {
   BodyMesh arm = boxMesh(Pattern::None), ball = sphereMesh(12), edges = boxEdges();
 };
 
-const Meshes& meshes() {
-  static const Meshes all;
+const GuideMeshes& guideMeshes() {
+  static const GuideMeshes all;
   return all;
 }
 
@@ -26,21 +26,21 @@ void addAxes(InstanceGroups& groups, const CatalogBody& body, const BodyPlace& p
     half[axis] = middle[axis] = 0.5f * length;
     ColourValue color(0.1f, 0.1f, 0.1f);
     color[axis] = 0.9f;
-    groups.add(meshes().arm, Look::OnTop,
+    groups.add(guideMeshes().arm, Look::OnTop,
                Instance::at(place.position + place.orientation * middle, place.orientation, half, color));
   }
 }
 
 // The chequered ball of drawings.
 void addCentre(InstanceGroups& groups, const CatalogBody& body, const BodyPlace& place) {
-  groups.add(meshes().ball, Look::OnTop,
+  groups.add(guideMeshes().ball, Look::OnTop,
              Instance::at(place.position, place.orientation, Vector3(0.12f * body.reach()),
                           ColourValue(1.0f, 0.92f, 0.27f)));
 }
 
 void addBounds(InstanceGroups& groups, const CatalogBody& body, const BodyPlace& place) {
   const Ogre::AxisAlignedBox box = boundsOf(body, place.position, place.orientation);
-  groups.add(meshes().edges, Look::Plain,
+  groups.add(guideMeshes().edges, Look::Plain,
              Instance::at(box.getCenter(), Ogre::Quaternion::IDENTITY, box.getHalfSize(),
                           ColourValue(0.05f, 0.1f, 0.2f, 0.9f)));
 }

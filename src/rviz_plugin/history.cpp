@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMarks = 500;
 constexpr std::size_t kTogether = 8;  // lines of a mark
 
-std::string quoted(const std::string& text) {
+std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -75,7 +75,7 @@ std::string csvOf(const std::vector<Column>& columns) {
   std::map<double, std::vector<std::string>> rows;
   std::string text = "time (s)";
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    text += "," + quoted(columns[k].heading);
+    text += "," + csvField(columns[k].heading);
     for (const Sample& sample : columns[k].samples) {
       std::vector<std::string>& row = rows[sample.time];
       row.resize(columns.size());

@@ -9,6 +9,7 @@
 #include <rviz/load_resource.h>
 #include <rviz/render_panel.h>
 #include <rviz/selection/selection_handler.h>
+#include <rviz/selection/selection_manager.h>
 #include <rviz/viewport_mouse_event.h>
 #include <rviz/window_manager_interface.h>
 #include <pluginlib/class_list_macros.hpp>
@@ -75,6 +76,10 @@ void InteractTool::update(float, float) {
 
 void InteractTool::aim(const rviz::ViewportMouseEvent& event) {
   nothing_there_ = "There is no body here: the mouse turns the view.";
+  for (const rviz::CollObjectHandle cover : covers_)
+    if (rviz::SelectionHandler* const handler = context_->getSelectionManager()->getHandler(cover))
+      handler->setInteractiveObject(rviz::InteractiveObjectWPtr());
+  covers_.clear();
   const std::optional<PickedBody> picked = pickBody(*context_, event);
   const bool takes_drags = picked && aimAt(*picked);
   hover(takes_drags ? &*picked : nullptr);
@@ -99,6 +104,11 @@ bool InteractTool::aimAt(const PickedBody& picked) {
   }
   mouse_->aim(simulator, *body, picked.position, picked.orientation);
   picked.handler->setInteractiveObject(mouse_);
+  // RViz looks by itself for what is under the mouse, and finds what covers the body.
+  for (const rviz::CollObjectHandle cover : picked.covers)
+    if (rviz::SelectionHandler* const handler = context_->getSelectionManager()->getHandler(cover))
+      handler->setInteractiveObject(mouse_);
+  covers_ = picked.covers;
   return !isSeeThrough(*body);
 }
 

@@ -5,12 +5,14 @@
 #include "body_mouse.h"
 
 #include <rviz/default_plugin/tools/interaction_tool.h>
+#include <rviz/selection/forwards.h>
 
 #include <QPoint>
 
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace rbs {
 
@@ -40,7 +42,8 @@ class InteractTool : public rviz::InteractionTool {
   boost::shared_ptr<BodyMouse> mouse_;
   std::map<std::string, std::shared_ptr<SimulatorBodies>> simulators_;  ///< by node
   QString nothing_there_;                                               ///< why the mouse is at no body
-  bool missed_ = false;  ///< the last press was at nothing that takes it
+  std::vector<rviz::CollObjectHandle> covers_;  ///< drawn before the body at the mouse
+  bool missed_ = false;                         ///< the last press was at nothing that takes it
   QPoint pressed_at_;
 };
 

@@ -10,7 +10,7 @@
 namespace rbs {
 namespace {
 
-enum Column { kStage, kMilliseconds, kReason, kColumns };
+enum StageColumn { kStage, kMilliseconds, kReason, kStageColumns };
 constexpr int kShare = Qt::UserRole;  // of the step, 0 to 1
 
 /// Draws the share of a stage as a bar behind its number.
@@ -47,13 +47,13 @@ void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, double
   row.setToolTip(kReason, reason);
   row.setTextAlignment(kMilliseconds, Qt::AlignRight);
   const QBrush brush = palette.brush(stage.active ? QPalette::Active : QPalette::Disabled, QPalette::Text);
-  for (int column = 0; column < kColumns; ++column) row.setForeground(column, brush);
+  for (int column = 0; column < kStageColumns; ++column) row.setForeground(column, brush);
 }
 
 }  // namespace
 
 PipelineTree::PipelineTree() {
-  setColumnCount(kColumns);
+  setColumnCount(kStageColumns);
   setHeaderLabels({"Stage", "ms", "Why"});
   setUniformRowHeights(true);
   setSelectionMode(QAbstractItemView::NoSelection);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recorder.h"
 
+#include "silence.h"
+
 #include <algorithm>
 
 namespace rbs {
 namespace {
 
-constexpr int kWatchPeriod = 250;  // ms
-constexpr int kSilence = 8;        // looks without a status between them, after which the node counts as gone
 constexpr std::size_t kPending = 2000;  // what waits for its time: more comes only from a node that is stuck
 constexpr int kStatusQueue = 10, kEventQueue = 1000, kStateQueue = 50;
 

@@ -12,7 +12,7 @@
 namespace rbs {
 namespace {
 
-constexpr int kMargin = 4;
+constexpr int kPictureMargin = 4;
 const QSize kPicture(96, 60);
 
 class SceneRow : public QStyledItemDelegate {
@@ -21,17 +21,17 @@ class SceneRow : public QStyledItemDelegate {
 
   QSize sizeHint(const QStyleOptionViewItem&, const QModelIndex&) const override {
     constexpr int kTextWidth = 360;
-    return {kPicture.width() + 3 * kMargin + kTextWidth, kPicture.height() + 2 * kMargin};
+    return {kPicture.width() + 3 * kPictureMargin + kTextWidth, kPicture.height() + 2 * kPictureMargin};
   }
 
   void paint(QPainter* painter, const QStyleOptionViewItem& option, const QModelIndex& index) const override {
     const bool is_chosen = option.state & QStyle::State_Selected;
     if (is_chosen) painter->fillRect(option.rect, option.palette.highlight());
-    const QRect row = option.rect.adjusted(kMargin, kMargin, -kMargin, -kMargin);
+    const QRect row = option.rect.adjusted(kPictureMargin, kPictureMargin, -kPictureMargin, -kPictureMargin);
     const QRect picture(row.topLeft(), kPicture);
     const QPixmap pixmap = index.data(Qt::UserRole).value<QPixmap>();
     if (!pixmap.isNull()) painter->drawPixmap(picture, pixmap);
-    const QRect text = row.adjusted(kPicture.width() + kMargin, 0, 0, 0);
+    const QRect text = row.adjusted(kPicture.width() + kPictureMargin, 0, 0, 0);
     painter->save();
     painter->setPen(option.palette.color(is_chosen ? QPalette::HighlightedText : QPalette::Text));
     QFont bold = option.font;

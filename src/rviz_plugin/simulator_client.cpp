@@ -2,6 +2,7 @@
 #include "simulator_client.h"
 
 #include "body_names.h"
+#include "silence.h"
 
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
@@ -24,8 +25,6 @@
 namespace rbs {
 namespace {
 
-constexpr int kWatchPeriod = 250;  // ms
-constexpr int kSilence = 8;        // looks without a status between them, after which the node counts as gone
 constexpr double kPatience = 2.0;  // s without an answer, after which the user gets a message
 
 }  // namespace

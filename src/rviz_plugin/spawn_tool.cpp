@@ -36,7 +36,7 @@ namespace {
 
 constexpr float kSmallest = 1e-3f, kLargest = 1e3f;  // m
 
-const char* const kShapes[] = {"box", "sphere", "capsule", "cylinder", "cone", "mesh"};
+const char* const kSpawnShapes[] = {"box", "sphere", "capsule", "cylinder", "cone", "mesh"};
 constexpr const char* kHelp =
     "<b>Left-Click:</b> Add. <b>Left-Drag:</b> Throw. <b>Wheel:</b> Size. <b>Right-Click:</b> Shape. "
     "<b>Middle:</b> Move the view.";
@@ -45,11 +45,11 @@ Vec3 fromOgre(const Ogre::Vector3& v) {
   return {v.x, v.y, v.z};
 }
 
-Ogre::Vector3 toOgre(const Vec3& v) {
+Ogre::Vector3 ogreVector(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-Ogre::Quaternion toOgre(const Quat& q) {
+Ogre::Quaternion ogreVector(const Quat& q) {
   return {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
           static_cast<float>(q.z())};
 }
@@ -70,7 +70,8 @@ SpawnTool::SpawnTool() {
   shortcut_key_ = 'b';
   rviz::Property* const container = getPropertyContainer();
   shape_ = new rviz::EnumProperty("Shape", "box", "Shape of the new bodies.", container);
-  for (std::size_t k = 0; k < std::size(kShapes); ++k) shape_->addOption(kShapes[k], static_cast<int>(k));
+  for (std::size_t k = 0; k < std::size(kSpawnShapes); ++k)
+    shape_->addOption(kSpawnShapes[k], static_cast<int>(k));
   mesh_ = new rviz::StringProperty(
       "Mesh", "",
       "File whose convex hull the bodies have with the shape mesh: an absolute path or package://NAME/FILE "
@@ -155,7 +156,7 @@ void SpawnTool::takeMeshWhenRead() {
 void SpawnTool::showGhost() {
   if (!ghost_) return;  // another tool is in use
   if (!position_ || !unit_) return ghost_->hide();
-  ghost_->show(size_->getFloat(), *position_, toOgre(unit_->q_WB));
+  ghost_->show(size_->getFloat(), *position_, ogreVector(unit_->q_WB));
 }
 
 // The normal is that of the plane through four points around the mouse. Where the middle is not midway between
@@ -197,7 +198,7 @@ void SpawnTool::place(const rviz::ViewportMouseEvent& event) {
   if (surface) {
     const Vec3 n_B = unit_->q_WB.conjugate() * fromOgre(surface->normal);
     const double height = kClear * size_->getFloat() * reach(unit_->shape, -n_B);
-    position_ = surface->point + toOgre(height * fromOgre(surface->normal));
+    position_ = surface->point + ogreVector(height * fromOgre(surface->normal));
   }
   showGhost();
 }
@@ -231,7 +232,7 @@ int SpawnTool::processMouseEvent(rviz::ViewportMouseEvent& event) {
     if (!drags_) place(event);
   } else if (event.rightUp() && event.buttons_down == Qt::NoButton && isNearPress(event)) {
     boost::shared_ptr<QMenu> menu(new QMenu);
-    for (const char* const shape : kShapes)
+    for (const char* const shape : kSpawnShapes)
       menu->addAction(shape, [this, shape] { shape_->setString(shape); });
     event.panel->showContextMenu(menu);
   } else if (event.leftDown() && position_ && unit_) {

@@ -24,12 +24,12 @@
 namespace rbs {
 namespace {
 
-constexpr double kLeast = 1e-18;      // what a logarithmic scale draws for less
-constexpr double kFlat = 1e-5;        // of a value: the least that a scale spans about it
-constexpr double kMargin = 0.06;      // of the scale, above and below
-constexpr double kWheel = 1.25;       // zoom of one notch
-constexpr int kNear = 4, kDrawn = 5;  // pixels: of a mark, and of a rectangle that is meant
-constexpr double kPale = 0.3;         // opacity of the run before
+constexpr double kLeastShown = 1e-18;     // what a logarithmic scale draws for less
+constexpr double kFlat = 1e-5;            // of a value: the least that a scale spans about it
+constexpr double kMargin = 0.06;          // of the scale, above and below
+constexpr double kWheel = 1.25;           // zoom of one notch
+constexpr int kNearMark = 4, kDrawn = 5;  // pixels: of a mark, and of a rectangle that is meant
+constexpr double kPale = 0.3;             // opacity of the run before
 constexpr int kMarksSeen = 60;
 constexpr int kLeastLines = 5;              // of text, as high as a chart is at least
 constexpr int kDigits = 4, kFewDigits = 2;  // of the values in a heading, few where there are many
@@ -162,7 +162,7 @@ QVector<QPointF> TimePlot::pointsOf(const Trace& trace, const View& view, double
   QVector<QPointF> points;
   const auto most = static_cast<std::size_t>(std::max(100, canvas()->width()));
   for (const Sample& sample : trace.samples(view.from, view.to, most)) {
-    const double value = isLogarithmic(view) ? std::max(kLeast, sample.value) : sample.value - shift;
+    const double value = isLogarithmic(view) ? std::max(kLeastShown, sample.value) : sample.value - shift;
     points.append({sample.time, value});
     seen.low = std::min(seen.low, value);
     seen.high = std::max(seen.high, value);
@@ -248,7 +248,7 @@ void TimePlot::showMarks(const History& history, const View& view) {
 QString TimePlot::markAt(int x) const {
   QStringList texts;
   for (const Mark& mark : shown_marks_)
-    if (std::abs(transform(xBottom, mark.time) - x) <= kNear)
+    if (std::abs(transform(xBottom, mark.time) - x) <= kNearMark)
       texts << QString("%1 s: %2").arg(mark.time, 0, 'f', 3).arg(QString::fromStdString(mark.text));
   return texts.join("\n");
 }

@@ -8,7 +8,7 @@
 namespace rbs {
 
 ValueField::ValueField() {
-  setMinimumWidth(fontMetrics().horizontalAdvance("-0.0000"));
+  setMinimumWidth(fontMetrics().horizontalAdvance("-0.000000"));
   connect(this, &QLineEdit::editingFinished, this, &ValueField::enter);
 }
 

@@ -9,19 +9,19 @@
 namespace rbs {
 namespace {
 
-enum Column { kTime, kTimes, kText, kColumns };
-constexpr int kMost = 200;  // warnings that are kept
+enum WarningColumn { kTime, kCount, kText, kWarningColumns };
+constexpr int kKept = 200;  // warnings that are kept
 
 }  // namespace
 
 WarningsView::WarningsView() : list_(new QTreeWidget) {
-  list_->setColumnCount(kColumns);
+  list_->setColumnCount(kWarningColumns);
   list_->setHeaderLabels({"Time, s", "×", "Warning"});
   list_->setRootIsDecorated(false);
   list_->setWordWrap(true);
   list_->header()->setStretchLastSection(true);
   list_->header()->setSectionResizeMode(kTime, QHeaderView::ResizeToContents);
-  list_->header()->setSectionResizeMode(kTimes, QHeaderView::ResizeToContents);
+  list_->header()->setSectionResizeMode(kCount, QHeaderView::ResizeToContents);
   auto* const clear = new QPushButton("Clear");
   connect(clear, &QPushButton::clicked, this, &WarningsView::clear);
   auto* const last_row = new QHBoxLayout;
@@ -37,7 +37,7 @@ WarningsView::WarningsView() : list_(new QTreeWidget) {
 void WarningsView::show(const rigid_body_sim::Status& status) {
   if (status.warnings.empty()) return;
   for (const std::string& warning : status.warnings) add(QString::fromStdString(warning), status.time);
-  while (count() > kMost) delete list_->takeTopLevelItem(count() - 1);
+  while (count() > kKept) delete list_->takeTopLevelItem(count() - 1);
   Q_EMIT countChanged(count());
 }
 
@@ -47,9 +47,9 @@ void WarningsView::add(const QString& text, double time) {
     if (list_->topLevelItem(row)->text(kText) == text) item = list_->takeTopLevelItem(row);
   if (!item) item = new QTreeWidgetItem({"", "0", text});
   item->setText(kTime, QString::number(time, 'f', 2));
-  item->setText(kTimes, QString::number(item->text(kTimes).toInt() + 1));
+  item->setText(kCount, QString::number(item->text(kCount).toInt() + 1));
   item->setToolTip(kText, text);
-  for (const int column : {kTime, kTimes, kText})
+  for (const int column : {kTime, kCount, kText})
     item->setTextAlignment(column, Qt::AlignTop | Qt::AlignLeft);
   list_->insertTopLevelItem(0, item);
 }

@@ -6,12 +6,13 @@
 #include <QGridLayout>
 #include <QSignalBlocker>
 
+#include <QtMath>
 #include <cmath>
 
 namespace rbs {
 namespace {
 
-constexpr double kFastest = 1e4, kDegree = M_PI / 180.0;  // m/s
+constexpr double kStrongest = 1e4;  // m/s
 
 NumberBox* makeBox(double least, double most, const QString& unit, const QString& tip) {
   auto* const box = new NumberBox;
@@ -45,9 +46,9 @@ WindView::WindView(SimulatorClient& simulator)
     : simulator_(simulator),
       compass_(new QDial),
       direction_(makeBox(0.0, 360.0, " °", "Where the wind blows to, from x towards y")),
-      speed_(makeBox(0.0, kFastest, " m/s", "Horizontal speed of the air")),
-      vertical_(makeBox(-kFastest, kFastest, " m/s", "Upward speed of the air")),
-      gust_(makeBox(0.0, kFastest, " m/s", "Standard deviation of each horizontal component")),
+      speed_(makeBox(0.0, kStrongest, " m/s", "Horizontal speed of the air")),
+      vertical_(makeBox(-kStrongest, kStrongest, " m/s", "Upward speed of the air")),
+      gust_(makeBox(0.0, kStrongest, " m/s", "Standard deviation of each horizontal component")),
       now_(new QLabel) {
   direction_->setWrapping(true);
   direction_->setSingleStep(15.0);
@@ -83,7 +84,7 @@ WindView::WindView(SimulatorClient& simulator)
 }
 
 void WindView::send() {
-  const double angle = kDegree * direction_->value();
+  const double angle = qDegreesToRadians(direction_->value());
   geometry_msgs::Vector3 velocity;
   velocity.x = speed_->value() * std::cos(angle);
   velocity.y = speed_->value() * std::sin(angle);
@@ -102,7 +103,7 @@ void WindView::show(const rigid_body_sim::Wind& wind) {
   }
   if (!wind.enabled || compass_->isSliderDown()) return;
   const double speed = std::hypot(wind.mean.x, wind.mean.y);
-  const double degrees = std::fmod(std::atan2(wind.mean.y, wind.mean.x) / kDegree + 360.0, 360.0);
+  const double degrees = std::fmod(qRadiansToDegrees(std::atan2(wind.mean.y, wind.mean.x)) + 360.0, 360.0);
   showUnlessEdited(*speed_, speed);
   showUnlessEdited(*vertical_, wind.mean.z);
   showUnlessEdited(*gust_, wind.gust);

@@ -184,6 +184,19 @@ class GuiTest(unittest.TestCase):
             self.wait_for_selection(name)
             wait_until(lambda: self.is_drawn_near(name, target), '%s is where the mouse let it go' % name)
 
+    def test_bodies_are_taken_through_those_of_the_reference_run(self):
+        self.addCleanup(call, 'show_ghost', SetBool, False)
+        call('show_ghost', SetBool, True)
+        self.wait_for_status(lambda s: s.ghost_lag, 'there is a reference run')
+        self.rviz.wait_for_rest()
+        for name in ('left', 'middle', 'right'):
+            self.rviz.click(self.rviz.pixel_of(position(name)))
+            self.wait_for_selection(name)
+        start = position('middle')
+        target = self.rviz.pixel_of((start[0] + 0.7, start[1] + 0.7, start[2]))
+        self.rviz.drag(self.rviz.pixel_of(start), target)
+        wait_until(lambda: self.is_drawn_near('middle', target), 'the body is where the mouse let it go')
+
     def test_a_click_on_nothing_and_escape_drop_the_selection(self):
         scene = self.rviz.scene
         sky = (scene.x + 30, scene.y + 30)
