@@ -43,7 +43,7 @@ std::vector<std::string> commandFor(const AccuracyOptions& options) {
           option("max-seconds", options.max_cpu_seconds)};
 }
 
-rigid_body_sim::SettingCost toMsg(const SettingCost& cost) {
+rigid_body_sim::SettingCost costMessage(const SettingCost& cost) {
   rigid_body_sim::SettingCost msg;
   msg.name = settingName(cost.setting);
   msg.preset = fidelityName(cost.setting.preset);
@@ -198,7 +198,7 @@ void AccuracyJob::publish() {
   msg.shortened = study.shortened;
   msg.dropped = study.dropped;
   msg.uncertainty = finite(study.uncertainty.distance);
-  for (const SettingCost& cost : study.settings) msg.settings.push_back(toMsg(cost));
+  for (const SettingCost& cost : study.settings) msg.settings.push_back(costMessage(cost));
   publisher_.publish(msg);
 }
 

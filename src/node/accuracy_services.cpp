@@ -57,7 +57,7 @@ Goal goalOf(const AccuracyGoal::Request& request) {
   return goal;
 }
 
-std::string inWords(const Goal& goal) {
+std::string goalInWords(const Goal& goal) {
   return goal.max_error ? words("an error of at most ", *goal.max_error, " m per second simulated")
                         : words("at most ", *goal.max_step_ms, " ms per step");
 }
@@ -66,7 +66,7 @@ std::string seek(World& world, const AccuracyGoal::Request& request, AccuracyGoa
   const Goal goal = goalOf(request);
   world.setGoal(goal);
   response.fidelity = settingName(world.scene().fidelity);
-  return words("goal: ", inWords(goal), "; the solver settings adapt to it, beginning with ",
+  return words("goal: ", goalInWords(goal), "; the solver settings adapt to it, beginning with ",
                response.fidelity, goal.max_step_ms ? "; results now depend on the speed of the machine" : "");
 }
 
@@ -75,7 +75,7 @@ std::string apply(World& world, const AccuracyStudy& study, const Goal& goal,
                   AccuracyGoal::Response& response) {
   const SettingCost* cost =
       goal.max_error ? cheapestWithin(study, *goal.max_error) : mostAccurateWithin(study, *goal.max_step_ms);
-  if (!cost) throw std::runtime_error("none of the measured solver settings has " + inWords(goal));
+  if (!cost) throw std::runtime_error("none of the measured solver settings has " + goalInWords(goal));
   const std::string message = applySettings(world, cost->setting);
   response.fidelity = settingName(cost->setting);
   return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance,

@@ -79,7 +79,8 @@ std::string clear(World& world, const Trigger::Request&, Trigger::Response&) {
 /// The new shape of a body: either new extents, of which a zero one stays, or a multiple of the old shape.
 Shape resizedShape(const Shape& shape, const ResizeBody::Request& request) {
   const bool by_size = !isZero(request.size), by_factor = request.factor != 0.0;
-  if (by_size == by_factor) throw InvalidInput({{"size and factor", "", "give one of them, and not zero"}});
+  if (by_size == by_factor)
+    throw InvalidInput({{"size and factor", by_size ? "both" : "neither", "one of them, not zero"}});
   if (by_size) return resized(shape, fromMsg(request.size), "body");
   if (std::holds_alternative<Plane>(shape))
     throw InvalidInput({{"shape", "plane", "any other: a plane has no size"}});
@@ -96,7 +97,7 @@ std::string resize(World& world, const ResizeBody::Request& request, ResizeBody:
   edit.shape = resizedShape((*before.bodies)[before.find(id)].shape, request);
   world.editBody(id, edit);
   const Snapshot after = world.snapshot();
-  return words("'", request.name, "' is now: ", describe((*after.bodies)[after.find(id)]));
+  return words("resized '", request.name, "': ", describe((*after.bodies)[after.find(id)]));
 }
 
 std::string move(World& world, const MoveBody::Request& request, MoveBody::Response&) {
@@ -104,7 +105,7 @@ std::string move(World& world, const MoveBody::Request& request, MoveBody::Respo
   edit.pose = fromMsg(request.pose);
   if (!request.keep_velocity) edit.twist = Twist{};
   world.editBody(bodyNamed(world, request.name), edit);
-  return words("'", request.name, "' is at ", inWords(edit.pose->p_WB), " m",
+  return words("moved '", request.name, "' to ", inWords(edit.pose->p_WB), " m",
                request.keep_velocity ? " and keeps its velocity" : ", at rest");
 }
 
@@ -117,7 +118,7 @@ std::string set(World& world, const SetBody::Request& request, SetBody::Response
   }
   world.editBody(id, edit);
   const Snapshot after = world.snapshot();
-  return words("'", request.name, "' is now: ", describe((*after.bodies)[after.find(id)]));
+  return words("changed '", request.name, "': ", describe((*after.bodies)[after.find(id)]));
 }
 
 /// Runs one edit of a body; its errors are about "body", and become errors about `path`.

@@ -4,7 +4,37 @@
 #include "convert.h"
 #include "names.h"
 
+#include "rigid_body_sim/quote.h"
+
 namespace rbs {
+
+namespace {
+
+// A vector of a command, in the axes of the body, and what World calls it.
+struct Sent {
+  std::string path, in_world;
+  Vec3 value_B;
+};
+
+// Makes an edit. An error names the field of the message, the body, and the value that the message holds.
+void edit(const std::string& body, const std::vector<Sent>& sent, const std::function<void()>& make) {
+  const auto place = [&](const Sent& one) { return one.path + " for " + rbs::quoted(body); };
+  for (const Sent& one : sent) finiteVector(one.value_B, place(one));
+  try {
+    make();
+  } catch (const InvalidInput& refusal) {
+    std::vector<Problem> problems = refusal.problems();
+    for (Problem& problem : problems)
+      for (const Sent& one : sent)
+        if (problem.path == one.in_world) {
+          problem.path = place(one);
+          problem.value = words('[', one.value_B.x(), ", ", one.value_B.y(), ", ", one.value_B.z(), ']');
+        }
+    throw InvalidInput(problems);
+  }
+}
+
+}  // namespace
 
 CommandTopics::CommandTopics(Simulator& simulator) : simulator_(simulator) {
   ros::NodeHandle node("~");
@@ -17,10 +47,11 @@ void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
     const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
     const Quat q_WB = world.pose(body).q_WB;
     const Twist twist_B = fromMsg(command.twist);
-    BodyEdit edit;
-    edit.twist = Twist{q_WB * finiteVector(twist_B.v_WB, "twist.linear"),
-                       q_WB * finiteVector(twist_B.w_WB, "twist.angular")};
-    world.editBody(body, edit);
+    BodyEdit change;
+    change.twist = Twist{q_WB * twist_B.v_WB, q_WB * twist_B.w_WB};
+    edit(command.header.frame_id,
+         {{"twist.linear", "body.velocity", twist_B.v_WB}, {"twist.angular", "body.spin", twist_B.w_WB}},
+         [&] { world.editBody(body, change); });
   });
 }
 
@@ -28,9 +59,11 @@ void CommandTopics::onWrench(const geometry_msgs::WrenchStamped& command) {
   send("cmd_wrench", [command](World& world) {
     const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
     const Pose X_WB = world.pose(body);
-    const Vec3 force_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.force), "wrench.force");
-    const Vec3 torque_W = X_WB.q_WB * finiteVector(fromMsg(command.wrench.torque), "wrench.torque");
-    world.commandWrench(body, force_W, torque_W, X_WB.p_WB, kWrenchSeconds);
+    const Vec3 force_B = fromMsg(command.wrench.force), torque_B = fromMsg(command.wrench.torque);
+    edit(command.header.frame_id, {{"wrench.force", "force", force_B}, {"wrench.torque", "torque", torque_B}},
+         [&] {
+           world.commandWrench(body, X_WB.q_WB * force_B, X_WB.q_WB * torque_B, X_WB.p_WB, kWrenchSeconds);
+         });
   });
 }
 

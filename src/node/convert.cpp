@@ -19,6 +19,10 @@ double finite(double value) {
   return std::isfinite(value) ? value : 0.0;
 }
 
+bool isFinite(const Pose& pose) {
+  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
+}
+
 geometry_msgs::Vector3 toMsg(const Vec3& v) {
   geometry_msgs::Vector3 msg;
   msg.x = finite(v.x());

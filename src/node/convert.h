@@ -24,7 +24,8 @@
 
 namespace rbs {
 
-double finite(double value);  ///< the value, or 0 where it is NaN or infinite
+double finite(double value);      ///< the value, or 0 where it is NaN or infinite
+bool isFinite(const Pose& pose);  ///< whether every number of it is finite
 geometry_msgs::Vector3 toMsg(const Vec3& v);
 geometry_msgs::Point toPoint(const Vec3& p);  ///< also kept within 1e18 m, whose square a float can hold
 geometry_msgs::Quaternion toMsg(const Quat& q);

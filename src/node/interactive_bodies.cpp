@@ -18,10 +18,6 @@ namespace {
 
 using visualization_msgs::InteractiveMarkerFeedback;
 
-bool isFinite(const Pose& pose) {
-  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
-}
-
 std::optional<Vec3> hitPoint(const InteractiveMarkerFeedback& feedback) {
   const Vec3 p_W = fromMsg(feedback.mouse_point);
   if (!feedback.mouse_point_valid || !p_W.allFinite()) return std::nullopt;

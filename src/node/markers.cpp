@@ -15,10 +15,6 @@ using visualization_msgs::MarkerArray;
 constexpr std::size_t kMostMeshes = 100;  // of moving bodies
 constexpr std::size_t kMostMoved = 333;   // in a message: 10,000 a second, which RViz can take in
 
-bool isFinite(const Pose& pose) {
-  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
-}
-
 // A ten-thousandth of the body, or of a radian, is less than a pixel.
 bool visiblyApart(const Pose& a, const Pose& b, double size) {
   constexpr double kVisible = 1e-4;

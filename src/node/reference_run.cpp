@@ -17,7 +17,7 @@ namespace {
 constexpr float kAlpha = 0.35f;
 constexpr double kRepeatPeriod = 5.0;  // s, as for the markers of the live bodies
 /// How long a step of the reference run may delay the end of the node.
-constexpr auto kGrace = std::chrono::seconds(2);
+constexpr auto kPatience = std::chrono::seconds(2);
 
 Setting referenceSettings() {
   Setting setting(Fidelity::Reference);
@@ -48,7 +48,7 @@ ReferenceRun::ReferenceRun(ros::NodeHandle& node, Simulator& simulator)
 ReferenceRun::~ReferenceRun() {
   const std::shared_ptr<Run> run = run_;
   show(false);
-  if (run) run->ended.get_future().wait_for(kGrace);
+  if (run) run->ended.get_future().wait_for(kPatience);
 }
 
 void ReferenceRun::show(bool on) {

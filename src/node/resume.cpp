@@ -16,7 +16,7 @@
 namespace rbs {
 namespace {
 
-namespace fs = boost::filesystem;
+namespace files = boost::filesystem;
 
 /// The last line of a saved state: a checksum. It detects a file that was cut or changed, which may still be
 /// a valid scene.
@@ -30,7 +30,7 @@ std::string seal(const std::string& text) {
 
 void checkSeal(const std::string& file) {
   std::string text;
-  fs::load_string_file(file, text);
+  files::load_string_file(file, text);
   const std::size_t length = seal("").size();
   const std::size_t end = text.size() < length ? 0 : text.size() - length;
   const bool sealed = text.substr(end) == seal(text.substr(0, end));
@@ -55,7 +55,7 @@ std::string Resume::usualFile(const std::string& node_name) {
 
 Resume::Resume(Session& session, const std::string& file, bool take) : session_(session), file_(file) {
   boost::system::error_code unreadable;
-  untaken_ = fs::exists(file_, unreadable);
+  untaken_ = files::exists(file_, unreadable);
   if (take) {
     this->take();
   } else if (untaken_) {
@@ -87,12 +87,12 @@ void Resume::take() {
 
 void Resume::offer() const {
   boost::system::error_code gone;
-  ROS_INFO_STREAM("the state of " << localTime(fs::last_write_time(file_, gone)) << " is saved in " << file_
-                                  << ": start with resume:=true to continue from it");
+  ROS_INFO_STREAM("the state of " << localTime(files::last_write_time(file_, gone)) << " is saved in "
+                                  << file_ << ": start with resume:=true to continue from it");
 }
 
 std::string Resume::previous() const {
-  const fs::path file(file_);
+  const files::path file(file_);
   return (file.parent_path() / (file.stem().string() + ".previous.yaml")).string();
 }
 
@@ -105,8 +105,8 @@ void Resume::keep() {
     const SceneDef scene = world.capture();
     const SavedState state = world.captureState();
     const std::string text = writeScene(scene, state);
-    fs::create_directories(fs::path(file_).parent_path());
-    if (untaken_) fs::copy_file(file_, previous(), fs::copy_options::overwrite_existing);
+    files::create_directories(files::path(file_).parent_path());
+    if (untaken_) files::copy_file(file_, previous(), files::copy_options::overwrite_existing);
     writeFile(file_, text + seal(text), true);
     std::printf("saved '%s' at %g s in %s: start with resume:=true to continue from it\n", scene.name.c_str(),
                 state.time, file_.c_str());

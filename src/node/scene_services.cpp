@@ -38,17 +38,16 @@ std::string saveState(Simulator& simulator, const File::Request& request) {
   return words("saved ", bodyCount(scene.bodies.size()), " at ", state.time, " s to ", path);
 }
 
-std::string loadedInWords(const Simulator& simulator) {
-  const std::shared_ptr<const Snapshot> snapshot = simulator.snapshot();
-  return words("loaded '", snapshot->scene, "': ", bodyCount(snapshot->bodies->size()));
+std::string loadedInWords(const SceneDef& scene) {
+  return words("loaded '", scene.name, "': ", bodyCount(scene.bodies.size()));
 }
 
 std::string loadScene(Session& session, const std::string& name,
                       const std::optional<std::uint64_t>& seed = std::nullopt) {
   requireSceneName(name);
-  const bool leaves_state = session.loadScene(name, seed);
-  return loadedInWords(session.simulator()) +
-         (leaves_state ? ", without the saved state of the file: load_state continues from it" : "");
+  const SceneFile loaded = session.loadScene(name, seed);
+  return loadedInWords(loaded.scene) +
+         (loaded.state ? ", without the saved state of the file: load_state continues from it" : "");
 }
 
 }  // namespace
@@ -62,8 +61,7 @@ void Services::offerScenes() {
                              return loadScene(session_, request.name, request.seed);
                            });
   offer<File>("load_state", [this](const File::Request& request, File::Response&) {
-    session_.loadState(yamlPath(request.file));
-    return loadedInWords(simulator_);
+    return loadedInWords(session_.loadState(yamlPath(request.file)).scene);
   });
   offer<File>("save_scene", [this](const File::Request& request, File::Response&) {
     return saveScene(simulator_, request);

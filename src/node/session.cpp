@@ -27,24 +27,23 @@ SceneFile Session::read(const Options& options, const std::string& file) {
 Session::Session(const Options& options, SceneDef first)
     : options_(options), simulator_(std::move(first), options.run), timeline_(options.wall_stamps) {}
 
-bool Session::loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed) {
+SceneFile Session::loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed) {
   const std::string file = findScene(options_.folder, name_or_file);
   Options options = options_;
   if (seed) options.seed = seed;
   SceneFile loaded = read(options, file);
-  const bool leaves_state = loaded.state.has_value();
-  loaded.state.reset();
-  replace(loaded, file);
-  return leaves_state;
+  replace({loaded.scene, std::nullopt}, file);
+  return loaded;
 }
 
-void Session::loadState(const std::string& file) {
+SceneFile Session::loadState(const std::string& file) {
   SceneFile saved = readScene(file);
   if (!saved.state) throw InvalidInput({{file, "", "holds a scene but no saved state: use load_scene"}});
   // Those of a checkpoint: the hand that held a body then holds it no longer.
   saved.state->grabs.clear();
   saved.state->holds.clear();
   replace(saved, file);
+  return saved;
 }
 
 void Session::replace(const SceneFile& file, const std::string& text) {

@@ -31,11 +31,13 @@ class Session {
   Timeline& timeline() { return timeline_; }
   const std::string& folder() const { return options_.folder; }
 
-  /// Replaces the world by a scene of the catalogue or of a file; `seed` replaces Options::seed. Returns whether
-  /// the file holds a saved state too, which is left out. Throws InvalidInput for a bad scene.
-  bool loadScene(const std::string& name_or_file, const std::optional<std::uint64_t>& seed = std::nullopt);
-  /// Replaces the world by a state that was saved, without its user forces. Throws InvalidInput for a file without one.
-  void loadState(const std::string& file);
+  /// Replaces the world by a scene of the catalogue or of a file; `seed` replaces Options::seed. Returns what was
+  /// loaded. A saved state that the file holds too is left out. Throws InvalidInput for a bad scene.
+  SceneFile loadScene(const std::string& name_or_file,
+                      const std::optional<std::uint64_t>& seed = std::nullopt);
+  /// Replaces the world by a state that was saved, without its user forces. Returns what was loaded. Throws InvalidInput
+  /// for a file without one.
+  SceneFile loadState(const std::string& file);
   /// Back to the world as it was loaded.
   void reset();
   /// Takes the last edit back, or makes it again. Returns it in words. Throws InvalidInput where there is none.

@@ -43,10 +43,15 @@ Pose TfFrames::find(const std::string& frame_id) const {
     const auto& [p, q] = std::tie(X.translation, X.rotation);
     return {Vec3(p.x, p.y, p.z), Quat(q.w, q.x, q.y, q.z).normalized()};
   } catch (const tf2::TransformException& error) {
-    const std::string allowed = "'" + worldFrame() +
-                                "', the name of a body, or a frame that tf connects with '" + worldFrame() +
-                                "'; tf says: ";
-    throw InvalidInput({{"frame_id", quoted(frame_id), allowed + printable(error.what(), kLongestPath)}});
+    const std::string world = "'" + worldFrame() + "'";
+    // tf would complain of the world, of which it knows nothing until another node connects a frame with it.
+    const std::string why = !buffer_._frameExists(frame_id) ? "tf knows no frame of this name"
+                            : !buffer_._frameExists(worldFrame())
+                                ? "nothing on tf connects it with " + world
+                                : "tf says: " + printable(error.what(), kLongestPath);
+    throw InvalidInput(
+        {{"frame_id", quoted(frame_id),
+          world + ", the name of a body, or a frame that tf connects with " + world + "; " + why}});
   }
 }
 

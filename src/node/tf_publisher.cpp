@@ -6,14 +6,6 @@
 #include <tf2_msgs/TFMessage.h>
 
 namespace rbs {
-namespace {
-
-bool isFinite(const Pose& pose) {
-  return pose.p_WB.allFinite() && pose.q_WB.coeffs().allFinite();
-}
-
-}  // namespace
-
 TfPublisher::TfPublisher(ros::NodeHandle& node, TfMode mode, const std::string& prefix)
     : mode_(mode), prefix_(prefix), topic_(Topic::of<tf2_msgs::TFMessage>(node, "/tf", 100)) {}
 

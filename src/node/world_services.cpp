@@ -72,7 +72,7 @@ std::string setWind(World& world, const SetWind::Request& request, SetWind::Resp
 
 std::string setGravity(World& world, const SetGravity::Request& request, SetGravity::Response&) {
   world.setGravity(fromMsg(request.gravity));
-  return words("gravity is ", inWords(world.scene().gravity), " m/s^2");
+  return words("set gravity to ", inWords(world.scene().gravity), " m/s^2");
 }
 
 /// The overrides that a request leaves. Throws InvalidInput for an unknown effect, or one named twice.

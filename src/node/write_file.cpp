@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& path, const std::string& allowed) {
+[[noreturn]] void refuseFile(const std::string& path, const std::string& allowed) {
   throw InvalidInput({{"file", quoted(path, kLongestPath), allowed}});
 }
 
@@ -27,15 +27,15 @@ namespace fs = std::filesystem;
   throw InvalidInput({{printable(path, kLongestPath), reason, "a file in a folder that can be written"}});
 }
 
-/// An open file descriptor.
-class Descriptor {
+/// An open file, which closes itself.
+class OpenFile {
  public:
-  Descriptor(int fd, const std::string& path) : fd_(fd) {
+  OpenFile(int fd, const std::string& path) : fd_(fd) {
     if (fd_ < 0) failed(path);
   }
-  ~Descriptor() { ::close(fd_); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  ~OpenFile() { ::close(fd_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
   operator int() const { return fd_; }
 
  private:
@@ -73,7 +73,7 @@ class NewFile {
 
  private:
   std::string name_;
-  Descriptor fd_;
+  OpenFile fd_;
   bool moved_ = false;
 };
 
@@ -82,13 +82,13 @@ class NewFile {
 void writeFile(const std::string& path, const std::string& text, bool overwrite) {
   struct stat old {};
   const bool exists = ::lstat(path.c_str(), &old) == 0;
-  if (exists && !overwrite) refuse(path, "a file that is not there yet, or overwrite");
-  if (exists && !S_ISREG(old.st_mode)) refuse(path, "a regular file to overwrite");
+  if (exists && !overwrite) refuseFile(path, "a file that is not there yet, or overwrite");
+  if (exists && !S_ISREG(old.st_mode)) refuseFile(path, "a regular file to overwrite");
   const fs::path folder = fs::path(path).parent_path();
   NewFile file(folder);
   file.write(text, exists ? old.st_mode & 0777u : 0644u);
   file.moveTo(path, overwrite);
-  const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder.string());
+  const OpenFile parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), folder.string());
   if (::fsync(parent) != 0) failed(folder.string());
 }
 

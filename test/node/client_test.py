@@ -20,9 +20,10 @@ import rosgraph
 import roslib.packages
 import rospy
 import rostest
+from rigid_body_sim.msg import Status
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from simulator import PATIENCE, SMALL, body, call  # noqa: E402
+from simulator import PATIENCE, SMALL, body, call, wait  # noqa: E402
 
 RBS = roslib.packages.find_node('rigid_body_sim', 'rbs')[0]
 
@@ -78,6 +79,11 @@ class ClientTest(unittest.TestCase):
         result = rbs(*arguments)
         self.assertEqual(result.returncode, 0, result.stderr)
         return result.stdout
+
+    @staticmethod
+    def time():
+        """Of the simulation, s."""
+        return rospy.wait_for_message('/sim/status', Status, PATIENCE).time
 
     def test_bodies_are_listed_made_moved_and_deleted(self):
         self.assertEqual(self.done('list').split(), ['floor', 'crate', 'ball'])
@@ -174,6 +180,13 @@ class ClientTest(unittest.TestCase):
         self.done('redo')
         self.assertEqual(json.loads(self.done('--json', 'status'))['steps'], 0)
 
+    def test_the_status_says_that_a_reference_run_is_drawn(self):
+        self.assertNotIn('reference run', self.done('status'))
+        self.done('ghost', 'on')
+        wait(lambda: 'reference run: drawn' in self.done('status'), 'the status says so')
+        self.done('ghost', 'off')
+        wait(lambda: 'reference run' not in self.done('status'), 'it is gone')
+
     def test_answers_come_as_json(self):
         answer = json.loads(self.done('--json', 'get', 'crate'))
         self.assertEqual(answer['body']['description']['name'], 'crate')
@@ -213,13 +226,14 @@ class ClientTest(unittest.TestCase):
 
     def test_absurd_arguments_are_refused_without_a_traceback(self):
         for expected, arguments in [
-            (2, ['step', '--', '-1']), (2, ['step', 5000000000]), (1, ['step', 2000000]), (2, ['step', '1.5']),
+            (2, ['step', '--', '-1']), (2, ['step', 5000000000]), (2, ['step', 2000000]), (2, ['step', '1.5']),
             (2, ['step', 'x']), (2, ['spawn', '--size', 1, 2]), (2, ['spawn', '--points', 1, 2]),
             (2, ['tune', '--divisions', -1]), (2, ['tune', '--sub-steps', 1e9]), (2, ['tune', '--divisions', 2 ** 32]),
-            (1, ['tune', '--divisions', 2 ** 32 - 1]), (2, ['accuracy', '--windows', -5]), (2, ['spawn', '--group', 2 ** 32]),
+            (1, ['tune', '--divisions', 2 ** 32 - 1]), (2, ['accuracy', '--windows', -5]), (2, ['accuracy', '--windows', 1001]), (2, ['spawn', '--group', 2 ** 32]),
             (1, ['speed', 'nan']), (1, ['speed', '--', '-1']), (1, ['speed', 'inf']), (1, ['speed', '1e999']),
             (1, ['push', 'ball', 'nan', 0, 0]), (1, ['gravity', '1e300', 0, 0]), (1, ['wrench', 'ball', '--seconds', 'nan']),
             (1, ['move', 'ball', '--at', 'inf', 0, 0]), (1, ['spawn', '--mass', 'nan']), (2, ['spawn', '--yaw', 'inf']),
+            (2, ['spawn', '--yaw', 30]), (2, ['spawn', '--size', 0]),
             (1, ['resize', 'ball', '--factor=-inf']), (1, ['tune', '--tolerance', 'nan']), (1, ['set-wind', 'nan', 0, 0]),
             (1, ['ray', '--from', 0, 0, 'nan', '--along', 0, 0, 1]), (1, ['overlaps', '--at', 0, 0, 0, '--margin', 'nan']),
             (1, ['seek', '--max-error', 'nan']), (1, ['get', 'x' * 100000]), (1, ['spawn', '--name', 'a b']),
@@ -310,9 +324,26 @@ class ClientTest(unittest.TestCase):
                 calls = [node.server.accept()[0] for _ in range(2)]  # the first only asks whether anybody is there
                 process.send_signal(signal.SIGINT)
                 _, errors = process.communicate(timeout=20)
-                self.assertEqual((process.returncode, errors), (130, ''), command)
+                said = 'rbs: interrupted: the steps may go on until rbs pause\n' if command[0] == 'step' else ''
+                self.assertEqual((process.returncode, errors), (130, said), command)
                 for connection in calls:
                     connection.close()
+
+    def test_ctrl_c_ends_the_steps_that_were_asked_for(self):
+        before = self.time()
+        process = subprocess.Popen([RBS, 'step', '1000000'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        wait(lambda: self.time() > before, 'the steps are taken')
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn('interrupted: paused at ', errors)
+        self.assertEqual(self.time(), self.time())
+        self.done('step')
+
+    def test_an_answer_that_cannot_be_written_is_no_missing_simulator(self):
+        with open('/dev/full', 'w') as full:
+            result = subprocess.run([RBS, 'list'], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+        self.assertEqual((result.returncode, result.stderr), (1, 'rbs: cannot write the answer: No space left on device\n'))
 
     def test_a_node_that_was_killed_is_exit_code_3(self):
         node = NodeThatHangs()

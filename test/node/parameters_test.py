@@ -11,6 +11,7 @@ import roslib.packages
 import rosgraph
 import rospy
 import rostest
+import yaml
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 from simulator import SMALL, call, wait  # noqa: E402
@@ -95,6 +96,15 @@ class ParametersTest(unittest.TestCase):
         self.assertIn('unknown parameter ~sede (5) has no effect; did you mean ~seed?', said)
         self.assertIn('unknown parameter ~zzzzzzzzzzzz (5) has no effect; parameters: scene,', said)
         self.assertEqual(said.count('unknown parameter'), 2)
+
+    def test_the_launch_file_takes_paths_as_the_shell_does_and_numbers_as_texts(self):
+        for given, wanted in (('tower', 'tower'), ('5', '5'), ('/a/b.yaml', '/a/b.yaml'), ('~/my scene.yaml', '/home/me/my scene.yaml'),
+                              ('b.yaml', '/here/b.yaml'), ('./b', '/here/./b'), ('../b.yaml', '/here/../b.yaml')):
+            dumped = subprocess.run(['roslaunch', '--dump-params', 'rigid_body_sim', 'sim.launch', 'gui:=false', 'scene:=' + given,
+                                     'world_frame:=5', 'tf_prefix:=7'], env=dict(os.environ, HOME='/home/me', PWD='/here'),
+                                    stdout=subprocess.PIPE, text=True, timeout=60, check=True).stdout
+            parameters = yaml.safe_load(dumped)
+            self.assertEqual([parameters['/sim/' + name] for name in ('scene', 'world_frame', 'tf_prefix')], [wanted, '5', '7'])
 
     def test_a_simulator_without_a_clock_leaves_the_time_of_the_others_alone(self):
         launch = subprocess.Popen(['roslaunch', 'rigid_body_sim', 'sim.launch', 'gui:=false', 'scene:=' + SMALL, 'use_sim_time:=false',

@@ -522,6 +522,7 @@ class ServicesTest(unittest.TestCase):
         before = [hashes.pop()]
         for service, _ in reversed(edits):
             told = self.status.fresh().undo
+            self.assertNotRegex(told, r'\bis\b', 'what was done, not what is so no more')
             self.assertEqual(call('undo').message, 'undone: ' + told, service)
             before.append(hashes.pop())
             self.assertEqual(self.status.fresh().hash, before[-1], service)
@@ -580,6 +581,15 @@ class ServicesTest(unittest.TestCase):
             self.assertTrue(what, name)
             call('load_scene', name=name)
             call('step', n=2)
+
+    def test_each_of_many_loads_at_once_is_answered_with_its_own_scene(self):
+        names = ['sphere_rain', 'tower', 'gas', 'dominoes', 'newtons_cradle', 'pyramid']
+        for _ in range(3):
+            with concurrent.futures.ThreadPoolExecutor(len(names)) as pool:
+                answers = list(pool.map(lambda name: ask('load_scene', name=name), names))
+            for name, answer in zip(names, answers):
+                self.assertTrue(answer.success, answer.message)
+                self.assertIn("loaded '%s'" % name, answer.message)
 
     def test_a_saved_scene_and_a_saved_state_come_back(self):
         call('spawn_body', name='extra')
@@ -646,7 +656,7 @@ class ServicesTest(unittest.TestCase):
             (['plane'], 'resize_body', dict(name='floor', size=v(1, 1, 1))),
             (['crate'], 'spawn_body', dict(name='crate')),
             (['name'], 'spawn_body', dict(name='two words')),
-            (['nobody'], 'spawn_body', dict(frame_id='nobody', pose=at(1, 0, 0))),
+            (['nobody', 'tf knows no frame of this name'], 'spawn_body', dict(frame_id='nobody', pose=at(1, 0, 0))),
             (['velocity', '[inf, 0, 0]'], 'spawn_body', dict(twist=Twist(v(INF, 0, 0), v()))),
             (['cratee', 'crate'], 'delete_body', dict(name='cratee')),
             (['factor', '-2'], 'resize_body', dict(name='crate', factor=-2.0)),

@@ -5,6 +5,7 @@ import os
 import sys
 import time
 import unittest
+from operator import attrgetter
 
 import rospy
 import rostest
@@ -306,6 +307,27 @@ class TopicsTest(unittest.TestCase):
                 return any(m.msg.startswith(told) for m in log.all())
 
             wait(is_told, 'the empty field is named')
+
+    def test_a_command_out_of_range_is_told_as_it_was_sent(self):
+        call('move_body', name='ball', pose=Pose(Point(0, 0, 3), Quaternion(0, 0.6, 0, 0.8)))
+        log = self.listen('/rosout', Log)
+        for topic, kind, part, told in (
+                ('cmd_twist', TwistStamped, 'twist.linear', "~cmd_twist: twist.linear for 'ball': [1e+09, 0, 0]"),
+                ('cmd_twist', TwistStamped, 'twist.angular', "~cmd_twist: twist.angular for 'ball': [1e+09, 0, 0]"),
+                ('cmd_wrench', WrenchStamped, 'wrench.force', "~cmd_wrench: wrench.force for 'ball': [1e+300, 0, 0]"),
+                ('cmd_wrench', WrenchStamped, 'wrench.torque', "~cmd_wrench: wrench.torque for 'ball': [1e+300, 0, 0]"),
+                ('cmd_wrench', WrenchStamped, 'wrench.force', "~cmd_wrench: wrench.force for 'ball': [nan, 0, 0]")):
+            publisher = rospy.Publisher('/sim/' + topic, kind, queue_size=1)
+            wait(publisher.get_num_connections, 'the simulator listens')
+            command = kind()
+            command.header.frame_id = 'ball'
+            setattr(attrgetter(part)(command), 'x', float(told.split('[')[1].split(',')[0]))
+
+            def is_told():
+                publisher.publish(command)
+                return any(m.msg.startswith(told) for m in log.all())
+
+            wait(is_told, told)
 
     def test_a_command_that_makes_no_sense_changes_nothing(self):
         before = self.status.fresh().hash
