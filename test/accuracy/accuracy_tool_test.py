@@ -41,8 +41,7 @@ class Folder(unittest.TestCase):
                               capture_output=True, check=False, **options)
 
     def short(self, *arguments, **options):
-        return self.tool('--problems', 'projectile', 'sliding_stop', '--engines', 'ours', '--quick', *arguments,
-                         **options)
+        return self.tool('--problems', 'projectile', '--engines', 'ours', '--quick', *arguments, **options)
 
     def results(self):
         with open(os.path.join(self.out, 'results.json'), encoding='utf-8') as file:
@@ -103,7 +102,7 @@ class Probe(unittest.TestCase):
 
 class Runs(Folder):
     def test_a_short_run_leaves_tables_and_charts(self):
-        done = self.short()
+        done = self.tool('--problems', 'projectile', 'sliding_stop', '--engines', 'ours', '--quick')
         self.assertEqual(0, done.returncode, done.stderr)
         result = self.results()
         self.assertTrue(result['whole'])
@@ -173,7 +172,7 @@ class Runs(Folder):
         shutil.rmtree(self.out)
         hurry = os.path.join(self.folder, 'hurry')
         slow = self.fake_probe(f'[ "$1" = --list ] || [ -e {hurry} ] || sleep 0.3')
-        asked = ('--probe', slow, '--problems', 'projectile', 'sliding_stop', '--engines', 'ours', '--quick', '--no-charts')
+        asked = ('--probe', slow, '--problems', 'projectile', '--engines', 'ours', '--quick', '--no-charts')
         self.interrupted('errors', *asked)
         self.assertFalse(os.path.exists(self.out + '/times.sweep'))
         pathlib.Path(hurry).touch()

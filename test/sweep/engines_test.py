@@ -32,7 +32,7 @@ measure: {end: {final_position: ball}, deepest: penetration}
 '''
 # Something happens in some runs, known by their friction. `mark` is a file by which runs of several processes agree.
 TRAPS = '''
-import os, pathlib, time
+import os, pathlib, sys, threading, time
 HERE = pathlib.Path(__file__).parent
 
 def once(name):
@@ -56,6 +56,17 @@ def value(world, parameters):
     if k == 8 and once('killed'):
         os.kill(os.getpid(), 9)
     return k
+
+def end_amid_sending(thread):
+    while 'send' not in sys._current_frames()[thread].f_code.co_name:
+        pass
+    os.kill(os.getpid(), 9)
+
+def amid(world, parameters):
+    if round(parameters['bodies[ball].friction']) > 1:
+        return [0.0]
+    threading.Thread(target=end_amid_sending, args=[threading.get_ident()], daemon=True).start()
+    return [0.0] * 4_000_000
 
 def slowly(world, parameters):
     time.sleep(0.05)
@@ -295,6 +306,10 @@ measure: {k: {python: "traps.py:%s"}}
     def test_a_run_that_ends_its_process_is_to_blame_and_no_other(self):
         ended = {tuple(numbers): rest for numbers, *rest in self.processes('value', [20], [0], [10], [30])}
         self.assertEqual(ended, {(20, ): [False, 'its process ended'], (0, ): [True, ''], (10, ): [True, ''], (30, ): [True, '']})
+
+    def test_a_process_may_end_while_it_hands_back_its_records(self):
+        ended = {tuple(numbers): rest for numbers, *rest in self.processes('amid', [0], [10], [20])}
+        self.assertEqual(ended, {(0, ): [False, 'its process ended'], (10, ): [True, ''], (20, ): [True, '']})
 
     def test_no_chunk_waits_for_a_long_one_while_a_process_has_nothing_to_do(self):
         long = list(range(40))  # of a twentieth of a second each

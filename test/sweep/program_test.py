@@ -18,6 +18,7 @@ from rigid_body_sim.sweep import carry, engines, tree  # noqa: E402
 from rigid_body_sim.sweep.program import MOST_KEPT, command_of  # noqa: E402
 from rigid_body_sim.sweep.reader import Reader  # noqa: E402
 from rigid_body_sim.sweep.run import run_task  # noqa: E402
+from rigid_body_sim.sweep.store import Store  # noqa: E402
 from sweep_file import SweepCase  # noqa: E402
 
 ECHO = '#!/usr/bin/python3\nimport json, sys\njson.dump(sys.argv[1:], sys.stdout)\n'
@@ -255,10 +256,13 @@ class SweepTest(ProgramCase):
                 self.assertEqual(code, 130, said)
                 self.assert_gone('4a b.pid')
                 self.assert_gone('child')
+                recorded = Store(self.folder / 's.sweep').status()
+                self.assertTrue(recorded)
                 (self.folder / 'go').touch()
                 self.sound('--resume', '--workers', workers)
                 self.check()
-                self.assertEqual(len((self.folder / '0a b.pid').read_text().split()), 1)
+                for k in recorded:
+                    self.assertEqual(len((self.folder / f'{k // 2}{("a b", "c")[k % 2]}.pid').read_text().split()), 1)
                 for path in [*self.folder.glob('*.pid'), self.folder / 'go']:
                     path.unlink()
 

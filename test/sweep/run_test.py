@@ -17,6 +17,7 @@ from rigid_body_sim import Scene, World  # noqa: E402
 from rigid_body_sim.sweep import charts  # noqa: E402
 from rigid_body_sim.sweep.reader import Reader  # noqa: E402
 from rigid_body_sim.sweep.run import run_task  # noqa: E402
+from rigid_body_sim.sweep.store import Store  # noqa: E402
 from sweep_file import SweepCase  # noqa: E402
 
 # A ball falls through empty space: 1 kg, from 100 m, at 3 m/s along x.
@@ -47,6 +48,22 @@ class RunTest(SweepCase):
         record = self.record(text, number)
         self.assertEqual((record['status'], record['detail']), ('ok', ''))
         return record['values']
+
+    def test_a_part_that_comes_while_parts_are_gathered_waits_for_the_next_time(self):
+        class Busy(Store):
+            def survey(self, names=None):
+                found = super().survey(names)
+                if len(self.part_names()) == 1:
+                    self.keep([run_task(plan, 1)])
+                return found
+
+        plan = self.plan(FALL + 'duration: 0.1\nrepeats: 2\nmeasure: {energy: energy}\n')
+        store = Busy(self.folder / 's.sweep')
+        store.begin(plan)
+        store.keep([run_task(plan, 0)])
+        for numbers in ([0], [0, 1]):
+            self.assertEqual(sorted(store.gather(plan, {})), numbers)
+            self.assertEqual(self.results()['number'].tolist(), numbers)
 
     def test_free_fall(self):
         found = self.values(FALL + '''duration: 2

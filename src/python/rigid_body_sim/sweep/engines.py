@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Engines that take one chunk after the other and hand back its records: processes of this machine, or Dask. None is ours.
+"""Engines that take one chunk after the other and hand back its records: processes of this machine, or Dask.
 
 `slots` is the number of chunks that run at once, `submit` gives one more, `wait` yields those that have ended as (numbers,
 records, why): without records the chunk is lost, by a fault of its own where `why` says something.
 """
 import collections
 import concurrent.futures
-import concurrent.futures.process
 import ctypes
-import multiprocessing
+import multiprocessing.connection
+import multiprocessing.resource_tracker
 import os
 import queue
 import resource
@@ -21,70 +21,95 @@ from .tree import Refused
 PATIENCE_SECONDS = 120.0  # that a scheduler may be away; what is done stays
 POLL_SECONDS = 0.5
 PR_SET_PDEATHSIG = 1  # of prctl(2)
-BROKEN = concurrent.futures.process.BrokenProcessPool
 
 
-def begin_worker():
-    """Ctrl-C reaches all processes of the terminal: the one that has started this alone decides. When that is killed, this ends
-    with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def work(pipe):
+    """What a process does: it hands back the records of each chunk that comes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of the terminal: the one that has started this decides
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # blocked until here
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # killed, that one leaves nothing behind
+    while True:
+        try:
+            chunk = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(run_chunk(*chunk))
+
+
+class Worker:
+    """A process beside this one. It alone holds the other end of its pipe, so that the pipe ends with it, even amid a record:
+    of a queue the reader holds that end too, and would wait for the rest."""
+
+    def __init__(self):
+        context = multiprocessing.get_context('spawn')
+        self.pipe, its_end = context.Pipe()
+        self.process = context.Process(target=work, args=[its_end])
+        multiprocessing.resource_tracker.ensure_running()  # which start() would do, and unblock SIGINT then
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # the process begins with it
+        try:
+            self.process.start()
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        its_end.close()
+
+    def begin(self, *chunk):
+        try:
+            self.pipe.send(chunk)
+        except OSError:
+            pass  # the process has ended: it has no records
+
+    def records(self):
+        """Those of its chunk; None if the process has ended before it could hand them back."""
+        try:
+            return self.pipe.recv() if self.pipe.poll() else None
+        except (EOFError, OSError):
+            return None
 
 
 class Processes:
-    """Processes of this machine beside this one, so that what ends one does not end the sweep. Each is a pool of its own: what
-    ends one ends no other. A chunk waits here until a process has nothing to do."""
+    """Processes of this machine: what ends one ends neither another nor the sweep. A chunk waits here until a process has
+    nothing to do."""
 
     def __init__(self, workers):
-        self.slots, self.pools = workers, [None] * workers
-        self.waiting, self.running = collections.deque(), {}  # chunks; the process and the chunk, by its future
         _, most_files = resource.getrlimit(resource.RLIMIT_NOFILE)
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most_files, most_files))  # a pool has eight
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most_files, most_files))  # a process takes two
+        self.slots, self.idle = workers, []
+        self.waiting, self.running = collections.deque(), {}  # chunks; the numbers that a worker runs
+        try:
+            while len(self.idle) < workers:
+                self.idle.append(Worker())
+        except BaseException:  # Ctrl-C, or no more processes
+            self.close()
+            raise
 
     def submit(self, plan_text, numbers):
         self.waiting.append((plan_text, numbers))
         self.fill()
 
     def fill(self):
-        busy = {slot for slot, _ in self.running.values()}
-        for slot in range(self.slots):
-            if self.waiting and slot not in busy:
-                plan_text, numbers = self.waiting.popleft()
-                self.running[self.begun(slot, plan_text, numbers)] = slot, numbers
-
-    def begun(self, slot, plan_text, numbers):
-        """The future of a chunk. A process that has ended while it had nothing to do is replaced."""
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # until begin_worker() has run in a new process
-        try:
-            if self.pools[slot]:
-                try:
-                    return self.pools[slot].submit(run_chunk, plan_text, numbers)
-                except BROKEN:
-                    pass
-            context = multiprocessing.get_context('spawn')
-            self.pools[slot] = concurrent.futures.ProcessPoolExecutor(1, context, initializer=begin_worker)
-            return self.pools[slot].submit(run_chunk, plan_text, numbers)
-        finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        """One that has ended while it had nothing to do is replaced: the chunk is not to blame."""
+        while self.waiting and self.idle:
+            worker = self.idle.pop()
+            worker = worker if worker.process.is_alive() else Worker()
+            plan_text, numbers = self.waiting.popleft()
+            worker.begin(plan_text, numbers)
+            self.running[worker] = numbers
 
     def wait(self):
         """At least one chunk, unless none ends within half a second."""
-        done, _ = concurrent.futures.wait(self.running, POLL_SECONDS, concurrent.futures.FIRST_COMPLETED)
-        ended = [(self.running.pop(future)[1], future) for future in list(self.running) if future in done]
+        ready = multiprocessing.connection.wait([worker.pipe for worker in self.running], POLL_SECONDS)
+        ended = []
+        for worker in [worker for worker in self.running if worker.pipe in ready or not worker.process.is_alive()]:
+            records = worker.records()
+            ended.append((self.running.pop(worker), records))
+            self.idle.append(Worker() if records is None else worker)
         self.fill()
-        for numbers, future in ended:
-            try:
-                yield numbers, future.result(), ''
-            except BROKEN:
-                yield numbers, None, 'its process ended'
+        for numbers, records in ended:
+            yield numbers, records, 'its process ended' if records is None else ''
 
     def close(self):
-        for pool in filter(None, self.pools):
-            processes = list((pool._processes or {}).values())
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in processes:
-                process.kill()
+        for worker in [*self.idle, *self.running]:
+            worker.process.kill()
 
 
 def distributed_module():

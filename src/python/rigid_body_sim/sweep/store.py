@@ -194,24 +194,26 @@ class Store:
         return 'nothing'
 
     def gather(self, plan, versions):
-        """Makes results.h5, and results.csv where that is small, of all parts. Returns the status of each run."""
-        known, shapes = self.survey()
+        """Makes results.h5, and results.csv where that is small, of the parts that are there now: workers may go on and write
+        more. Returns the status of each run."""
+        names = self.part_names()
+        known, shapes = self.survey(names)
         if not known:
             return known
-        numbers = numpy.array(sorted(known), numpy.int64)
 
         def write(raw):
             with h5py.File(raw, 'w') as file:
-                self.fill(file, plan, known, numbers, shapes)
-                file.attrs.update({'runs': len(numbers), 'planned': plan.count, 'complete': len(numbers) == plan.count,
+                self.fill(file, plan, known, shapes, names)
+                file.attrs.update({'runs': len(known), 'planned': plan.count, 'complete': len(known) == plan.count,
                                    'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
 
         write_whole(self.results, write)
         self.write_csv(plan)
         return known
 
-    def fill(self, file, plan, known, numbers, shapes):
+    def fill(self, file, plan, known, shapes, names):
         """The table of the runs in the order of their numbers."""
+        numbers = numpy.array(sorted(known), numpy.int64)
         meaningless = OF_SCENES if plan.program else OF_PROGRAMS
         columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items() if key not in meaningless}
         texts = {key: numpy.full(len(numbers), '', object) for key in TEXTS if key not in meaningless}
@@ -220,7 +222,7 @@ class Store:
             shape = shapes.get(entry['name'], ())
             metrics[entry['name']] = file.create_dataset('metrics/' + entry['name'], (len(numbers), *shape), float,
                                                          fillvalue=numpy.nan, **layout((len(numbers), *shape)))
-        for table in self.whole_parts():
+        for table in self.whole_parts(names):
             use = [k for k, (number, status) in enumerate(zip(table['number'].tolist(), table['status']))
                    if known[number] == status]
             use.sort(key=lambda k, order=table['number']: order[k])
