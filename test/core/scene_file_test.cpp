@@ -464,14 +464,14 @@ bodies:
 )");
   std::vector<std::string> paths;
   for (const Problem& problem : problems) paths.push_back(problem.path);
-  EXPECT_EQ(paths,
-            (std::vector<std::string>{
-                "f.yaml:1: gravty", "f.yaml:2: gravity", "f.yaml:3: wind", "f.yaml:3: wind.gust",
-                "f.yaml:5: bodies[0].frction", "f.yaml:5: bodies[0].name", "f.yaml:5: bodies[0].density",
-                "f.yaml:8: bodies[1].velocity", "f.yaml:9: bodies[1].spin[1]", "f.yaml:11: bodies[3].name",
-                "f.yaml:12: bodies[3].material.restitution", "f.yaml:13: bodies[4].kind",
-                "f.yaml:13: bodies[4].rotation", "f.yaml:13: bodies[4].rotation.axis",
-                "f.yaml:14: bodies[5].color"}));
+  EXPECT_EQ(
+      paths,
+      (std::vector<std::string>{
+          "f.yaml:1: gravty", "f.yaml:2: gravity", "f.yaml:3: wind", "f.yaml:3: wind.gust",
+          "f.yaml:5: bodies[0].frction", "f.yaml:5: bodies[0].name", "f.yaml:5: bodies[0].density",
+          "f.yaml:8: bodies[1].velocity", "f.yaml:9: bodies[1].spin[1]", "f.yaml:11: bodies[3].name",
+          "f.yaml:12: bodies[3].restitution", "f.yaml:13: bodies[4].kind", "f.yaml:13: bodies[4].rotation",
+          "f.yaml:13: bodies[4].rotation.axis", "f.yaml:14: bodies[5].color"}));
 }
 
 TEST(SceneFile, misspelledKeyNamesTheNearest) {
