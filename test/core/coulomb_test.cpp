@@ -299,6 +299,33 @@ TEST(Coulomb, AnOpenGapMayCloseAndNoMore) {
   EXPECT_NEAR(far.problem.bodies[0].v.z(), -kGravity * kStep, 1e-14);
 }
 
+// Two opposite points of a ball of mass m, whose sides come together at c each and give way by g: by symmetry u = 0 =
+// -c + g r, and friction holds m g h where 2 mu c / g is more than that, and slows the fall by it where it is not.
+TEST(Coulomb, WhatIsSqueezedIsHeldByTheForceAtWhichItsSidesGiveWay) {
+  const double mass = 2.0, mu = 0.5, closing = 0.01;
+  for (const double give : {1e-6, 1e-3, 0.1, 10.0}) {
+    Scene scene;
+    scene.ball(mass, 0.5, Vec3::Zero(), Vec3::Zero());
+    for (const double side : {-1.0, 1.0}) {
+      CoulombPoint point{};
+      point.i = kNone, point.j = 0;
+      point.r_j = {0.5 * side, 0.0, 0.0};
+      point.frame << Vec3::UnitY(), Vec3(-side * Vec3::UnitX()).cross(Vec3::UnitY()), -side * Vec3::UnitX();
+      point.mu = mu;
+      point.drive = {0.0, 0.0, -closing};
+      point.give = give;
+      scene.problem.points.push_back(point);
+    }
+    scene.problem.speed_unit = kGravity * kStep;
+    EXPECT_TRUE(solveCoulomb(scene.problem, 1e-12).converged) << give;
+    const double force = closing / give, falls = kGravity * kStep - 2.0 * mu * force / mass;
+    for (const CoulombPoint& point : scene.problem.points)
+      EXPECT_NEAR(point.impulse[2], force, 1e-9 * force) << give;
+    EXPECT_NEAR(scene.problem.bodies[0].v.z(), -std::max(falls, 0.0), 1e-9 * kGravity * kStep) << give;
+    EXPECT_NEAR(scene.problem.bodies[0].v.x(), 0.0, 1e-9 * kGravity * kStep) << give;
+  }
+}
+
 TEST(Coulomb, AGivenDirectionOfSlidingIsKept) {
   // At rest on the flat it would stick: told that it slides along x, friction acts at its limit.
   Scene scene = slope(0.0, 0.5);

@@ -6,7 +6,9 @@
 //   0 <= r_n,  0 <= u_n,  r_n u_n = 0                              (Signorini)
 //   |r_T| <= mu r_n                                                (Coulomb's cone, circular)
 //   u_T = -a r_T,  a >= 0,  a (mu r_n - |r_T|) = 0                 (friction dissipates all it can).
-// Nothing is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
+// A point may give way, u_n = (J v + drive)_n + give r_n: what is squeezed between sides that no impulse moves has
+// no other solution.
+// Nothing else is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
 //
 // A pair may also resist rolling and spinning. With the sum N of the normal impulses of its points, the
 // couple L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
@@ -45,6 +47,8 @@ struct CoulombPoint {
   /// Of revolution, of the only body of the point, of length 1: no normal impulse has a moment about it, though the point may
   /// be one of a few that stand for a rim. Zero: there is none, or two bodies, of which the angular momentum is to stay.
   Vec3 axis_W{0.0, 0.0, 0.0};
+  /// Speed by which u_n grows for an impulse along n, m/s by N s: how a side gives way that impulses do not move. 0: it does not.
+  double give = 0.0;
   /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
   /// u_T is. Zero: Coulomb's law decides.
   Eigen::Vector2d slide{0.0, 0.0};

@@ -49,7 +49,9 @@ System::System(const CoulombProblem& problem) {
   budget_ = problem.budget;
   impulse_ = total_mass * speed_;
 
-  free_.resize(6, problem.bodies.size());
+  const auto gives = [](const CoulombPoint& point) { return point.give > 0.0; };
+  const auto pads = std::count_if(problem.points.begin(), problem.points.end(), gives);
+  free_.setZero(6, static_cast<Eigen::Index>(problem.bodies.size()) + pads);
   roots_.reserve(problem.bodies.size());
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
@@ -71,6 +73,7 @@ System::System(const CoulombProblem& problem) {
     return J;
   };
   points_.reserve(problem.points.size());
+  Index pad = static_cast<Index>(problem.bodies.size());
   for (const CoulombPoint& given : problem.points) {
     Point point;
     point.i = given.i, point.j = given.j;
@@ -80,6 +83,11 @@ System::System(const CoulombProblem& problem) {
     if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given, -1.0, point.drive);
     if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given, 1.0, point.drive);
     point.drive /= speed_;
+    // A side gives way like a body of mass 1/give that moves along n alone.
+    if (gives(given)) {
+      (given.i == kNone ? point.i : point.j) = pad++;
+      (given.i == kNone ? point.J_i : point.J_j)(2, 0) = std::sqrt(given.give * total_mass);
+    }
     point.sliding = {given.mu, given.slide};
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
     points_.push_back(point);

@@ -72,7 +72,7 @@ double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
 // points were not where they were expected, as of a small ball that is squeezed out between two bodies.
 bool Stepper::runsAway(const std::vector<BodyMotion>& start, double led_before) const {
   const double by_led = workByLed(segment_.touching, opened_) + workByLed({}, segment_.opened) - led_before;
-  const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0);
+  const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
   return energyOf(segment_.end) > energyOf(start) + given + kGain * (kineticOf(start) + given + fall);
 }

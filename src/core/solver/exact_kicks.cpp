@@ -148,6 +148,7 @@ bool Stepper::isWayOut(const CoulombProblem& problem) const {
 // friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
 // the two bodies, l n x (v_j - v_i), they give back by their spin.
 bool Stepper::takeOverlapsAway() {
+  squeezed_.clear();
   const double left_by_kicks = 10.0 * aim_ * island_.loadSpeed() * step_.h();
   CoulombProblem problem{island_.bodies(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
@@ -160,8 +161,23 @@ bool Stepper::takeOverlapsAway() {
       problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
   }
   if (problem.speed_unit == 0.0) return false;
+  const bool yields = letYield(problem);
+  const CoulombProblem whole = problem;
   solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
-  if (!isWayOut(problem)) return false;
+  if (yields && !isShort(problem)) {
+    problem = whole;
+    for (std::size_t k = 0; k < touching_.points.size(); ++k) problem.points[k].mu = touching_.law[k].mu;
+    solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
+  }
+  if (!findSqueezed(problem)) giveUp(Outcome::NoSolution);
+  if (!isOnItsWay() || !isWayOut(problem)) return false;
+  // What is squeezed goes where its forces push it.
+  for (std::size_t k = 0; k < problem.points.size(); ++k)
+    if (isSqueezed(touching_.points[k])) {
+      const CoulombPoint& law = problem.points[k];
+      CoulombBody& body = problem.bodies[law.i == kNone ? law.j : law.i];
+      body.v.setZero(), body.w.setZero();
+    }
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;
@@ -203,6 +219,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
     closed.push_back(k);
     problem.points.push_back(touching.law[k]);
     problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);
+    giveWay(point, seconds > 0.0 ? 2.0 * seconds : end_ - now_, seconds == 0.0, problem.points.back());
   }
   std::vector<std::size_t> borne;
   for (std::size_t k = 0; k < touching.couples.size(); ++k) {
@@ -241,7 +258,10 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
     }
   }
   bodies = problem.bodies;
-  for (std::size_t k = 0; k < closed.size(); ++k) touching.law[closed[k]] = problem.points[k];
+  for (std::size_t k = 0; k < closed.size(); ++k) {
+    CoulombPoint& law = touching.law[closed[k]];
+    law.impulse = problem.points[k].impulse, law.slide = problem.points[k].slide;
+  }
   for (std::size_t k = 0; k < borne.size(); ++k)
     touching.couples[borne[k]].law.impulse = problem.couples[k].impulse;
   return result;

@@ -98,13 +98,6 @@ std::vector<Index> sorted(std::vector<Index> list) {
   return list;
 }
 
-// The deepest overlap, as a share of the smaller length of its pair; 0 for none.
-double deepestShare(const Touching& touching) {
-  double deepest = 0.0;
-  for (const TouchingPoint& point : touching.points) deepest = std::max(deepest, -point.gap / point.length);
-  return deepest;
-}
-
 }  // namespace
 
 Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
@@ -177,6 +170,14 @@ bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint
   const Contact& contact = context_.scene.contacts.active[known.contact];
   const double jump = kJump * std::min(traits[contact.i].bounding_radius, traits[contact.j].bounding_radius);
   return std::min((back.first - known.p_W).norm(), (back.second - known.p_W).norm()) > jump;
+}
+
+// The deepest overlap, as a share of the smaller length of its pair, but for what is squeezed; 0 for none.
+double Stepper::deepestShare(const Touching& touching) const {
+  double deepest = 0.0;
+  for (const TouchingPoint& point : touching.points)
+    if (!isSqueezed(point)) deepest = std::max(deepest, -point.gap / point.length);
+  return deepest;
 }
 
 // The points of now and those that overlap after a drift and that the pair did not have before it: a hull
@@ -268,6 +269,8 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     for (std::size_t k = 0; k < slip.points.size(); ++k)
       kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
                              Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
+    for (std::size_t k = 0; k < slip.points.size(); ++k)
+      giveWay(touching_.points[k], tau, false, kick.points[k]);
     kick.bodies = loaded;
     segment.first = solve(kick, tau);
     for (std::size_t k = 0; k < held.size() && touching_.couples.empty(); ++k)
@@ -291,6 +294,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   Touching aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
+  segment.squeezes = isSqueezedFurther(later, after);
   const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, bodies_at_start, after);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
@@ -365,7 +369,7 @@ void Stepper::giveUp(Outcome why) {
 
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
-  if (outcome_ != Outcome::Done || end_ - now_ <= 1e-12 * step_.h()) return false;
+  if (!isOnItsWay() || end_ - now_ <= 1e-12 * step_.h()) return false;
   limitSegment();
   if (budget_.work > 0) return true;
   giveUp(Outcome::TooDear);
@@ -424,21 +428,26 @@ void Stepper::solve() {
     touching_ = find(now_);
     touching_.inherit(before, opened_);
   }
+  if (!isOnItsWay()) return;
   const std::vector<BodyMotion> start = island_.save();
   const double led_before = workByLed(touching_, opened_);
   settle();
   goOver();
   const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
-  if (outcome_ == Outcome::Done && runsAway(start, led_before)) return giveUp(failure);
+  if (isOnItsWay() && runsAway(start, led_before)) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
-  if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate())) giveUp(failure);
+  if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate())) return giveUp(failure);
+  if (segment_.squeezes) {
+    outcome_ = Outcome::NoRoom;
+    own_.converged = island().residuals.converged = false;
+  }
 }
 
 // Goes to where the segment ends.
 void Stepper::integrate() {
-  if (outcome_ != Outcome::Done) return;
+  if (!isOnItsWay()) return;
   island_.restore(segment_.end);
   touching_ = std::move(segment_.touching);
   opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
@@ -447,7 +456,9 @@ void Stepper::integrate() {
 }
 
 void Stepper::store() {
-  if (outcome_ == Outcome::Done) storeTouching(touching_, opened_, active_, context_.scene.contacts);
+  if (!isOnItsWay()) return;
+  storeTouching(touching_, opened_, active_, context_.scene.contacts);
+  forgetSqueezed();
 }
 
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make
-// up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early.
+// up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early, and
+// exact_squeeze.cpp what bodies do that are squeezed.
 #pragma once
 
 #include "base/tolerances.h"
@@ -47,8 +48,9 @@ class Stepper : public InnerRows {
   void solve();
   void integrate();
   void store();
-  /// Anything but Done leaves the island as it was.
+  /// NoSolution and TooDear leave the island as it was.
   Outcome outcome() const { return outcome_; }
+  bool isOnItsWay() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
 
  private:
   // How fast closed points slide, and couples turn, in their frames; zero where they do not.
@@ -71,12 +73,14 @@ class Stepper : public InnerRows {
     PointsOfContacts opened;      // in its course
     CoulombResult first, second;  // of its kicks
     Left slip_left;
+    bool squeezes = false;  // at its end, something further
   };
   enum class Friction { Free, KeepsDirection };
 
   Touching find(double time, const LastNormals& last = {});
   bool overlooked(const Touching& later) const;
   void lookFarther();
+  double deepestShare(const Touching& touching) const;
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
@@ -89,6 +93,15 @@ class Stepper : public InnerRows {
   bool runsAway(const std::vector<BodyMotion>& start, double led_before) const;
   void giveUp(Outcome why);
   bool takeOverlapsAway();
+  bool isShort(const CoulombProblem& problem) const;
+  bool letYield(CoulombProblem& problem) const;
+  bool findSqueezed(const CoulombProblem& problem);
+  bool isSqueezed(const TouchingPoint& point) const;
+  double stiffnessOf(const TouchingPoint& point, const CoulombPoint& law) const;
+  double elasticEnergy() const;
+  void giveWay(const TouchingPoint& point, double tau, bool at_instant, CoulombPoint& law) const;
+  void forgetSqueezed() const;
+  bool isSqueezedFurther(const Touching& touching, const CoulombBodies& bodies) const;
   void settle();
   void addUnforeseen();
   void goOver();
@@ -134,11 +147,12 @@ class Stepper : public InnerRows {
   double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, aim_;
   int corrections_, cuts_;
-  bool promoted_;            // by a setting that has another method for it
-  double slow_;              // a slip below is none
-  Touching touching_;        // now
-  PointsOfContacts opened_;  // so far
-  std::vector<Stop> stops_;  // at which segments have been cut
+  bool promoted_;                // by a setting that has another method for it
+  double slow_;                  // a slip below is none
+  Touching touching_;            // now
+  std::vector<Index> squeezed_;  // contacts of what no displacement frees
+  PointsOfContacts opened_;      // so far
+  std::vector<Stop> stops_;      // at which segments have been cut
   std::vector<BodyMotion> start_;
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s

@@ -29,10 +29,11 @@ void advance(Context& context, const IslandBatch& batch, double t0, double t1);
 namespace exact_step {
 enum class Outcome {
   Done,
+  NoRoom,      ///< done, but bodies that forces do not move squeeze others, which gave way
   NoSolution,  ///< found; or, at a setting that only promotes islands to it, the solvers did not converge
   TooDear,     ///< what the island may cost was spent before the end
 };
-/// Bodies in contact, by Coulomb's law without softness; one island at a time. Anything but Done leaves the
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. NoSolution and TooDear leave the
 /// island as it was, for another method.
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1);
 }  // namespace exact_step

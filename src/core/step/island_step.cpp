@@ -35,10 +35,11 @@ void reportUnsolved(const Context& context, const IslandBatch& batch, Island& is
   }
   const bool first = bodies.traits[squeezes->i].is_kinematic();
   island.warnings.push_back(
-      {"unsolved", "kinematic body '" + bodies.name[first ? squeezes->i : squeezes->j] + "' leaves body '" +
-                       bodies.name[first ? squeezes->j : squeezes->i] +
-                       "' no room, and no contact force can hold both; soft contacts let them overlap. Stop "
-                       "the kinematic body, or make it dynamic"});
+      {"unsolved",
+       "kinematic body '" + bodies.name[first ? squeezes->i : squeezes->j] + "' leaves body '" +
+           bodies.name[first ? squeezes->j : squeezes->i] +
+           "' no room, and no contact force can hold both; contacts that give way let them overlap. Stop "
+           "the kinematic body, or make it dynamic"});
 }
 
 void reportCutShort(Context& context, const Island& island) {
@@ -55,11 +56,11 @@ void reportCutShort(Context& context, const Island& island) {
 void advanceExactly(Context& context, const IslandBatch& batch, double t0, double t1) {
   Island& island = context.step.islands[context.step.island[batch.bodies.front()]];
   const exact_step::Outcome outcome = exact_step::advance(context, batch, t0, t1);
-  if (outcome == exact_step::Outcome::Done) return;
-  if (outcome == exact_step::Outcome::TooDear) island.exact = false;
-  soft_step::advance(context, batch, t0, t1);
-  if (context.step.solver.exact && outcome == exact_step::Outcome::NoSolution)
-    reportUnsolved(context, batch, island);
+  using exact_step::Outcome;
+  if (outcome == Outcome::Done) return;
+  if (outcome == Outcome::TooDear) island.exact = false;
+  if (outcome != Outcome::NoRoom) soft_step::advance(context, batch, t0, t1);
+  if (context.step.solver.exact && outcome != Outcome::TooDear) reportUnsolved(context, batch, island);
 }
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
