@@ -188,6 +188,40 @@ TEST(Standing, WhatStandsOnTheGroundStandsOnACarrier) {
       }
 }
 
+// A lift, or a tray that goes to and fro, which is given another velocity each step, up to 0.6 g upwards and 0.2 g sideways at
+// 1 Hz. At `interactive` a box crept by 2 % of its size in 6 s, and stacks of three of 20 mm fell.
+TEST(Standing, WhatIsGivenAnotherVelocityEachStepCarriesItsLoad) {
+  for (const Fidelity setting : {Fidelity::Interactive, Fidelity::Accurate})
+    for (const double size : {0.02, 0.1, 0.5})
+      for (const int boxes : {1, 3})
+        for (const Vec3& most : {Vec3(0.0, 0.0, 0.2), Vec3(0.0, 0.0, 0.6), Vec3(0.1, 0.0, 0.0)}) {
+          SceneDef scene;
+          scene.step = kStep;
+          scene.fidelity = setting;
+          scene.bodies.push_back(box("carrier", {1.0, 1.0, 0.1}, Vec3::Zero()));
+          scene.bodies[0].kind = BodyKind::Kinematic;
+          for (int k = 0; k < boxes; ++k)
+            scene.bodies.push_back(
+                box("box_" + std::to_string(k), Vec3::Constant(size), {0.0, 0.0, 0.05 + size * (k + 0.5)}));
+          for (BodyDef& def : scene.bodies) def.material.friction = 0.6;
+          World world(ordered(scene));
+          const double rate = 2.0 * kPi;
+          for (int step = 0; world.time() < 6.0; ++step) {
+            BodyEdit edit;
+            edit.twist = Twist{kGravity / rate * std::sin(rate * (step + 0.5) * kStep) * most, Vec3::Zero()};
+            world.editBody(world.find("carrier"), edit);
+            world.step();
+          }
+          const Vec3 carrier = stateOf(world, "carrier").pose.p_WB;
+          for (int k = 0; k < boxes; ++k) {
+            const Vec3 place = stateOf(world, "box_" + std::to_string(k)).pose.p_WB - carrier;
+            EXPECT_LE((place - Vec3(0.0, 0.0, 0.05 + size * (k + 0.5))).norm(), 0.02 * size)
+                << boxes << " of " << size << " at " << fidelityName(setting) << ", " << most.transpose()
+                << " g";
+          }
+        }
+}
+
 // Two boxes at rest, and a heavy one is put on them, or one of three becomes heavy or light.
 TEST(Standing, AnEditOfMassesMovesNothing) {
   for (const double step : {1.0 / 30.0, kStep, 1.0 / 120.0})

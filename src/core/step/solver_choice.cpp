@@ -36,8 +36,9 @@ struct Stiffness {
   double mass_ratio, slenderness;
   std::size_t pairs;
   double speed;  // of its bodies' surfaces, share of g h
+  double jolt;   // of what carries it, share of g h
 };
-constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5}, kStay{4, 5.0, 10.0, 160, 2.0};
+constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 160, 2.0, 1e-4};
 
 // The most pairs of an island that is exact for the forces in it.
 constexpr std::size_t kFewPairs = 30;
@@ -131,6 +132,22 @@ bool isCalm(const Context& context, const Island& island, double speed) {
   });
 }
 
+// Whether a kinematic body carries an island and has been given another velocity, which its bodies do not have yet. That jump
+// opens contacts, or closes them, and the soft step has only the order of its passes to tell which of them friction goes by.
+bool isJolted(const Context& context, const Island& island, double least, double most) {
+  const Bodies& bodies = context.scene.bodies;
+  const auto jolts = [&](Index carrier) {
+    if (carrier == kNone || !bodies.traits[carrier].is_kinematic()) return false;
+    if (bodies.twist[carrier].v_WB.isZero(0.0) && bodies.twist[carrier].w_WB.isZero(0.0)) return false;
+    double fastest = 0.0;
+    for (const Index i : island.bodies) fastest = std::max(fastest, speedSeenFrom(bodies, carrier, i));
+    return least < fastest && fastest <= most;
+  };
+  return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
+    return std::any_of(edge.bodies.begin(), edge.bodies.end(), jolts);
+  });
+}
+
 // Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
 // before the step alone, so that every machine decides alike. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
@@ -152,8 +169,9 @@ bool isPromoted(const Context& context, const Island& island) {
   const bool few = island.edges.size() <= kFewPairs;
   const Forces forces = few ? forcesOf(context, contacts) : Forces{};
   if (forces.crushes) return true;
-  if (!isCalm(context, island, bounds.speed * context.scene.gravity_W.norm() * context.step.h()))
-    return false;
+  const double fall = context.scene.gravity_W.norm() * context.step.h();
+  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return true;
+  if (!isCalm(context, island, bounds.speed * fall)) return false;
   if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return true;
 
   double mass_ratio = 1.0, slenderness = 1.0;
