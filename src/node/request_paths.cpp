@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 const std::string kEnding = ".yaml";
 
 bool endsInYaml(const std::string& file) {
-  return file.size() > kEnding.size() &&
-         file.compare(file.size() - kEnding.size(), kEnding.size(), kEnding) == 0;
+  const std::string ending = fs::path(file).extension().string();
+  return ending == kEnding || ending == ".yml";
 }
 
 [[noreturn]] void refuse(const std::string& file, const std::string& allowed) {

@@ -6,7 +6,7 @@
 
 namespace rbs {
 
-/// The path of a request, with ".yaml" added where it is missing. Throws InvalidInput for one that is not
+/// The path of a request, with ".yaml" added where neither that nor ".yml" is there. Throws InvalidInput for one that is not
 /// absolute, names a folder, holds control characters or no UTF-8, or is excluded by confineFilesTo().
 std::string yamlPath(const std::string& file);
 

@@ -776,6 +776,12 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(os.stat(scene).st_mode & 0o777, 0o640)
         call('load_scene', name=scene)
 
+    def test_a_file_keeps_the_ending_yml(self):
+        path = self.file('short.yml')
+        call('save_scene', file=path)
+        self.assertEqual([name for name in os.listdir(self.folder.name) if name.startswith('short')], ['short.yml'])
+        call('load_scene', name=path)
+
     def test_saving_follows_no_links(self):
         target, link, hanging = self.file('target.yaml', 'mine\n'), self.file('link.yaml'), self.file('hanging.yaml')
         os.symlink(target, link)

@@ -41,7 +41,8 @@ std::string propertyOf(const std::string& file) {
 }
 
 bool isPath(const std::string& name_or_file) {
-  return name_or_file.find('/') != std::string::npos || fs::path(name_or_file).extension() == kExtension;
+  const std::string ending = fs::path(name_or_file).extension().string();
+  return name_or_file.find('/') != std::string::npos || ending == kExtension || ending == ".yml";
 }
 
 /// The path, or with ".yaml" where only that exists, as the services that save a file add it.
