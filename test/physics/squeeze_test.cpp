@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace rbs::test {
@@ -128,6 +130,31 @@ TEST(Squeeze, WhatHasNoPlaceStays) {
                 << fidelityName(fidelity) << ", size " << size << ", overlap " << overlap << ", shift "
                 << shift;
           }
+}
+
+// A body under a static lid that overlaps it and is tilted a little. A wedge so narrow holds what is in it by friction.
+TEST(Squeeze, FrictionHoldsWhatIsInANarrowWedge) {
+  const std::vector<std::pair<Shape, double>> shapes{{Box{Vec3::Constant(0.1)}, 0.1},
+                                                     {Cylinder{0.05, 0.05}, 0.1},
+                                                     {Capsule{0.03, 0.05}, 0.16},
+                                                     {Cone{0.05, 0.1}, 0.1}};
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
+    for (const auto& [shape, height] : shapes)
+      for (const double tilt : {1e-4, 0.005, 0.02})
+        for (const double overlap : {1e-5, 1e-4, 3e-3}) {
+          SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+          scene.fidelity = fidelity;
+          const double place = std::holds_alternative<Cone>(shape) ? 0.25 * height : 0.5 * height;
+          scene.bodies.push_back(body("body", shape, {0.0, 0.0, place}));
+          scene.bodies.back().material.friction = 0.6;
+          scene.bodies.push_back(box("lid", {1.0, 1.0, 0.1}, {0.0, 0.0, height + 0.05 - overlap}));
+          scene.bodies.back().kind = BodyKind::Static;
+          scene.bodies.back().material.friction = 0.6;
+          scene.bodies.back().pose.q_WB = Eigen::AngleAxisd(tilt, Vec3::UnitY());
+          World world(ordered(scene));
+          EXPECT_LE(farthest(world, "body", 0.1), 0.2) << shapeName(shape) << " at " << fidelityName(fidelity)
+                                                       << ", " << tilt << " rad, overlap " << overlap;
+        }
 }
 
 // A pusher presses a box against a wall, a little too far, and stops.
