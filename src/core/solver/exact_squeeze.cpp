@@ -42,6 +42,10 @@ bool bearsOnUnmoved(const CoulombPoint& law) {
   return law.i == kNone || law.j == kNone;
 }
 
+Index bodyOf(const CoulombPoint& law) {
+  return law.i == kNone ? law.j : law.i;
+}
+
 // From what forces do not move into the body.
 Vec3 pressingNormal(const CoulombPoint& law) {
   return (law.i == kNone ? 1.0 : -1.0) * law.frame.col(2);
@@ -54,8 +58,8 @@ bool facesAny(const Vec3& n_W, const std::vector<Vec3>& others) {
 
 }  // namespace
 
-// Before overlaps are taken away: so that there is a displacement even where it frees nothing. Returns whether that can be: two of
-// the normals that press are more than a right angle apart. Those of two fingers are by 180 degrees, of three by 120, of four that
+// Before overlaps are taken away, so that there is a displacement even where it frees nothing. Returns whether that can be: where
+// two of the normals that press are more than a right angle apart. Those of two fingers are by 180 degrees, of three by 120, of four that
 // reach round a ball by 109.
 bool Stepper::letYield(CoulombProblem& problem) const {
   double deepest = 0.0, share = 0.0;
@@ -73,7 +77,7 @@ bool Stepper::letYield(CoulombProblem& problem) const {
     return false;
   for (std::size_t k = 0; k < problem.points.size(); ++k)
     if (CoulombPoint& law = problem.points[k]; bearsOnUnmoved(law) && touching_.points[k].gap < 0.0)
-      law.give = kYields / problem.bodies[law.i == kNone ? law.j : law.i].mass;
+      law.give = kYields / problem.bodies[bodyOf(law)].mass;
   return true;
 }
 
@@ -92,37 +96,39 @@ bool Stepper::isShort(const CoulombProblem& problem) const {
                      [&](const CoulombBody& body) { return body.v.norm() <= kDirect * asked; });
 }
 
-// After that: finds the contacts that squeeze, and those that face them. False where something is squeezed too far.
+// Afterwards: finds the contacts that squeeze, and those of the same bodies that face them. False where something is squeezed too
+// far.
 bool Stepper::findSqueezed(const CoulombProblem& problem) {
   squeezed_.clear();
   std::vector<Vec3> normals;
+  std::vector<char> squeezed(problem.bodies.size());
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const CoulombPoint& law = problem.points[k];
     if (law.give == 0.0 || law.give * law.impulse[2] < kUnfreed * -law.drive[2]) continue;
     if (-point.gap > kMostSqueezed * point.length) return false;
     normals.push_back(pressingNormal(law));
+    squeezed[bodyOf(law)] = true;
+    squeezed_.push_back(point.contact);
   }
   if (normals.empty()) return true;
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
     const CoulombPoint& law = problem.points[k];
-    if (!bearsOnUnmoved(law) || isSqueezed(touching_.points[k])) continue;
-    const Vec3 n_W = pressingNormal(law);
-    const bool presses =
-        std::any_of(normals.begin(), normals.end(), [&](const Vec3& other) { return other == n_W; });
-    if (presses || facesAny(n_W, normals)) squeezed_.push_back(touching_.points[k].contact);
+    if (bearsOnUnmoved(law) && squeezed[bodyOf(law)] && facesAny(pressingNormal(law), normals))
+      squeezed_.push_back(touching_.points[k].contact);
   }
+  std::sort(squeezed_.begin(), squeezed_.end());
+  squeezed_.erase(std::unique(squeezed_.begin(), squeezed_.end()), squeezed_.end());
   return true;
 }
 
-// By contact; points are in their order.
 bool Stepper::isSqueezed(const TouchingPoint& point) const {
   return std::binary_search(squeezed_.begin(), squeezed_.end(), point.contact);
 }
 
 // k of the point of a squeezed body. Its push is sqrt(a L).
 double Stepper::stiffnessOf(const TouchingPoint& point, const CoulombPoint& law) const {
-  const Index body = island_.indices()[law.i == kNone ? law.j : law.i];
+  const Index body = island_.indices()[bodyOf(law)];
   const double share = point.push / point.length;
   return context_.scene.bodies.traits[body].mass * share * share / kOwnWeight;
 }
