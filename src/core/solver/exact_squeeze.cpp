@@ -35,8 +35,8 @@ constexpr double kDirect = 3.0;
 constexpr double kUnfreed = 0.1;
 // Share of the smaller length of a pair by which something may be squeezed.
 constexpr double kMostSqueezed = 0.1;
-// Share of that length by which a step must squeeze it further to count.
-constexpr double kFurther = 1e-7;
+// Shares of that length: by which a step must squeeze it further to count, and by which it may.
+constexpr double kFurther = 1e-7, kFast = 0.02;
 
 bool bearsOnUnmoved(const CoulombPoint& law) {
   return law.i == kNone || law.j == kNone;
@@ -161,14 +161,24 @@ void Stepper::forgetSqueezed() const {
       point.normal = 0.0, point.friction_W.setZero();
 }
 
-// Whether something is squeezed further at this instant. A rigid body leaves no room for that.
-bool Stepper::isSqueezedFurther(const Touching& touching, const CoulombBodies& bodies) const {
+// By how much something is squeezed further in a step at this instant, a share of its length.
+double Stepper::squeezingOf(const Touching& touching, const CoulombBodies& bodies) const {
+  double most = 0.0;
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];
-    if (isSqueezed(point) && -velocityAt(bodies, touching.law[k])[2] * span_ > kFurther * point.length)
-      return true;
+    if (isSqueezed(point))
+      most = std::max(most, -velocityAt(bodies, touching.law[k])[2] * span_ / point.length);
   }
-  return false;
+  return most;
+}
+
+// Tells what a segment has squeezed further, for which a rigid body leaves no room. What is squeezed fast has no more to do with
+// how a solid gives way.
+void Stepper::judgeSqueezing() {
+  if (segment_.squeezing <= kFurther) return;
+  if (segment_.squeezing > kFast) return giveUp(Outcome::NoSolution);
+  outcome_ = Outcome::NoRoom;
+  own_.converged = island().residuals.converged = false;
 }
 
 }  // namespace rbs::exact_step

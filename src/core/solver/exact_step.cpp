@@ -294,7 +294,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   Touching aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
-  segment.squeezes = isSqueezedFurther(later, after);
+  segment.squeezing = squeezingOf(later, after);
   const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, bodies_at_start, after);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
@@ -439,10 +439,7 @@ void Stepper::solve() {
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
   if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate())) return giveUp(failure);
-  if (segment_.squeezes) {
-    outcome_ = Outcome::NoRoom;
-    own_.converged = island().residuals.converged = false;
-  }
+  judgeSqueezing();
 }
 
 // Goes to where the segment ends.

@@ -73,7 +73,7 @@ class Stepper : public InnerRows {
     PointsOfContacts opened;      // in its course
     CoulombResult first, second;  // of its kicks
     Left slip_left;
-    bool squeezes = false;  // at its end, something further
+    double squeezing = 0.0;  // at its end: see squeezingOf()
   };
   enum class Friction { Free, KeepsDirection };
 
@@ -101,7 +101,8 @@ class Stepper : public InnerRows {
   double elasticEnergy() const;
   void giveWay(const TouchingPoint& point, double tau, bool at_instant, CoulombPoint& law) const;
   void forgetSqueezed() const;
-  bool isSqueezedFurther(const Touching& touching, const CoulombBodies& bodies) const;
+  double squeezingOf(const Touching& touching, const CoulombBodies& bodies) const;
+  void judgeSqueezing();
   void settle();
   void addUnforeseen();
   void goOver();
