@@ -42,11 +42,13 @@ class OpenFile {
   int fd_;
 };
 
-/// A new file in a folder, with a name that nobody can foresee, which goes when it is not moved away.
+/// A new file in a folder, with a name that nobody can foresee, which goes when it is not moved away. mkostemp(3) replaces the
+/// six X of its name.
 class NewFile {
  public:
   explicit NewFile(const fs::path& folder)
-      : name_((folder / ".rbs-XXXXXX").string()), fd_(::mkostemp(name_.data(), O_CLOEXEC), folder.string()) {}
+      : name_((folder / (".rbs-" + std::string(6, 'X'))).string()),
+        fd_(::mkostemp(name_.data(), O_CLOEXEC), folder.string()) {}
   ~NewFile() {
     if (!moved_) ::unlink(name_.c_str());
   }

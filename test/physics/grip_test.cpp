@@ -111,7 +111,7 @@ TEST(Grip, WithoutFrictionItFallsFreely) {
     }
 }
 
-TEST(Grip, FingersThatCloseOnAreToldToLeaveNoRoom) {
+TEST(Grip, ClosingFingersAreReportedToLeaveNoRoom) {
   for (const Held& what : held())
     for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference}) {
       Gripper gripper(what, fidelity, 1.0 / 240.0, 0.8);

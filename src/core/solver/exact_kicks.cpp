@@ -162,22 +162,16 @@ bool Stepper::takeOverlapsAway() {
   }
   if (problem.speed_unit == 0.0) return false;
   const bool yields = letYield(problem);
-  const CoulombProblem whole = problem;
   solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
   if (yields && !isShort(problem)) {
-    problem = whole;
-    for (std::size_t k = 0; k < touching_.points.size(); ++k) problem.points[k].mu = touching_.law[k].mu;
+    for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
+    for (std::size_t k = 0; k < touching_.points.size(); ++k)
+      problem.points[k].mu = touching_.law[k].mu, problem.points[k].impulse.setZero();
     solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
   }
   if (!findSqueezed(problem)) giveUp(Outcome::NoSolution);
   if (!isOnItsWay() || !isWayOut(problem)) return false;
-  // What is squeezed goes where its forces push it.
-  for (std::size_t k = 0; k < problem.points.size(); ++k)
-    if (isSqueezed(touching_.points[k])) {
-      const CoulombPoint& law = problem.points[k];
-      CoulombBody& body = problem.bodies[law.i == kNone ? law.j : law.i];
-      body.v.setZero(), body.w.setZero();
-    }
+  leaveSqueezed(problem);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;

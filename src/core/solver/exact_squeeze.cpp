@@ -58,9 +58,9 @@ bool facesAny(const Vec3& n_W, const std::vector<Vec3>& others) {
 
 }  // namespace
 
-// Before overlaps are taken away, so that there is a displacement even where it frees nothing. Returns whether that can be: where
-// two of the normals that press are more than a right angle apart. Those of two fingers are by 180 degrees, of three by 120, of four that
-// reach round a ball by 109.
+// Before overlaps are taken away, so that there is a displacement even where it frees nothing. Returns whether that is possible:
+// two of the normals that press are more than a right angle apart. The normals of two fingers are 180 degrees apart, of three
+// 120, of four around a ball 109.
 bool Stepper::letYield(CoulombProblem& problem) const {
   double deepest = 0.0, share = 0.0;
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
@@ -96,8 +96,8 @@ bool Stepper::isShort(const CoulombProblem& problem) const {
                      [&](const CoulombBody& body) { return body.v.norm() <= kDirect * asked; });
 }
 
-// Afterwards: finds the contacts that squeeze, and those of the same bodies that face them. False where something is squeezed too
-// far.
+// Afterwards: finds the contacts that squeeze, and those of the same bodies that face them. False where an overlap is more than
+// kMostSqueezed.
 bool Stepper::findSqueezed(const CoulombProblem& problem) {
   squeezed_.clear();
   std::vector<Vec3> normals;
@@ -120,6 +120,15 @@ bool Stepper::findSqueezed(const CoulombProblem& problem) {
   std::sort(squeezed_.begin(), squeezed_.end());
   squeezed_.erase(std::unique(squeezed_.begin(), squeezed_.end()), squeezed_.end());
   return true;
+}
+
+// Squeezed bodies take no part in a displacement: they go where their forces push them.
+void Stepper::leaveSqueezed(CoulombProblem& problem) const {
+  for (std::size_t k = 0; k < problem.points.size(); ++k) {
+    if (!isSqueezed(touching_.points[k])) continue;
+    CoulombBody& body = problem.bodies[bodyOf(problem.points[k])];
+    body.v.setZero(), body.w.setZero();
+  }
 }
 
 bool Stepper::isSqueezed(const TouchingPoint& point) const {
@@ -172,8 +181,8 @@ double Stepper::squeezingOf(const Touching& touching, const CoulombBodies& bodie
   return most;
 }
 
-// Tells what a segment has squeezed further, for which a rigid body leaves no room. What is squeezed fast has no more to do with
-// how a solid gives way.
+// Reports what a segment has squeezed further, for which a rigid body leaves no room. The law above is for slow squeezing: fast
+// squeezing is left to the soft step.
 void Stepper::judgeSqueezing() {
   if (segment_.squeezing <= kFurther) return;
   if (segment_.squeezing > kFast) return giveUp(Outcome::NoSolution);

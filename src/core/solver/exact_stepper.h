@@ -96,6 +96,7 @@ class Stepper : public InnerRows {
   bool isShort(const CoulombProblem& problem) const;
   bool letYield(CoulombProblem& problem) const;
   bool findSqueezed(const CoulombProblem& problem);
+  void leaveSqueezed(CoulombProblem& problem) const;
   bool isSqueezed(const TouchingPoint& point) const;
   double stiffnessOf(const TouchingPoint& point, const CoulombPoint& law) const;
   double elasticEnergy() const;
