@@ -5,6 +5,7 @@
 #include "rigid_body_sim/difference.h"
 #include "rigid_body_sim/world.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -18,10 +19,12 @@ struct ModellingError {
 
 /// Runs the scene from `state` twice, with all effects detected and with `effects` forced, and compares the
 /// end states. Each run takes 0.25 s of physics time, rounded up to whole steps. It takes less where the
-/// number of bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies. Throws
-/// InvalidInput for a faulty scene or state. Cost: the steps of both runs.
+/// number of bodies times steps would exceed 20,000. Empty for a scene of more than 20,000 bodies, and where
+/// `goOn` says no: it is called between the steps. Throws InvalidInput for a faulty scene or state. Cost: the
+/// steps of both runs.
 std::optional<ModellingError> measureModellingError(SceneDef scene, const SavedState& state,
-                                                    const EffectOverrides& effects);
+                                                    const EffectOverrides& effects,
+                                                    const std::function<bool()>& goOn);
 
 /// "in 0.25 s 'box' deviates by 0.31 m, and 'cone' deviates by 12 degrees", or "in 0.25 s no body deviates".
 std::string describe(const ModellingError& measured);

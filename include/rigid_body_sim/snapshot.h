@@ -69,7 +69,8 @@ struct StageInfo {
   bool active = false;      ///< whether the scene needs it
   std::string reason;       ///< why it is or is not needed, in words and numbers
   std::uint64_t items = 0;  ///< number of its items (see `unit`) in the last step
-  std::string unit;  ///< what its items are: "bodies", "pairs", "points", …; empty: they are not counted
+  /// What its items are: "bodies", "pairs", "points", …, "body" where there is one. Empty: they are not counted.
+  std::string unit;
   /// Wall time in the last step, s. 0 for a stage that did not run, and for a part of another stage that is
   /// not timed by itself. That of islands.advance includes its parts, which follow it.
   double seconds = 0.0;

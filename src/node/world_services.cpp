@@ -119,8 +119,9 @@ std::string setEffects(Simulator& simulator, const SetEffects::Request& request,
     return describe(effects);
   });
   for (const std::string& name : request.force_off) {
+    const auto error = measureModellingError(scene, state, {{effectNamed(name), false}},
+                                             [] { return !ros::isShuttingDown(); });
     if (ros::isShuttingDown()) break;
-    const auto error = measureModellingError(scene, state, {{effectNamed(name), false}});
     response.neglected.push_back(
         words("without ", name, ": ", error ? rbs::describe(*error) : "the scene is too large to measure"));
   }

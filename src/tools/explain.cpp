@@ -122,9 +122,10 @@ Explanation explain(const Request& request) {
 
   Explanation result{world.snapshot(), std::move(stages), {}, steps, cpu_seconds};
   for (const auto& [effect, on] : file.scene.effects) {
-    if (on || interrupted != 0) continue;
-    const auto error =
-        measureModellingError(file.scene, file.state.value_or(SavedState{}), {{effect, false}});
+    if (on) continue;
+    const auto error = measureModellingError(file.scene, file.state.value_or(SavedState{}), {{effect, false}},
+                                             [] { return interrupted == 0; });
+    if (interrupted != 0) break;
     result.neglected.push_back(std::string("without ") + effectName(effect) + ": " +
                                (error ? describe(*error) : "the scene is too large to measure"));
   }
@@ -195,7 +196,7 @@ int main(int argc, char** argv) {
       "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file");
   auto add = options.add_options();
   add("help", "print this");
-  add("scene", po::value(&request.scene));
+  add("scene", po::value(&request.scene), "the same as SCENE");
   add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)),
       "the catalogue of scenes");
   add("fidelity", po::value(&request.fidelity), "preview, interactive, accurate or reference");
@@ -224,6 +225,9 @@ int main(int argc, char** argv) {
       print(request, explanation);
     }
     return interrupted != 0 ? kInterrupted : 0;
+  } catch (const po::error& error) {
+    std::cerr << "explain: " << error.what() << "\n\n" << options;
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "explain: " << error.what() << '\n';
     return 2;

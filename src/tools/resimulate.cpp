@@ -316,6 +316,9 @@ int main(int argc, char** argv) {
       return given.count("help") ? 0 : kNoRecording;
     }
     return resimulate(request);
+  } catch (const po::error& error) {
+    std::cerr << "resimulate: " << error.what() << "\n\n" << options;
+    return kNoRecording;
   } catch (const std::exception& error) {
     std::cerr << "resimulate: " << error.what() << '\n';
     return kNoRecording;

@@ -203,22 +203,24 @@ int main(int argc, char** argv) {
       "interrupted");
   auto add = options.add_options();
   add("help", "print this");
-  add("scene", po::value(&request.scene));
+  add("scene", po::value(&request.scene), "the same as SCENE");
   add("folder", po::value(&request.folder)->default_value(catalogueFolder(RBS_SCENE_FOLDER)),
       "the catalogue of scenes");
-  add("from", po::value(&request.from), "s of physics time to simulate first");
-  add("fidelity", po::value(&request.fidelity), "quality level for that, instead of the scene's");
-  add("seconds", po::value(&o.seconds)->default_value(o.seconds), "s of physics time to look ahead");
+  add("from", po::value(&request.from), "s of physics time to simulate first, 0 to 1e6");
+  add("fidelity", po::value(&request.fidelity),
+      "for that, instead of the scene's: preview, interactive, accurate or reference");
+  add("seconds", po::value(&o.seconds)->default_value(o.seconds),
+      "s of physics time to look ahead, 1e-6 to 1000");
   add("window", po::value(&o.window)->default_value(o.window),
-      "length of a window, in which the settings run from a common state, s");
+      "length of a window, in which the settings run from a common state, 1e-6 to 1000 s");
   add("windows", po::value(&request.windows)->default_value(request.windows),
-      "number of windows, evenly spaced along the seconds");
+      "number of windows, evenly spaced along the seconds, 1 to 1000");
   add("max-seconds", po::value(&o.max_cpu_seconds)->default_value(o.max_cpu_seconds),
-      "CPU time that the study may take, s");
+      "CPU time that the study may take, 1e-3 to 1e6 s");
   add("max-error", po::value(&request.max_error),
-      "m per second simulated: print the cheapest settings within this error");
+      "m per second simulated, up to 1e6: print the cheapest settings within this error");
   add("max-step-ms", po::value(&request.max_step_ms),
-      "ms: print the most accurate settings within this time of a step");
+      "ms, up to 1e6: print the most accurate settings within this time of a step");
   add("json", po::bool_switch(&request.json), "print JSON");
   add("progress", po::bool_switch(&request.progress), "print lines of JSON while it runs, for programs");
   add("background", po::bool_switch(&request.background), "at the lowest priority");
@@ -235,6 +237,9 @@ int main(int argc, char** argv) {
     o.windows = static_cast<std::uint32_t>(std::clamp<std::int64_t>(request.windows, 1, 1000));
     if (const std::vector<Problem> problems = faults(request); !problems.empty())
       throw InvalidInput(problems);
+  } catch (const po::error& error) {
+    std::cerr << "scene_accuracy: " << error.what() << "\n\n" << options;
+    return 2;
   } catch (const std::exception& error) {
     std::cerr << "scene_accuracy: " << error.what() << '\n';
     return 2;

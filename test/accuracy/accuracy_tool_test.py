@@ -79,6 +79,13 @@ class Probe(unittest.TestCase):
             row = json.loads(done.stdout)
             self.assertEqual(absent, [name for name in ('error', 'cpu_seconds', 'cpu_spread') if row[name] is None])
 
+    def test_the_time_alone_ends_where_it_takes_too_long(self):
+        done = subprocess.run([PROBE, '--problem', 'projectile', '--setting', 'interactive', '--step', '0.01', '--only', 'time',
+                               '--max-seconds', '1e-9'], text=True, capture_output=True, check=True)
+        row = json.loads(done.stdout)
+        self.assertEqual({'kind': 'too slow', 'detail': '1 of 200 steps took 1e-09 s'}, row['failure'])
+        self.assertIsNone(row['cpu_seconds'])
+
     def test_bad_input_names_what_is_allowed(self):
         ok = {'--problem': 'projectile', '--setting': 'interactive', '--step': '0.01'}
 
@@ -91,7 +98,7 @@ class Probe(unittest.TestCase):
         self.assertIn('ours preview', self.refused(*given(setting='no_such')))
         self.assertIn('1e-6 to 1', self.refused(*given(step='0')))
         self.assertIn('1e-6 to 1', self.refused(*given(step='nan')))
-        self.assertIn('--step', self.refused(*given(step='fast')))
+        self.assertIn('s, 1e-6 to 1', self.refused(*given(step='fast')))
         self.assertIn('--step is missing', self.refused(*given(step=None)))
         self.assertIn('1 to 1000', self.refused(*given(repetitions='0')))
         self.assertIn('error or time', self.refused(*given(only='both')))

@@ -37,6 +37,7 @@ class ExplainTest(unittest.TestCase):
             result = explain('--steps=' + steps)
             self.assertEqual((result.returncode, result.stdout), (2, ''), steps)
             self.assertIn('steps', result.stderr)
+            self.assertIn('up to 1,000,000', result.stderr)
 
     def test_as_many_steps_are_taken_as_were_asked_for(self):
         for steps in (1, 150):

@@ -10,7 +10,8 @@
 namespace rbs {
 
 std::optional<ModellingError> measureModellingError(SceneDef scene, const SavedState& state,
-                                                    const EffectOverrides& effects) {
+                                                    const EffectOverrides& effects,
+                                                    const std::function<bool()>& goOn) {
   constexpr double kSeconds = 0.25;
   constexpr std::size_t kMostWork = 20000;  // bodies times steps
   const std::size_t bodies = std::max<std::size_t>(scene.bodies.size(), 1);
@@ -22,7 +23,10 @@ std::optional<ModellingError> measureModellingError(SceneDef scene, const SavedS
   World detected(scene, state);
   scene.effects = effects;
   World forced(std::move(scene), state);
-  for (std::size_t k = 0; k < steps; ++k) detected.step(), forced.step();
+  for (std::size_t k = 0; k < steps; ++k) {
+    if (!goOn()) return std::nullopt;
+    detected.step(), forced.step();
+  }
 
   return ModellingError{detected.time() - state.time, differenceOf(forced.snapshot(), detected.snapshot())};
 }

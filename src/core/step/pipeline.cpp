@@ -30,9 +30,18 @@ namespace {
 
 /// What a stage worked on in the last step.
 struct Items {
-  std::uint64_t count;
-  const char* unit;
+  std::uint64_t number;
+  const char* one;
+  const char* many;
+  const char* unit() const { return number == 1 ? one : many; }
 };
+
+Items bodyItems(std::uint64_t n) {
+  return {n, "body", "bodies"};
+}
+Items pairItems(std::uint64_t n) {
+  return {n, "pair", "pairs"};
+}
 
 template <Effect kEffect>
 Need needOf(const SceneAnalysis& analysis) {
@@ -41,17 +50,17 @@ Need needOf(const SceneAnalysis& analysis) {
 
 template <auto kList>
 Items bodiesOn(const SceneStore& scene, const StepStore&) {
-  return {(scene.lists.*kList).size(), "bodies"};
+  return bodyItems((scene.lists.*kList).size());
 }
 template <Effect kEffect>
 Items feeling(const SceneStore& scene, const StepStore&) {
-  return {scene.lists.feelingOf(kEffect).size(), "bodies"};
+  return bodyItems(scene.lists.feelingOf(kEffect).size());
 }
 Items candidates(const SceneStore& scene, const StepStore&) {
-  return {scene.contacts.active.size(), "pairs"};
+  return pairItems(scene.contacts.active.size());
 }
 Items points(const SceneStore&, const StepStore& step) {
-  return {step.report.contacts, "points"};
+  return {step.report.contacts, "point", "points"};
 }
 
 std::uint64_t asleep(const SceneStore& scene) {
@@ -71,34 +80,30 @@ struct Stage {
 
 constexpr std::array kStages{
     Stage{"user_force.drag", holds::need, holds::run,
-          [](const SceneStore& scene, const StepStore&) {
-            return Items{scene.holds.size(), "bodies"};
-          }},
+          [](const SceneStore& scene, const StepStore&) { return bodyItems(scene.holds.size()); }},
     Stage{"forces.gravity", needOf<Effect::Gravity>, gravity::run,
           [](const SceneStore& scene, const StepStore&) {
-            return Items{scene.lists.in_islands.size() + scene.lists.ballistic.size(), "bodies"};
+            return bodyItems(scene.lists.in_islands.size() + scene.lists.ballistic.size());
           }},
     Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
     Stage{"forces.wrench", wrenches::need, wrenches::run,
           [](const SceneStore& scene, const StepStore&) {
-            return Items{scene.wrenches.size(), "wrenches"};
+            return Items{scene.wrenches.size(), "wrench", "wrenches"};
           }},
     Stage{"user_force.spring", grabs::need, grabs::run,
-          [](const SceneStore& scene, const StepStore&) {
-            return Items{scene.grabs.size(), "bodies"};
-          }},
+          [](const SceneStore& scene, const StepStore&) { return bodyItems(scene.grabs.size()); }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
     Stage{"broadphase.pairs", needOf<Effect::Collision>, broad_phase::run, bodiesOn<&BodyLists::collidable>,
           broad_phase::describe},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
           [](const SceneStore& scene, const StepStore&) {
-            return Items{asleep(scene), "asleep"};
+            return Items{asleep(scene), "asleep", "asleep"};
           }},
     Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
     Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
     Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
-            return Items{step.islands.size(), "islands"};
+            return Items{step.islands.size(), "island", "islands"};
           }},
     Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&BodyLists::in_islands>},
     Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
@@ -134,28 +139,28 @@ Items frictionPairs(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
   for (const Contact* contact : scene.contacts.withPoints())
     n += scene.frictionOf(scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j)) > 0.0;
-  return {n, "pairs"};
+  return pairItems(n);
 }
 Items rollingPairs(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
   for (const Contact* contact : scene.contacts.withPoints())
     n += rolling::resists(scene, scene.bodies.indexOf(contact->key.i), scene.bodies.indexOf(contact->key.j));
-  return {n, "pairs"};
+  return pairItems(n);
 }
 Items impactCount(const SceneStore&, const StepStore& step) {
-  return {step.report.impacts, "impacts"};
+  return {step.report.impacts, "impact", "impacts"};
 }
 template <bool Inertia::*kFlag>
 Items bodiesThat(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
   for (const Inertia& inertia : scene.bodies.inertia) n += inertia.*kFlag;
-  return {n, "bodies"};
+  return bodyItems(n);
 }
 Items turnedBodies(const SceneStore& scene, const StepStore&) {
   std::uint64_t n = 0;
   for (Index i = 0; i < scene.bodies.size(); ++i)
     n += scene.bodies.traits[i].moved_by_forces() && !scene.bodies.inertia[i].lazy_orientation;
-  return {n, "bodies"};
+  return bodyItems(n);
 }
 
 constexpr std::array kParts{
@@ -242,8 +247,8 @@ std::vector<StageInfo> Pipeline::describe(const SceneAnalysis& analysis, const S
   std::vector<StageInfo> rows;
   const auto add = [&](const auto& row, double seconds, const char* part_of) {
     const Need need = row.need(analysis);
-    const Items items = need.active ? row.items(scene, step) : Items{0, ""};
-    rows.push_back({row.name, need.active, need.reason, items.count, items.unit, seconds, part_of});
+    const Items items = need.active ? row.items(scene, step) : Items{0, "", ""};
+    rows.push_back({row.name, need.active, need.reason, items.number, items.unit(), seconds, part_of});
   };
   for (std::size_t row = 0; row < kStages.size(); ++row) {
     add(kStages[row], seconds_[row], "");

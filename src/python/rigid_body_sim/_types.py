@@ -159,7 +159,7 @@ class StageInfo(NamedTuple):
     active: bool  #: whether the scene needs it
     reason: str  #: why it is or is not needed
     items: int  #: number of its items in the last step
-    unit: str  #: what its items are; empty: they are not counted
+    unit: str  #: what its items are: 'bodies', or 'body' where there is one; empty: they are not counted
     seconds: float  #: wall time in the last step, s
     part_of: str  #: name of the stage that it is a part of; empty: it is a stage of the step itself
 

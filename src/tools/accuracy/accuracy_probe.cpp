@@ -101,7 +101,8 @@ int run(int argc, char** argv) {
     po::store(po::command_line_parser(argc, argv).options(options).positional({}).run(), given);
     po::notify(given);
   } catch (const po::error& e) {
-    return refuse(e.what());
+    std::cerr << "accuracy_probe: " << e.what() << "\n\n" << options;
+    return 2;
   }
   if (given.count("help") != 0) {
     std::cout << options;
