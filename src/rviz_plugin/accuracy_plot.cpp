@@ -82,6 +82,7 @@ AccuracyPlot::AccuracyPlot() {
   for (const Axis axis : {xBottom, yLeft}) setAxisScaleEngine(axis, new QwtLogScaleEngine);
   setAxisMaxMinor(yLeft, 0);
   setAxisMaxMajor(yLeft, 5);
+  setAxisMaxMajor(xBottom, 4);  // labels of a decade or less are crowded at its upper end
   setAxisTitle(xBottom, small("CPU ms per step"));
   setAxisTitle(yLeft, small("error, m/s"));
   constexpr int kLeastHeight = 200;

@@ -49,6 +49,7 @@ QIcon swatch(const QColor& color, int size) {
 
 BodyProperties::BodyProperties(BodiesClient& simulator)
     : simulator_(simulator),
+      hint_(new QLabel("Select bodies in this list or in the view to see and edit their properties.")),
       form_(new QWidget),
       grid_(new QGridLayout(form_)),
       heading_(new QLabel),
@@ -84,8 +85,15 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   rows_.resize(bodyFields().size());
   for (const BodyField& field : bodyFields()) addNumbers(field);
   grid_->setRowStretch(grid_->rowCount(), 1);
-  setWidget(form_);
+  hint_->setWordWrap(true);
+  hint_->setEnabled(false);
   form_->hide();
+  auto* const page = new QWidget;
+  auto* const both = new QVBoxLayout(page);
+  both->setContentsMargins(0, 0, 0, 0);
+  both->addWidget(hint_, 0, Qt::AlignTop);
+  both->addWidget(form_);
+  setWidget(page);
 
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodyProperties::follow);
@@ -142,6 +150,7 @@ void BodyProperties::editName() {
 
 void BodyProperties::follow() {
   findBodies();
+  hint_->setVisible(bodies_.empty());
   form_->setVisible(!bodies_.empty());
   if (!bodies_.empty()) show();
 }

@@ -58,6 +58,7 @@ class BodyProperties : public QScrollArea {
            const BodiesClient::Answer& answer);
 
   BodiesClient& simulator_;
+  QLabel* hint_;  ///< in place of the form, while no body is selected
   QWidget* form_;
   QGridLayout* grid_;
   QLabel* heading_;
