@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The energy of an island over a segment: what it has, what it is given, and whether it has more at the end.
+// The energy of an island over a segment: what it has, what it is given, and how much more it has at the end.
 #include "solver/exact_stepper.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace rbs::exact_step {
-
-namespace {
-
-// Share of its kinetic energy, of what it is given, and of the energy of a fall for one step, that an island may gain in a
-// segment.
-constexpr double kGain = 0.1;
-
-}  // namespace
 
 // Kinetic energy of the island, and its potential energy in the field of the loads, J.
 double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
@@ -68,13 +61,16 @@ double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
   return work;
 }
 
-// Whether a segment has ended with far more energy than it began with and was given: a solve is far from one, or its
-// points were not where they were expected, as of a small ball that is squeezed out between two bodies.
-bool Stepper::runsAway(const std::vector<BodyMotion>& start, double led_before) const {
+// What a segment has gained beyond twice of what it was given, as a share of its kinetic energy, of what it was given, and of
+// the energy of a fall for one step; negative where it has lost. Twice, since the work of a body that turns is known to the
+// first power of the length alone.
+double Stepper::gainOf(const std::vector<BodyMotion>& start, double led_before) const {
   const double by_led = workByLed(segment_.touching, opened_) + workByLed({}, segment_.opened) - led_before;
   const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
-  return energyOf(segment_.end) > energyOf(start) + given + kGain * (kineticOf(start) + given + fall);
+  const double unit = kineticOf(start) + given + fall;
+  return (energyOf(segment_.end) - energyOf(start) - 2.0 * given) /
+         std::max(unit, std::numeric_limits<double>::min());
 }
 
 }  // namespace rbs::exact_step

@@ -66,7 +66,12 @@ constexpr double kJump = 0.5;
 // An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
 // many times in a step.
 constexpr double kMostSunk = 2e-5;
+// So does a gain of energy beyond this share.
+constexpr double kMostGained = 1e-4;
 constexpr int kMostHalvings = 8;
+// A gain beyond this share comes of a solve that is far from one, or of points that were not where they were expected, as of a
+// small ball that is squeezed out between two bodies.
+constexpr double kRunsAway = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
 // Of the margin at which pairs are looked at: where to stop widening it.
@@ -393,9 +398,11 @@ void Stepper::addUnforeseen() {
   }
 }
 
-// The next segment. It is halved while bodies end deeper in each other than they began.
+// The next segment. It is halved while bodies end deeper in each other than they began, and while it gains energy: where contacts
+// run along round bodies faster than the corrections follow, they push too long or too hard.
 void Stepper::goOver() {
-  const double deepest = deepestShare(touching_);
+  const std::vector<BodyMotion> start = island_.save();
+  const double deepest = deepestShare(touching_), led_before = workByLed(touching_, opened_);
   for (;; --halvings_) {
     const double left = end_ - now_;
     tau_ = left > 1.5 * longest_ ? longest_ : left;
@@ -415,7 +422,9 @@ void Stepper::goOver() {
     }
     addUnforeseen();
     const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + kMostSunk;
-    if (!sunk || halvings_ == 0 || budget_.isSpent()) return;
+    const bool solved = segment_.first.converged && segment_.second.converged;
+    const bool gains = solved && gainOf(start, led_before) > kMostGained;
+    if (!(sunk || gains) || halvings_ == 0 || budget_.isSpent()) return;
     touching_ = foreseen;
     stops_.resize(stops);
     longest_ = 0.5 * uncut;
@@ -434,7 +443,7 @@ void Stepper::solve() {
   settle();
   goOver();
   const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
-  if (isOnItsWay() && runsAway(start, led_before)) return giveUp(failure);
+  if (isOnItsWay() && gainOf(start, led_before) > kRunsAway) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});

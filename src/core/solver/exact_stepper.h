@@ -90,7 +90,7 @@ class Stepper : public InnerRows {
   double energyOf(const std::vector<BodyMotion>& motions) const;
   double workByLed(const Touching& touching, const PointsOfContacts& opened) const;
   double workOfTorques(const std::vector<BodyMotion>& start) const;
-  bool runsAway(const std::vector<BodyMotion>& start, double led_before) const;
+  double gainOf(const std::vector<BodyMotion>& start, double led_before) const;
   void giveUp(Outcome why);
   bool takeOverlapsAway();
   bool isShort(const CoulombProblem& problem) const;
