@@ -62,12 +62,11 @@ bool hasConverged(const StepReport& report) {
 }
 
 // How fast the rim of a disc closes at most, m/s, while none of the eight feet that it stands on does: halfway between two
-// feet it is R (1 - cos(pi/8)) beyond the line through them, about which the disc may turn.
-double closingOfRim(const BodyDescription& body, const Twist& twist) {
+// feet it is R (1 - cos(pi/8)) beyond the line through them, about which the two bodies may turn relative to each other at w.
+double closingOfRim(const BodyDescription& body, double w) {
   const double beyond = 1.0 - std::sqrt(0.5 + std::sqrt(0.125));
-  if (const auto* cylinder = std::get_if<Cylinder>(&body.shape))
-    return beyond * cylinder->radius * twist.w_WB.norm();
-  if (const auto* cone = std::get_if<Cone>(&body.shape)) return beyond * cone->radius * twist.w_WB.norm();
+  if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) return beyond * cylinder->radius * w;
+  if (const auto* cone = std::get_if<Cone>(&body.shape)) return beyond * cone->radius * w;
   return 0.0;
 }
 
@@ -239,8 +238,8 @@ class Run {
       if (closest.distance > 1e-9 * length || closest.distance < -1e-6 * length) continue;
       const Vec3 p_W = 0.5 * (closest.p_WA + closest.p_WB);
       const double closing = closest.n_W.dot(velocityAt(a, p_W) - velocityAt(b, p_W)) / unit;
-      const double of_rims =
-          closingOfRim(first, after.states[a].twist) + closingOfRim(second, after.states[b].twist);
+      const double w = (after.states[a].twist.w_WB - after.states[b].twist.w_WB).norm();
+      const double of_rims = closingOfRim(first, w) + closingOfRim(second, w);
       const double allowed = std::min(kClosing + of_rims / unit, kDiscs);
       if (closing > allowed)
         return Finding{"certificate", closing, allowed, k_,
