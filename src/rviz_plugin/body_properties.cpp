@@ -86,7 +86,6 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   for (const BodyField& field : bodyFields()) addNumbers(field);
   grid_->setRowStretch(grid_->rowCount(), 1);
   hint_->setWordWrap(true);
-  hint_->setEnabled(false);
   form_->hide();
   auto* const page = new QWidget;
   auto* const both = new QVBoxLayout(page);
