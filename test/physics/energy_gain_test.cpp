@@ -13,17 +13,19 @@
 namespace rbs::test {
 namespace {
 
-constexpr double kMost =
-    1e-3;  // gain of a step, as a share of the kinetic energy and of that of a fall for one step
+// The most that a step may gain, as a share of the kinetic energy and of that of a fall for one step.
+constexpr double kMost = 1e-3;
 
 class Dice {
  public:
   explicit Dice(unsigned seed) : random_(seed) {}
   double between(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
   double size() { return 0.1 * std::pow(5.0, between(0.0, 1.0)); }  // m
-  Vec3 vector() { return {normal_(random_), normal_(random_), normal_(random_)}; }
+  double normal() { return normal_(random_); }
+  Vec3 vector() { return Vec3{normal(), normal(), normal()}; }
   Quat orientation() {
-    return Quat(normal_(random_), normal_(random_), normal_(random_), normal_(random_)).normalized();
+    const Eigen::Vector4d q{normal(), normal(), normal(), normal()};
+    return Quat(q).normalized();
   }
   Shape shape() {
     const double a = size(), b = size(), c = size();
@@ -51,8 +53,9 @@ SceneDef twoThatFall(unsigned seed, Fidelity fidelity, double step, double frict
   SceneDef scene = onFloor(step, friction);
   scene.fidelity = fidelity;
   for (const double height : {1.0, 2.2}) {
-    BodyDef body = test::body("body_" + std::to_string(scene.bodies.size()), dice.shape(),
-                              {dice.between(-0.2, 0.2), dice.between(-0.2, 0.2), height});
+    const Shape shape = dice.shape();
+    const Vec3 p_WB{dice.between(-0.2, 0.2), dice.between(-0.2, 0.2), height};
+    BodyDef body = test::body("body_" + std::to_string(scene.bodies.size()), shape, p_WB);
     body.pose.q_WB = dice.orientation();
     body.twist.w_WB = 3.0 * dice.vector();
     body.mass = std::exp(dice.between(-1.0, 1.0));
