@@ -202,7 +202,7 @@ measure:
             's.yaml:15: stop.at_rest: speed: -1 (allowed: a number above 0)',
             "s.yaml:17: measure.a: 'speed' (allowed: one of final_position, final_pose, final_velocity, stood, energy, energy_change, "
             'penetration, time_to_rest, distance_to_reference, states, python, alone or with what it takes)',
-            's.yaml:18: measure.b: 3 (allowed: the name of a body)',
+            "s.yaml:18: measure.b: 3 (allowed: the name of a body, a list of names, or 'all')",
             's.yaml:19: measure.c: evry; unknown key; keys: every bodies',
             's.yaml:20: measure.d: none.py cannot be read: No such file or directory',
             "s.yaml:21: measure.e/f: it is no name (allowed: any word without '/')",

@@ -8,17 +8,23 @@ import json
 import math
 import os
 import pathlib
+import re
+import shlex
+import shutil
+import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import h5py  # noqa: E402
+import numpy  # noqa: E402
 from rigid_body_sim import Scene, World  # noqa: E402
-from rigid_body_sim.sweep import charts  # noqa: E402
+from rigid_body_sim.sweep import carry, charts  # noqa: E402
 from rigid_body_sim.sweep.reader import Reader  # noqa: E402
-from rigid_body_sim.sweep.run import run_task  # noqa: E402
+from rigid_body_sim.sweep.run import record_of, run_chunk, run_task  # noqa: E402
 from rigid_body_sim.sweep.store import Store  # noqa: E402
-from sweep_file import SweepCase  # noqa: E402
+from rigid_body_sim.sweep.tree import Refused  # noqa: E402
+from sweep_file import PROGRAM, SweepCase  # noqa: E402
 
 # A ball falls through empty space: 1 kg, from 100 m, at 3 m/s along x.
 FALL = 'scene: {bodies: [{name: ball, shape: sphere, mass: 1, position: [0, 0, 100], velocity: [3, 0, 0], spin: [0, 0, 1]}]}\n'
@@ -145,6 +151,37 @@ measure: {error: {distance_to_reference: {fidelity: reference}}}
         self.assertEqual(odd['status'], 'failed')
         self.assertIn('steps of 0.01 s of the reference never end at', odd['detail'])
 
+    def test_what_is_measured_of_a_saved_state_begins_with_it(self):
+        world = World(Scene.parse(json.dumps(self.plan(SLIDE + 'steps: 1\n').tree['scene'])))
+        world.step(7)
+        self.write(world.capture().to_yaml(), 'later.yml')
+        found = self.values('''scene: later.yml
+duration: 1
+measure:
+  error: {distance_to_reference: {fidelity: accurate}}
+  finer: {distance_to_reference: {fidelity: reference, step: 0.008333333333333333}}
+  states: {states: {every: 30, bodies: box}}
+  rest: {time_to_rest: 0.02}
+''')
+        self.assertEqual(float(found['error']), 0.0)
+        self.assertLess(float(found['finer']), 1e-3)
+        self.assertEqual(found['states'].shape, (3, 1, 13))
+        self.assertEqual(found['states'][0, 0].tolist(), world.states[1].tolist())
+        self.assertAlmostEqual(float(found['rest']), (2 - 0.02) / (0.5 * 9.81) - 7 / 60, delta=1 / 60)
+
+    def test_a_reference_that_diverges_measures_nothing(self):
+        record = self.record(FALL + 'duration: 2\nmeasure: {e: {distance_to_reference: {"bodies[ball].position": [999999999, 0, 0]}}}\n')
+        self.assertEqual((record['status'], record['values']), ('failed', {}))
+        self.assertIn('measure.e: ValueError: the reference diverges: ', record['detail'])
+
+    def test_the_end_of_several_bodies_is_a_table(self):
+        found = self.values(TIPPING + '''steps: 5
+measure: {all: {final_position: all}, two: {final_velocity: [tips, floor]}, one: {final_pose: tips}, list: {final_pose: [tips]}}
+''')
+        self.assertEqual([found[name].shape for name in ('all', 'two', 'one', 'list')], [(3, 3), (2, 6), (7,), (1, 7)])
+        self.assertEqual(found['all'][2].tolist(), found['one'][:3].tolist())
+        self.assertEqual(found['list'][0].tolist(), found['one'].tolist())
+
     def test_functions_of_the_user(self):
         self.write('def both(world, parameters):\n    return [world.time, parameters["step"]]\n'
                    'def late(world, parameters):\n    return world.time > 0.5\n', 'f.py')
@@ -156,7 +193,43 @@ measure: {error: {distance_to_reference: {fidelity: reference}}}
         self.assertEqual((record['status'], record['detail']), ('failed', 'measure.a: KeyError: 3 (f.py, line 2)'))
         self.assertIn('e', record['values'])
         record = self.record(FALL + 'duration: 2\nstop: {python: f.py:f}\n')
-        self.assertEqual((record['status'], record['detail']), ('failed', 'KeyError: 3'))
+        self.assertEqual((record['status'], record['detail']), ('failed', 'stop.python: KeyError: 3 (f.py, line 2)'))
+
+    def test_no_function_changes_another_run(self):
+        self.write('count = 0\n'
+                   'def f(world, parameters):\n'
+                   '    global count\n'
+                   '    count += 1\n'
+                   '    parameters["gravity"][2] += 1\n'
+                   '    parameters.pop("step")\n'
+                   '    return [count, parameters["gravity"][2]]\n'
+                   'def shared(world, parameters):\n'
+                   '    return [count, parameters["gravity"][2], parameters["step"]]\n', 'f.py')
+        plan = self.plan(FALL + 'steps: 3\nrepeats: 3\nvary: {step: [0.125], gravity: [[0, 0, -1]]}\n'
+                         'measure: {a: {python: f.py:f}, b: {python: f.py:shared}}\n')
+        records = run_chunk(plan.text(), [0, 1, 2])
+        self.assertEqual([record['status'] for record in records], ['ok'] * 3)
+        self.assertEqual([record['values']['a'].tolist() for record in records], [[1, 0]] * 3)
+        self.assertEqual([record['values']['b'].tolist() for record in records], [[1, -1, 0.125]] * 3)
+        self.assertEqual(len({record['hash'] for record in records}), 1)
+
+    def test_what_a_function_gives_is_a_number_or_none_at_all(self):
+        for text, said in (('return None', 'TypeError: None is neither a number nor an array of numbers'),
+                           ('return "3.0"', "TypeError: '3.0' is neither"), ('return [1, None]', 'TypeError: [1, None] is neither'),
+                           ('return 2j', 'TypeError: 2j is neither'), ('return {}', 'TypeError: {} is neither'),
+                           ('import sys; sys.exit(3)', 'RuntimeError: it raised SystemExit: 3 (f.py, line 2)'),
+                           ('raise KeyboardInterrupt', 'RuntimeError: it raised KeyboardInterrupt:  (f.py, line 2)'),
+                           ('raise ValueError("a\\0b\\ud800")', 'ValueError: a\ufffdb? (f.py, line 2)')):
+            self.write(f'def f(world, parameters):\n    {text}\n', 'f.py')
+            for use in ('measure: {a: {python: f.py:f}}', 'stop: {python: f.py:f}'):
+                if 'return' in text and 'stop' in use:
+                    continue
+                record = self.record(FALL + f'steps: 2\n{use}\n')
+                self.assertEqual((record['status'], record['values']), ('failed', {}), use)
+                self.assertIn(('measure.a: ' if 'measure' in use else 'stop.python: ') + said, record['detail'])
+        for text, wanted in (('return True', 1), ('import numpy; return numpy.uint8(3)', 3), ('return []', [])):
+            self.write(f'def f(world, parameters):\n    {text}\n', 'f.py')
+            self.assertEqual(self.values(FALL + 'steps: 2\nmeasure: {a: {python: f.py:f}}\n')['a'].tolist(), wanted)
 
     def test_a_run_that_diverges_says_so(self):
         record = self.record(FALL + 'duration: 2\nvary: {"bodies[ball].position": [[999999999, 0, 0]]}\nmeasure: {e: energy}\n')
@@ -174,6 +247,9 @@ measure: {error: {distance_to_reference: {fidelity: reference}}}
 
 
 class ProgramTest(SweepCase):
+    def plan(self, text):
+        return Reader(str(self.write(text)), None).read()
+
     def refused(self, text, *said, arguments=()):
         self.write(text)
         done = self.sweep(*arguments)
@@ -204,6 +280,135 @@ class ProgramTest(SweepCase):
         self.refused(ball, 'there are no results', arguments=('--chart', 'e', 'step'))
         self.assertEqual(self.sweep('--workers', '0').returncode, 2)
         self.assertEqual(self.sweep('--workers', '1', '--dask', 'x').returncode, 2)
+
+    def test_numbers_out_of_all_range_are_refused(self):
+        ball, many = 'scene: ball_hits_wall\nduration: 1\n', '9' * 400
+        self.refused(ball + 'vary: {step: {range: [1, %s], count: 3}}' % many, 'vary.step.range', '(allowed: [number, number])')
+        self.refused(ball + f'max_seconds: {many}', '(allowed: a number above 0, in s)')
+        self.refused(ball + 'seed: ' + '1' * 5000, 'seed: ')
+        self.refused(ball + f'vary: {{step: [{many}]}}', 'vary.step = 9')
+        self.refused(ball + 'vary: {step: {range: [-1e308, 1e308], count: 3}}', 'is more than a number holds')
+        self.refused(ball + 'vary: {step: {log_range: [1e-200, 1e200], count: 3}}', 'is more than a number holds')
+        self.refused(ball + 'vary: {step: {uniform: [-1e308, 1e308]}}', 'vary.step.uniform')
+        self.refused(ball + 'vary: {step: {log_uniform: [1e-200, 1e200]}}', 'vary.step.log_uniform')
+
+    def test_scenes_that_are_none_are_refused(self):
+        (self.folder / 'b.yml').write_bytes(b'name: \xff\n')
+        self.refused('scene: b.yml\nduration: 1\n', 'b.yml cannot be read: ')
+        self.refused('scene: "b\\0.yml"\nduration: 1\n', 'cannot be read: ')
+        for bodies in ('5', '{a: 1}', '[5]', '"x"'):
+            self.refused(f'scene: {{bodies: {bodies}}}\nduration: 1\n', 'scene: bodies')
+        self.refused('scene: {bodies: [{shape: sphere}]}\nduration: 1\nmeasure: {e: {distance_to_reference: {stp: 1}}}\n',
+                     "measure.e: the reference: stp; unknown key")
+
+    def test_a_place_that_is_set_twice_is_refused(self):
+        ball = 'scene: ball_hits_wall\nduration: 1\n'
+        self.refused(ball + 'vary: {"bodies[ball].mass": [1], "bodies[2].mass": [2]}',
+                     "vary.bodies[2].mass: it replaces what 'bodies[ball].mass' has set")
+        self.refused(ball + 'vary: {fidelity.divisions: [2], fidelity: [{preset: accurate}]}',
+                     "vary.fidelity: it replaces what 'fidelity.divisions' has set")
+        self.write(ball + 'vary: {fidelity: [{preset: accurate}], fidelity.divisions: [2], "bodies[ball].velocity[0]": [1], '
+                   '"bodies[ball].velocity[1]": [1]}')
+        self.sound('--only', '0')
+
+    def test_no_long_axis_keeps_the_others_from_being_tried(self):
+        self.refused('scene: ball_hits_wall\nduration: 1\nvary:\n  bodies[ball].friction: [0.5, -1]\n'
+                     '  bodies[ball].mass: {range: [1, 2], count: 2000}\n', 'vary.bodies[ball].friction = -1')
+
+    def test_metrics_of_unlike_shapes_are_all_kept(self):
+        self.write('def f(world, parameters):\n    n = parameters["gravity"][0]\n'
+                   '    return [5, [[1, 2, 3]], [7, 8], []][n]\n', 'f.py')
+        self.write('scene: {bodies: [{shape: sphere}]}\nsteps: 1\nvary: {gravity: [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0, 0]]}\n'
+                   'measure: {f: {python: f.py:f}}\n')
+        self.sound('--workers', '1')
+        none = math.nan
+        numpy.testing.assert_equal(self.results()['metrics/f'], [[[5, none, none]], [[1, 2, 3]], [[7, 8, none]], [[none] * 3]])
+
+    def test_no_column_hides_another(self):
+        big = 2 ** 63 + 3
+        self.write('scene: {bodies: [{name: b, shape: sphere}]}\nsteps: 1\nseed: 3\n'
+                   f'vary: {{seed: [{big}, 7], step: [0.5, 1], name: ["a\\0b", c$]}}\n'
+                   'measure: {status: energy, p: {final_position: b}, p_0: energy}\n')
+        self.sound('--workers', '1')
+        with open(self.folder / 's.sweep/results.csv', encoding='utf-8', newline='') as file:
+            rows = list(csv.reader(file))
+        self.assertEqual(len(set(rows[0])), len(rows[0]))
+        self.assertEqual(rows[0][:10], ['number', 'seed', 'vary.seed', 'step', 'name', 'measure.status', 'p_0', 'p_1', 'p_2',
+                                        'measure.p_0'])
+        self.assertEqual([row[2] for row in rows[1:]], [str(big)] * 4 + ['7'] * 4)
+        table = self.results()
+        self.assertEqual(table['parameters/seed'].tolist(), [big] * 4 + [7] * 4)
+        self.assertEqual(table['parameters/step'].tolist(), [0.5, 0.5, 1, 1] * 2)
+        self.assertEqual(table['parameters/name'].tolist(), ['"a\\u0000b"', 'c$'] * 4)
+        self.assertTrue(self.sound('--chart', 'status', 'name', 'seed').strip().endswith('.png'))
+
+    def test_meshes_of_the_file_stand_beside_it_and_belong_to_the_sweep(self):
+        corners = [f'v {x} {y} {z}\n' for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+        mesh = self.write(''.join(corners), 'm.obj')
+        self.write(''.join(corners + ['v 2 0.5 0.5\n']), 'n.obj')
+        self.write('scene: {bodies: [{name: b, shape: hull, mesh: m.obj}]}\nsteps: 1\nvary: {"bodies[b].mesh": [m.obj, n.obj]}\n'
+                   'measure: {e: energy}\n')
+        self.sound('--workers', '1', cwd='/')
+        self.sound('--resume', '--workers', '1', cwd='/')
+        mesh.write_text(''.join(corners + ['v 3 0.5 0.5\n']), encoding='utf-8')
+        done = self.sweep('--resume')
+        self.assertEqual((done.returncode, 'holds a sweep of another file or scene' in done.stderr), (2, True), done.stderr)
+
+    def test_runs_of_two_builds_are_not_mixed(self):
+        self.write(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
+        self.sound('--workers', '1')
+        store = Store(self.folder / 's.sweep')
+        for part in self.parts():
+            part.unlink()
+        plan = self.plan(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
+        store.keep([{**run_task(plan, 0), 'build': 'another'}])
+        done = self.sweep('--resume')
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn('holds runs of another build of the physics (another; this is ', done.stderr)
+        with self.assertRaises(Refused):
+            carry.check_builds([run_task(plan, 0), {**run_task(plan, 1), 'build': 'another'}])
+        carry.check_builds([run_task(plan, 0), record_of(1, 'crashed')])
+
+    def test_a_plan_without_runs_and_one_that_is_damaged(self):
+        self.write(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
+        self.sound('--workers', '1')
+        whole = self.hashes()
+        shutil.rmtree(self.folder / 's.sweep/parts')
+        self.sound('--resume', '--workers', '1')
+        self.assertEqual(self.hashes(), whole)
+        for text in ('', '[', '{}', '5', '{"axes": 3}'):
+            self.write(text, 's.sweep/plan.json')
+            done = self.sweep('--resume')
+            self.assertEqual((done.returncode, done.stderr.count('\n')), (2, 1), done.stderr)
+            self.assertIn('plan.json is damaged', done.stderr)
+
+    def test_times_of_any_length(self):
+        for seconds in ('2.3e6', '1e12', '1e300'):
+            self.write(FALL + f'steps: 1\nmax_seconds: {seconds}\n')
+            self.assertIn('\nok\n', self.sound('--only', '0'))
+            self.write(f'program: ["true"]\nmax_seconds: {seconds}\n')
+            self.assertIn('\nok\n', self.sound('--only', '0'))
+
+    def test_words_that_say_nothing_are_refused(self):
+        self.write(FALL + 'steps: 1\n')
+        for words in (('--slurm', ''), ('--dask', ''), ('--hosts', ''), ('--dask', 'x'), ('--dask', 'no://x:1'), ('--dask', 'a:b'),
+                      ('--dask', 'localhost:99999')):
+            done = self.sweep(*words)
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertNotIn('Traceback', done.stderr)
+        done = subprocess.run(['/usr/bin/python3', str(PROGRAM), '--chart', 'e', 'step', 's.yaml'], capture_output=True, text=True,
+                              check=False)
+        self.assertIn('It comes before --chart', done.stderr)
+
+    def test_a_failed_run_is_made_again_by_the_command_that_is_printed(self):
+        folder = self.folder / "it's here"
+        folder.mkdir()
+        self.folder = folder
+        self.write('def f(world, parameters):\n    raise ValueError(7)\n', 'f.py')
+        self.write(FALL + 'steps: 1\nmeasure: {e: {python: f.py:f}}\n')
+        said = self.sweep('--workers', '1').stdout
+        words = shlex.split(re.search(r'again: rosrun rigid_body_sim sweep (.*)', said).group(1))
+        self.assertEqual(words, [str(folder / 's.yaml'), '--only', '0'])
 
     def test_dry_run_and_only(self):
         self.write('scene: ball_hits_wall\nduration: 1\nrepeats: 1000\nvary: {"bodies[ball].restitution": [0, 1], seed: run_seed}\n'

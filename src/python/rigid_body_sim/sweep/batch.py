@@ -2,6 +2,7 @@
 """Engines that take all chunks at once: a Slurm job array, or GNU parallel over ssh. Their workers see the folder of the
 sweep, run `sweep --work FOLDER ROUND CHUNK` and store what they have done in it.
 """
+import functools
 import json
 import os
 import re
@@ -13,9 +14,10 @@ import sys
 import time
 
 from .carry import Progress, carry_live
-from .engines import Processes
+from .engines import Processes, end_with_parent
 from .plan import Plan
 from .program import package_programs
+from .run import build_of_physics
 from .store import AGAIN, Store, write_whole
 from .tree import Refused
 
@@ -45,7 +47,7 @@ def spans(numbers):
 def write_round(store, name, chunks):
     os.makedirs(store.path('rounds'), exist_ok=True)
     os.makedirs(store.path('logs'), exist_ok=True)
-    text = json.dumps([spans(numbers) for numbers in chunks])
+    text = json.dumps({'build': build_of_physics(), 'chunks': [spans(numbers) for numbers in chunks]})
     write_whole(store.path('rounds', name + '.json'), lambda file: file.write(text.encode()))
 
 
@@ -54,7 +56,11 @@ def work(folder, name, which):
     where it was when it is started again."""
     store = Store(folder)
     with open(store.path('rounds', name + '.json'), encoding='utf-8') as file:
-        numbers = [first + k for first, count in json.load(file)[which] for k in range(count)]
+        described = json.load(file)
+    if described['build'] != build_of_physics():
+        raise Refused(f'this machine has another build of the physics ({build_of_physics()}) than the one that wrote {name} '
+                      f'({described["build"]})')
+    numbers = [first + k for first, count in described['chunks'][which] for k in range(count)]
     known = store.status(store.parts_beginning_in(set(numbers)))
     numbers = [number for number in numbers if known.get(number, AGAIN[0]) in AGAIN]
     engine = Processes(1)
@@ -111,7 +117,7 @@ class Parallel:
         with open(store.path('logs', name + '.log'), 'ab') as log:
             self.process = subprocess.Popen(
                 self.command('--joblog', store.path('logs', name + '.jobs'), '--retries', '2', template), stdin=subprocess.PIPE,
-                stdout=log, stderr=log, start_new_session=True)
+                stdout=log, stderr=log, start_new_session=True, preexec_fn=functools.partial(end_with_parent, signal.SIGTERM))
             begin = time.monotonic()
             try:
                 self.process.stdin.write('\n'.join(map(str, range(len(chunks)))).encode())

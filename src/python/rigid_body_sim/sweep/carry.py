@@ -2,14 +2,14 @@
 """Hands the runs of a sweep to an engine, chunk by chunk, until each has a record.
 
 A chunk that took its worker with it is cut into single runs, and a run that does so three times alone is recorded as
-crashed. So one bad run costs no other.
+crashed, or as overtime where it could not be interrupted. So one bad run costs no other.
 """
 import collections
 import sys
 import time
 
 from .plan import Plan
-from .run import record_of
+from .run import ENDLESS, build_of_physics, record_of
 from .tree import Refused
 
 ATTEMPTS = 3
@@ -86,6 +86,8 @@ class Work:
             self.again.append(numbers)
         elif len(numbers) > 1:
             self.again.extend([number] for number in numbers)
+        elif why == ENDLESS:
+            return [record_of(numbers[0], 'overtime', why)]
         else:
             self.attempts[numbers[0]] += 1
             if self.attempts[numbers[0]] == ATTEMPTS:
@@ -114,6 +116,13 @@ class Pace:
         return max(1, min(int(min(aim / run, last)), left))
 
 
+def check_builds(records):
+    """Equal runs have equal results by one build of the physics alone."""
+    foreign = {record['build'] for record in records if 'build' in record} - {build_of_physics()}
+    if foreign:
+        raise Refused(f'a worker has another build of the physics ({foreign.pop()}; this is {build_of_physics()})')
+
+
 def carry_live(plan, numbers, engine, store, progress):
     """By an engine that takes one chunk after the other."""
     text, work, pace, running = plan.text(), Work(numbers), Pace(len(numbers), engine.slots), 0
@@ -128,6 +137,7 @@ def carry_live(plan, numbers, engine, store, progress):
             running -= 1
             records = work.lost(chunk, why) if records is None else records
             if records:
+                check_builds(records)
                 store.keep(records)
                 pace.learn(records)
                 progress.add(len(records), sum(record['status'] != 'ok' for record in records))

@@ -104,13 +104,14 @@ def set_scales(axes, column, places):
     if len(heights) and min(heights) > 0 and max(heights) > 100 * min(heights):
         axes.set_yscale('log')
     if places:
-        axes.set_xticks(list(places.values()), list(places))
+        axes.set_xticks(list(places.values()), [said(word) for word in places])
     elif len(column) and logarithmic(column):
         axes.set_xscale('log')
 
 
 def said(value):
-    return f'{value:.4g}' if isinstance(value, float) else str(value)
+    """A text of a chart, in which '$' begins no formula."""
+    return f'{value:.4g}' if isinstance(value, float) else str(value).replace('$', r'\$')
 
 
 def draw(results, target, metric, along, lines=None):
@@ -124,12 +125,12 @@ def draw(results, target, metric, along, lines=None):
         colour = plot.get_cmap('viridis')(0.85 * k / max(1, len(groups) - 1))
         draw_line(axes, column[chosen], values[chosen], places, color=colour, label=said(value))
     set_scales(axes, column, places)
-    axes.set_xlabel(along)
-    axes.set_ylabel(metric)
-    axes.set_title(f'{metric}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)
+    axes.set_xlabel(said(along))
+    axes.set_ylabel(said(metric))
+    axes.set_title(f'{said(metric)}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)
     axes.grid(alpha=0.3)
     if lines:
-        axes.legend(title=lines, fontsize=8, title_fontsize=8)
+        axes.legend(title=said(lines), fontsize=8, title_fontsize=8)
     figure.tight_layout()
     figure.savefig(target, dpi=120)
     plot.close(figure)

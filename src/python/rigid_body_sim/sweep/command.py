@@ -3,31 +3,33 @@
 
 It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
 done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
-interrupted (what is done is kept: --resume).
+interrupted by Ctrl-C or SIGTERM (what is done is kept: --resume).
 """
 import argparse
 import collections
 import functools
-import hashlib
 import json
 import os
 import platform
 import re
+import shlex
+import signal
 import statistics
 import sys
 import time
 
 import h5py
 import numpy
-from rigid_body_sim import InvalidInput, World, __version__
+from rigid_body_sim import InvalidInput, __version__
 
 from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Task, checked_numbers
 from .reader import Reader
-from .run import Run, run_chunk, scene_of
+from .run import Run, build_of_physics, run_chunk, scene_of
 from .store import AGAIN, MOST_CSV_RUNS, Store
 from .tree import Refused, replaced
+from .users_code import said
 
 CANNOT, BAD_FILE, INTERRUPTED = 1, 2, 130
 SHOWN_FAILURES, SHOWN_FAULTS = 10, 20
@@ -65,7 +67,7 @@ def arguments(words):
     parser.add_argument('--work', nargs=3, metavar=('FOLDER', 'ROUND', 'CHUNK'), help=argparse.SUPPRESS)  # what engines call
     options = parser.parse_args(words)
     if not options.file and not options.work:
-        parser.error('which FILE?')
+        parser.error('which FILE?' + (' It comes before --chart.' if options.chart else ''))
     if options.workers is not None and not 1 <= options.workers <= 1024:
         parser.error('--workers must be 1 to 1024')
     if options.chart and len(options.chart) not in (2, 3):
@@ -78,18 +80,6 @@ def package_folder(program):
     here = os.path.dirname(os.path.realpath(program))
     source = os.path.normpath(os.path.join(here, '../..'))
     return source if os.path.isfile(os.path.join(source, 'package.xml')) else os.path.join(here, '../../share/rigid_body_sim')
-
-
-def build_of_physics():
-    """A digest of the code of the physics: of the extension, and of the library of the core that it has loaded."""
-    extension = sys.modules[World.__module__].__file__
-    with open('/proc/self/maps', encoding='utf-8') as maps:
-        core = {line.split(maxsplit=5)[5].strip().removesuffix(' (deleted)') for line in maps if 'librigid_body_sim_core' in line}
-    digest = hashlib.sha256()
-    for path in (extension, *sorted(core)):
-        with open(path, 'rb') as file:
-            digest.update(file.read())
-    return digest.hexdigest()[:16]
 
 
 def versions():
@@ -126,14 +116,18 @@ def check(plan, number, path):
     task = Task(number, *plan.parameters(number), plan.tree['scene'])
     try:
         task = plan.task(number)
+        scene_of(task.scene)
+    except Refused as error:
+        path = path or culprit(plan, task)
+        where = f'vary.{path} = {json.dumps(task.parameters[path])}' if path else 'scene'
+        return [f'{where}: {fault}' for fault in error.faults]
+    try:
         if number == 0:
             Run(plan, task)
-        else:
-            scene_of(task.scene)
     except (Refused, InvalidInput) as error:
-        path = path or culprit(plan, task)
-        where = f'vary.{path} = {json.dumps(task.parameters[path])}' if path else 'scene or measure'
-        return [f'{where}: {fault}' for fault in str(error).splitlines()]
+        return str(error).splitlines()
+    except Exception as error:  # of a user's file
+        return [said(error)]
     return []
 
 
@@ -178,9 +172,9 @@ def dry_run(plan, options):
     size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers + output) + csv_bytes)
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
-    if not (options.dask or options.slurm or options.hosts):
+    if (options.dask, options.slurm, options.hosts) == (None, None, None):
         print(f'on {workers} worker{"s" if workers > 1 else ""} of this machine: {duration(seconds * plan.count / workers)}')
-    print(f'disk: at most {size / 1e6:.3g} MB')
+    print(f'disk: about {size / 1e6:.3g} MB')
     for record in records:
         if record['status'] != 'ok':
             print(f'run {record["number"]:,} is {record["status"]}: {record["detail"]}')
@@ -210,10 +204,10 @@ def run_only(plan, options):
 def carry(plan, numbers, store, options):
     """Runs what is missing."""
     progress = Progress(len(numbers))
-    if options.slurm or options.hosts:
+    if options.slurm is not None or options.hosts is not None:
         carry_by_batch(plan, store, options, progress)
         return
-    engine = engines.DaskEngine(options.dask) if options.dask else engines.Processes(
+    engine = engines.DaskEngine(options.dask) if options.dask is not None else engines.Processes(
         min(options.workers or engines.cores(), len(numbers)))
     try:
         carry_live(plan, numbers, engine, store, progress)
@@ -223,7 +217,7 @@ def carry(plan, numbers, store, options):
 
 
 def carry_by_batch(plan, store, options, progress):
-    engine = batch.Slurm(options.slurm) if options.slurm else batch.Parallel(options.hosts)
+    engine = batch.Slurm(options.slurm) if options.slurm is not None else batch.Parallel(options.hosts)
     engine.begin(store)
     numbers = missing(plan, store)
     if not numbers:
@@ -251,7 +245,11 @@ def carry_by_batch(plan, store, options, progress):
 
 
 def missing(plan, store):
-    known = store.status()
+    known, _, builds = store.survey()
+    foreign = builds - {build_of_physics()}
+    if foreign:
+        raise Refused(f'{store.folder} holds runs of another build of the physics ({", ".join(sorted(foreign))}; this is '
+                      f'{build_of_physics()}): --output takes another folder')
     return [number for number in range(plan.count) if known.get(number, AGAIN[0]) in AGAIN]
 
 
@@ -274,7 +272,7 @@ def sum_up(plan, known, store, options):
 
 
 def again(options, number):
-    return f'rosrun rigid_body_sim sweep {os.path.abspath(options.file)} --only {number}'
+    return f'rosrun rigid_body_sim sweep {shlex.quote(os.path.abspath(options.file))} --only {number}'
 
 
 def chart(options, store):
@@ -287,12 +285,20 @@ def chart(options, store):
     return 0
 
 
+def folder_of_results(options):
+    return options.output or os.path.splitext(options.file)[0] + '.sweep'
+
+
+def interrupt(*_):
+    raise KeyboardInterrupt
+
+
 def run(options):
     if options.work:
         folder, name, which = options.work
         batch.work(folder, name, int(which))
         return 0
-    store = Store(options.output or os.path.splitext(options.file)[0] + '.sweep')
+    store = Store(folder_of_results(options))
     if options.chart:
         return chart(options, store)
     plan = read_plan(options.file, options.folder)
@@ -320,7 +326,12 @@ def run_sweep(plan, store, options):
     except KeyboardInterrupt:
         print('Interrupted. What is done is kept; the same command with --resume goes on.', file=sys.stderr)
         code = INTERRUPTED
-    known = store.gather(plan, versions())
+    try:
+        known = store.gather(plan, versions())
+    except KeyboardInterrupt:
+        print('Interrupted before the results were put together. What is done is kept; the same command with --resume goes on.',
+              file=sys.stderr)
+        return INTERRUPTED
     sum_up(plan, known, store, options)
     return code or (CANNOT if len(known) < plan.count else 0)
 
@@ -329,6 +340,7 @@ def main(program, words=None):
     """`program` is the path of sweep itself, `words` are its arguments: those of the process where there are none."""
     options = arguments(words)
     options.folder = package_folder(program)
+    signal.signal(signal.SIGTERM, interrupt)
     try:
         return run(options)
     except Refused as error:
@@ -338,8 +350,10 @@ def main(program, words=None):
             print(f'sweep: and {len(error.faults) - SHOWN_FAULTS} more', file=sys.stderr)
         return BAD_FILE
     except OSError as error:
-        print(f'sweep: {error.filename or "the results"}: {error.strerror or error}. What is stored stays: --resume goes on',
-              file=sys.stderr)
+        has_runs = not options.work and Store(folder_of_results(options)).begun()
+        print(f'sweep: {error.filename or "the results"}: {error.strerror or error}.'
+              + (' What is stored stays: --resume goes on' if has_runs else ''), file=sys.stderr)
         return CANNOT
     except KeyboardInterrupt:
+        print('Interrupted.', file=sys.stderr)
         return INTERRUPTED

@@ -15,7 +15,7 @@ import resource
 import signal
 import time
 
-from .run import run_chunk
+from .run import ENDLESS, UNINTERRUPTED, run_chunk
 from .tree import Refused
 
 PATIENCE_SECONDS = 120.0  # that a scheduler may be away; what is done stays
@@ -23,11 +23,16 @@ POLL_SECONDS = 0.5
 PR_SET_PDEATHSIG = 1  # of prctl(2)
 
 
+def end_with_parent(how):
+    """Lets this process get a signal when the one that has started it ends."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, how)
+
+
 def work(pipe):
     """What a process does: it hands back the records of each chunk that comes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of the terminal: the one that has started this decides
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # blocked until here
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # killed, that one leaves nothing behind
+    end_with_parent(signal.SIGKILL)  # killed, that one leaves nothing behind
     while True:
         try:
             chunk = pipe.recv()
@@ -57,6 +62,11 @@ class Worker:
             self.pipe.send(chunk)
         except OSError:
             pass  # the process has ended: it has no records
+
+    def why(self):
+        """Why it has ended."""
+        self.process.join(5.0)
+        return ENDLESS if self.process.exitcode == UNINTERRUPTED else 'its process ended'
 
     def records(self):
         """Those of its chunk; None if the process has ended before it could hand them back."""
@@ -101,11 +111,10 @@ class Processes:
         ended = []
         for worker in [worker for worker in self.running if worker.pipe in ready or not worker.process.is_alive()]:
             records = worker.records()
-            ended.append((self.running.pop(worker), records))
+            ended.append((self.running.pop(worker), records, worker.why() if records is None else ''))
             self.idle.append(Worker() if records is None else worker)
         self.fill()
-        for numbers, records in ended:
-            yield numbers, records, 'its process ended' if records is None else ''
+        yield from ended
 
     def close(self):
         for worker in [*self.idle, *self.running]:
@@ -122,11 +131,25 @@ def distributed_module():
     return distributed
 
 
+def check_address(address):
+    """A client of Dask that does not find its words leaves threads behind."""
+    from distributed.comm import addressing, registry
+    try:
+        scheme, place = addressing.parse_address(address)
+        registry.get_backend(scheme)
+        _, port = addressing.parse_host_port(place)
+    except ValueError as error:
+        raise Refused(f'{address!r} is no address of a scheduler, such as tcp://10.0.0.1:8786: {error}')
+    if not 0 < port < 65536:
+        raise Refused(f'{address!r} is no address of a scheduler: port {port} (allowed: 1 to 65535)')
+
+
 class DaskEngine:
     """The workers of the Dask scheduler at an address."""
 
     def __init__(self, address):
         self.distributed, self.address = distributed_module(), address
+        check_address(address)
         self.pending, self.ended = {}, queue.SimpleQueue()
         self.client = self.connected()
         threads = self.client.nthreads()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is measured in a run. A metric is made for a run before its first step; `observe` is called at the beginning and
 after each step, where there is one; `value` is called at the end and gives a number or an array of any shape."""
+import copy
 import functools
 import json
 import math
@@ -52,19 +53,20 @@ def no_argument(argument):
 
 
 class Final:
-    """Some of the 13 numbers of a body at the end."""
+    """Some of the 13 numbers of a body at the end: an array; of several bodies, an array (bodies, numbers)."""
 
     @staticmethod
     def check(argument):
-        if not isinstance(argument, str):
-            raise Refused(f'{argument!r} (allowed: the name of a body)')
+        check_bodies(argument)
         return argument
 
-    def __init__(self, body, run, columns):
-        self.bodies, self.columns = bodies_of(run.world, body), columns
+    def __init__(self, bodies, run, columns):
+        self.bodies, self.columns = bodies_of(run.world, bodies), columns
+        self.is_one = isinstance(bodies, str) and bodies != 'all'
 
     def value(self, world):
-        return world.states[self.bodies[0], self.columns]
+        values = world.states[self.bodies, self.columns]
+        return values[0] if self.is_one else values
 
 
 class Posture:
@@ -170,15 +172,19 @@ class Rest:
 
 
 class TimeToRest(Rest):
-    """The time from which on the bodies rest until the end, s; not a number where they move at the end."""
+    """The time since the beginning of the run from which on the bodies rest until its end, s; not a number where they move then."""
 
     since = math.nan
+
+    def __init__(self, argument, run):
+        super().__init__(argument, run)
+        self.begin = run.world.time
 
     def observe(self, world, report):
         if not self.holds(world):
             self.since = math.nan
         elif math.isnan(self.since):
-            self.since = world.time
+            self.since = world.time - self.begin
 
     def value(self, world):
         return self.since
@@ -195,15 +201,19 @@ class DistanceToReference:
         return argument
 
     def __init__(self, argument, run):
-        self.run, self.scene = run, run.task.scene
-        for path, value in argument.items():
-            self.scene = replaced(self.scene, path, value)
+        self.run, self.scene, self.begin = run, run.task.scene, run.world.time
+        try:
+            for path, value in argument.items():
+                self.scene = replaced(self.scene, path, value)
+            self.step = run.step_of(self.scene)
+        except Refused as error:
+            raise Refused(*(f'the reference: {fault}' for fault in error.faults))
 
     def value(self, world):
-        step = self.scene.get('step', 1 / 60)
-        steps = round(world.time / step)
-        if not math.isclose(steps * step, world.time, rel_tol=1e-9):
-            raise ValueError(f'steps of {step} s of the reference never end at {world.time} s')
+        seconds = world.time - self.begin
+        steps = round(seconds / self.step)
+        if not math.isclose(steps * self.step, seconds, rel_tol=1e-9):
+            raise ValueError(f'steps of {self.step} s of the reference never end at {seconds} s')
         return float(numpy.max(numpy.linalg.norm(world.positions - self.positions(steps), axis=1)))
 
     def positions(self, steps):
@@ -231,9 +241,10 @@ class States:
 
     def __init__(self, argument, run):
         self.bodies, self.every, self.samples = bodies_of(run.world, argument['bodies']), argument['every'], []
+        self.begin = run.world.steps
 
     def observe(self, world, report):
-        if world.steps % self.every == 0:
+        if (world.steps - self.begin) % self.every == 0:
             self.samples.append(world.states[self.bodies])
 
     def value(self, world):
@@ -244,7 +255,7 @@ class Python:
     """What a function(world, parameters) of the user's file returns at the end: a number or an array of numbers."""
 
     def __init__(self, code, run):
-        self.function, self.parameters = users_code.loaded(**code), run.task.parameters
+        self.function, self.parameters = run.files.function(**code), copy.deepcopy(run.task.parameters)
 
     def value(self, world):
         return self.function(world, self.parameters)
@@ -282,4 +293,7 @@ def checked(name, entry, folder):
 
 
 def made_for(run, entry):
-    return KINDS[entry['kind']](entry['argument'], run)
+    try:
+        return KINDS[entry['kind']](entry['argument'], run)
+    except Refused as error:
+        raise Refused(*(f'measure.{entry["name"]}: {fault}' for fault in error.faults))

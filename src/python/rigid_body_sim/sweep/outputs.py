@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is measured in the standard output of a program."""
+import copy
 import json
-
-import numpy
+import math
 
 from . import users_code
 from .metrics import kind_and_argument, named
@@ -20,8 +20,8 @@ class Json:
         return argument
 
     @staticmethod
-    def value(path, output, parameters):
-        return value_at(json.loads(output), path)
+    def value(path, output, parameters, files):
+        return with_nan(value_at(json.loads(output), path))
 
 
 class Python:
@@ -30,8 +30,15 @@ class Python:
     check = staticmethod(users_code.checked)
 
     @staticmethod
-    def value(code, output, parameters):
-        return users_code.loaded(**code)(output, parameters)
+    def value(code, output, parameters, files):
+        return files.function(**code)(output, copy.deepcopy(parameters))
+
+
+def with_nan(value):
+    """JSON with NaN in place of null."""
+    if isinstance(value, list):
+        return [with_nan(entry) for entry in value]
+    return math.nan if value is None else value
 
 
 KINDS = {'json': Json, 'python': Python}
@@ -44,11 +51,11 @@ def checked(name, entry, folder):
 
 def measured(plan, output, parameters):
     """The value of each metric, and what went wrong."""
-    values, faults = {}, []
+    values, faults, files = {}, [], users_code.Files()
     for entry in plan.tree['measure']:
         try:
-            value = KINDS[entry['kind']].value(entry['argument'], output, parameters)
-            values[entry['name']] = numpy.asarray(value, dtype=float)
+            value = KINDS[entry['kind']].value(entry['argument'], output, parameters, files)
+            values[entry['name']] = users_code.numbers(value)
         except Exception as error:  # whatever the output holds or a user's function raises
             path = entry['argument']['path'] if entry['kind'] == 'python' else None
             faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')

@@ -6,6 +6,7 @@ SeedSequence(seed of the sweep, spawn_key=(number,)): the first is the seed of t
 takes the next. So they depend on no other task, on no order and on no worker.
 """
 import hashlib
+import itertools
 import json
 import math
 import statistics
@@ -107,10 +108,10 @@ class Plan:
 
 def checked_numbers(plan):
     """Tasks that together have every value of each axis, the others at their first: their numbers, and the axis."""
-    numbers, stride = {0: None}, plan.tree['repeats']
+    spans, stride = [], plan.tree['repeats']
     for axis in reversed(plan.axes):
         if axis.values is not None:
-            for k in range(1, len(axis.values)):
-                numbers.setdefault(k * stride, axis.path)
+            spans.append([(k * stride, axis.path) for k in range(1, len(axis.values))])
             stride *= len(axis.values)
-    return dict(list(numbers.items())[:MOST_CHECKED])
+    in_turn = (pair for pairs in itertools.zip_longest(*spans) for pair in pairs if pair)
+    return {0: None, **dict(itertools.islice(in_turn, MOST_CHECKED - 1))}

@@ -19,6 +19,7 @@ from .tree import Refused
 PLACEHOLDER = re.compile(r'\{([A-Za-z_]\w*)\}')
 OF_RUNS = ('seed', 'number')  # placeholders that every run has a value for
 READ_BYTES = 1 << 16
+LONGEST_WAIT = 3600.0  # s: epoll takes no wait of any length
 MOST_READ = 1 << 26  # bytes of standard output
 MOST_KEPT = 1_000_000  # characters of it that are stored
 ERROR_BYTES, ERROR_LINES = 4000, 10  # of the end of standard error
@@ -113,7 +114,7 @@ class Process:
 
     def follow(self, selector, deadline):
         while True:
-            ready = [key for key, _ in selector.select(max(0.0, deadline - time.monotonic()))]
+            ready = [key for key, _ in selector.select(min(max(0.0, deadline - time.monotonic()), LONGEST_WAIT))]
             for key in ready:
                 if key.data and not key.data.read():
                     selector.unregister(key.fileobj)

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads the file of a sweep and checks it: every fault has its place and says what is allowed."""
 import hashlib
-import math
 import os
+import sys
+
+from rigid_body_sim import InvalidInput, hull_of_mesh
 
 from . import metrics, outputs, program, stops
 from .plan import RUN_SEED, Axis, Plan
-from .tree import Refused, read, split
+from .tree import Refused, place_of, read, split
 
 MOST_RUNS = 10_000_000
 MOST_VALUES = 1_000_000  # of one key
@@ -17,7 +19,7 @@ DRAWS = {'uniform': 'a smaller and a larger number', 'log_uniform': 'a smaller a
 
 
 def is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 
 
 def is_whole(value, low, high):
@@ -33,6 +35,37 @@ def spread(kind, a, b, count):
     if isinstance(a, int) and isinstance(b, int) and (b - a) % (count - 1) == 0:
         return [a + (b - a) // (count - 1) * k for k in range(count)]
     return values
+
+
+def with_absolute_meshes(tree, folder):
+    """A tree whose meshes have paths from the root: given ones begin at the folder."""
+    if isinstance(tree, list):
+        return [with_absolute_meshes(entry, folder) for entry in tree]
+    if not isinstance(tree, dict):
+        return tree
+    return {key: os.path.join(folder, value) if key == 'mesh' and isinstance(value, str) and not value.startswith('package://')
+            else with_absolute_meshes(value, folder) for key, value in tree.items()}
+
+
+def meshes_of(tree):
+    """The paths of all meshes in a tree."""
+    if isinstance(tree, dict) and isinstance(tree.get('mesh'), str):
+        yield tree['mesh']
+    for entry in tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else ():
+        yield from meshes_of(entry)
+
+
+def digests_of_hulls(paths):
+    """A digest of the hull of each mesh that can be read: another mesh in its place makes another sweep."""
+    found = {}
+    for path in sorted(set(paths)):
+        try:
+            mesh = hull_of_mesh(path)
+            found[path] = hashlib.sha256(b''.join(
+                array.tobytes() for array in (mesh.hull.vertices, mesh.position, mesh.orientation))).hexdigest()
+        except InvalidInput:
+            pass  # the scene says so
+    return found
 
 
 class Reader:
@@ -77,12 +110,15 @@ class Reader:
         if isinstance(given, dict):
             tree, folder = given, self.folder
         elif isinstance(given, str):
-            path = os.path.join(self.folder, given) if '/' in given or given.endswith('.yaml') else self.find_scene(given)
+            is_path = '/' in given or given.endswith(('.yaml', '.yml'))
+            path = os.path.join(self.folder, given) if is_path else self.find_scene(given)
             try:
                 with open(path, encoding='utf-8') as text:
                     tree, _ = read(text.read(), path)
-            except OSError as error:
-                self.fault(('scene',), f'{path} cannot be read: {error.strerror}')
+            except (OSError, ValueError) as error:
+                if isinstance(error, Refused):
+                    raise
+                self.fault(('scene',), f'{path} cannot be read: {getattr(error, "strerror", None) or error}')
                 return {}
             folder = os.path.dirname(os.path.abspath(path))
             if not isinstance(tree, dict):
@@ -91,11 +127,7 @@ class Reader:
         else:
             self.fault(('scene',), f'{given!r} (allowed: a name of the catalogue, the path of a scene, or a scene)')
             return {}
-        for body in tree.get('bodies') or []:
-            mesh = body.get('mesh') if isinstance(body, dict) else None
-            if isinstance(mesh, str) and not mesh.startswith('package://'):
-                body['mesh'] = os.path.join(folder, mesh)
-        return tree
+        return with_absolute_meshes(tree, folder)
 
     def length_and_scene(self):
         duration = self.above_zero('duration')
@@ -152,7 +184,8 @@ class Reader:
         if isinstance(given, list):
             if not given:
                 self.fault(where, 'an empty list (allowed: at least one value)')
-            return Axis(path, values=given)
+            key = path.rpartition('.')[2]
+            return Axis(path, values=[with_absolute_meshes({key: value}, self.folder)[key] for value in given])
         if given == RUN_SEED:
             return Axis(path, draw=RUN_SEED)
         kinds = ('range', 'log_range', *DRAWS)
@@ -168,7 +201,7 @@ class Reader:
 
     def drawn_axis(self, path, kind, ends, given):
         a, b = ends
-        sound = {'uniform': a < b, 'log_uniform': 0 < a < b, 'normal': b > 0,
+        sound = {'uniform': a < b and is_number(b - a), 'log_uniform': 0 < a < b and is_number(b / a), 'normal': b > 0,
                  'integers': isinstance(a, int) and isinstance(b, int) and a < b <= a + 2 ** 63}[kind]
         if not sound:
             self.fault(('vary', path, kind), f'{ends!r} (allowed: {DRAWS[kind]})')
@@ -185,6 +218,9 @@ class Reader:
             allowed = 'two different numbers' + (' above 0' if kind == 'log_range' else '')
             self.fault(('vary', path, kind), f'{ends!r} (allowed: {allowed})')
             return Axis(path, values=[None])
+        if not is_number(float(ends[1]) - ends[0]) or (kind == 'log_range' and not is_number(float(ends[1]) / ends[0])):
+            self.fault(('vary', path, kind), f'{ends!r}: from one to the other is more than a number holds')
+            return Axis(path, values=[None])
         return Axis(path, values=spread(kind, *ends, count))
 
     def axes(self):
@@ -193,6 +229,17 @@ class Reader:
             self.fault(('vary',), f'{varied!r:.60} (allowed: a mapping of paths)')
             return []
         return [self.axis(path, given) for path, given in varied.items()]
+
+    def check_overwriting(self, axes, scene):
+        """No path may set what another has set, by another spelling or as a part of it."""
+        set_by = {}
+        for axis in axes:
+            place = place_of(scene, axis.path)
+            for other, path in set_by.items():
+                if other[:len(place)] == place:
+                    self.fault(('vary', axis.path), f"it replaces what '{path}' has set")
+                    break
+            set_by[place] = axis.path
 
     def parts(self, key, catalogue):
         """Metrics or stops: the named entries of a mapping, each checked by its class."""
@@ -213,14 +260,21 @@ class Reader:
             if key not in KEYS:
                 self.fault((key,), f'unknown key; keys: {" ".join(KEYS)}')
         of_program = 'program' in self.tree
-        tree = {**(self.command() if of_program else self.length_and_scene()), 'seed': self.whole('seed', 0, 2 ** 64 - 1, 1),
-                'repeats': self.whole('repeats', 1, 10 ** 15, 1), 'axes': [axis.as_tree() for axis in self.axes()]}
+        what = self.command() if of_program else self.length_and_scene()
+        tree = {**what, 'seed': self.whole('seed', 0, 2 ** 64 - 1, 1), 'repeats': self.whole('repeats', 1, 10 ** 15, 1)}
+        axes = self.axes()
+        tree['axes'] = [axis.as_tree() for axis in axes]
         if not of_program:
             tree['stop'] = self.parts('stop', stops)
         tree['measure'] = self.parts('measure', outputs if of_program else metrics)
         tree['max_seconds'] = self.above_zero('max_seconds', 600.0)
+        if not self.faults and not of_program:
+            self.check_overwriting(axes, tree['scene'])
         if self.faults:
             raise Refused(*self.faults)
+        if not of_program:
+            values = [{axis.path.rpartition('.')[2]: value} for axis in axes for value in axis.values or []]
+            tree['meshes'] = digests_of_hulls(meshes_of([tree['scene'], *values]))
         plan = Plan(tree)
         if plan.count > MOST_RUNS:
             factors = [f'{len(axis.values):,} of {axis.path}' for axis in plan.axes if axis.values is not None]

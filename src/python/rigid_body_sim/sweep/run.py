@@ -2,6 +2,7 @@
 """One run, and a chunk of runs. Whatever happens in a run is its result: nothing is raised for it."""
 import ctypes
 import functools
+import hashlib
 import json
 import os
 import re
@@ -10,18 +11,22 @@ import sys
 import threading
 import time
 
-import numpy
 from rigid_body_sim import InvalidInput, Scene, World
 
 from . import metrics, program, stops, users_code
 from .plan import Plan
 from .tree import Refused
 
+DIVERGED = 'non_finite'  # the kind of warning of a body that was frozen
 GRACE_SECONDS = 5.0  # after its time, until the process of a run that cannot be interrupted ends
+UNINTERRUPTED = 70  # exit status of that process
+ENDLESS = 'it had not ended after its time and could not be interrupted'  # why its records are missing
+LONGEST_WAIT = 3600.0  # s: the clocks of the system take no wait of any length
+MOST_SAID = 10_000  # characters of a detail that are kept
 
 
-class Overtime(BaseException):
-    """A run has taken longer than it may. A user's `except Exception` does not catch it."""
+class StopFailed(Exception):
+    """A user's function that ends runs has failed."""
 
 
 def scene_of(tree):
@@ -36,18 +41,25 @@ class Run:
     """A world and what is measured in it."""
 
     def __init__(self, plan, task):
-        self.plan, self.task = plan, task
+        self.plan, self.task, self.files = plan, task, users_code.Files()
         self.world = World(scene_of(task.scene))
         self.metrics = {entry['name']: metrics.made_for(self, entry) for entry in plan.tree['measure']}
         self.stops = {entry['name']: stops.made_for(self, entry) for entry in plan.tree['stop']}
         self.flags, self.stopped, self.diverged = set(), '', ''
 
     @staticmethod
+    def step_of(scene):
+        """Length of a step of another scene, s."""
+        return scene_of(scene).step
+
+    @staticmethod
     def positions_of(scene, steps):
-        """Those of the bodies of another scene after so many steps."""
+        """Those of the bodies of another scene after so many steps. Raises ValueError where it diverges."""
         world = World(scene_of(scene))
         for _ in range(steps):
-            world.step()
+            for warning in world.step().warnings:
+                if warning.kind == DIVERGED:
+                    raise ValueError(f'the reference diverges: {warning.text}')
         return world.positions
 
     def advance(self):
@@ -64,30 +76,58 @@ class Run:
                     return
             for observe in observers:
                 observe(world, report)
-            for name, stop in self.stops.items():
-                if stop.holds(world):
-                    self.stopped = name
-                    return
+            self.stopped = self.reason_to_stop()
+            if self.stopped:
+                return
+
+    def reason_to_stop(self):
+        """The first stop that holds; empty where none does."""
+        for entry in self.plan.tree['stop']:
+            try:
+                if self.stops[entry['name']].holds(self.world):
+                    return entry['name']
+            except Exception as error:  # of a user's function
+                path = entry['argument']['path'] if entry['name'] == 'python' else None
+                raise StopFailed(f'stop.{entry["name"]}: {users_code.said(error, path)}')
+        return ''
 
     def note(self, warnings):
         self.flags.update(warning.kind for warning in warnings)
-        self.diverged = next((warning.text for warning in warnings if warning.kind == 'non_finite'), '')
+        self.diverged = next((warning.text for warning in warnings if warning.kind == DIVERGED), '')
 
     def measure(self):
         """The value of each metric, and what went wrong."""
         values, faults = {}, []
         for entry in self.plan.tree['measure']:
             try:
-                values[entry['name']] = numpy.asarray(self.metrics[entry['name']].value(self.world), dtype=float)
+                values[entry['name']] = users_code.numbers(self.metrics[entry['name']].value(self.world))
             except Exception as error:  # whatever a user's function raises
                 path = entry['argument']['path'] if entry['kind'] == 'python' else None
                 faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
         return values, '; '.join(faults)
 
 
+@functools.lru_cache(maxsize=None)
+def build_of_physics():
+    """A digest of the code of the physics: of the extension, and of the library of the core that it has loaded."""
+    extension = sys.modules[World.__module__].__file__
+    with open('/proc/self/maps', encoding='utf-8') as maps:
+        core = {line.split(maxsplit=5)[5].strip().removesuffix(' (deleted)') for line in maps if 'librigid_body_sim_core' in line}
+    digest = hashlib.sha256()
+    for path in (extension, *sorted(core)):
+        with open(path, 'rb') as file:
+            digest.update(file.read())
+    return digest.hexdigest()[:16]
+
+
+def storable(text):
+    """A text as HDF5 takes it: without NUL, and without what is no character."""
+    return text[:MOST_SAID].replace('\0', '\ufffd').encode(errors='replace').decode()
+
+
 def record_of(number, status='ok', detail='', **known):
     """The result of a run as it is stored."""
-    return {'number': number, 'status': status, 'detail': detail, 'seconds': 0.0, 'cpu_seconds': 0.0,
+    return {'number': number, 'status': status, 'detail': storable(detail), 'seconds': 0.0, 'cpu_seconds': 0.0,
             'host': socket.gethostname(), 'values': {}, **known}
 
 
@@ -106,13 +146,15 @@ def run_scene(plan, number):
             status = 'failed' if detail else 'ok'
     except (Refused, InvalidInput) as error:
         status, detail = 'refused', str(error)
-    except Exception as error:  # of a user's stop, or want of memory
+    except StopFailed as error:
+        status, detail = 'failed', str(error)
+    except Exception as error:  # of a user's file, or want of memory
         status, detail = 'failed', users_code.said(error)
     known = {}
     if run:
         known = {'stopped': run.stopped, 'flags': ' '.join(sorted(run.flags)), 'hash': run.world.state_hash(),
                  'steps': run.world.steps, 'time': run.world.time, 'values': values}
-    return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=cpu, **known)
+    return record_of(number, status, detail, seconds=time.perf_counter() - begin, cpu_seconds=cpu, build=build_of_physics(), **known)
 
 
 def run_task(plan, number):
@@ -137,12 +179,12 @@ class Watchdog:
             while True:
                 left = None if self.deadline is None else self.deadline - time.monotonic()
                 if left is None or left > 0:
-                    self.change.wait(left)
+                    self.change.wait(None if left is None else min(left, LONGEST_WAIT))
                 elif self.raised:
                     print(f'a run cannot be interrupted after {self.seconds:g} s: its process ends', file=sys.stderr, flush=True)
-                    os._exit(70)
+                    os._exit(UNINTERRUPTED)
                 else:
-                    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.thread), ctypes.py_object(Overtime))
+                    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.thread), ctypes.py_object(users_code.Overtime))
                     self.deadline, self.raised = time.monotonic() + GRACE_SECONDS, True
 
     def begin(self):
@@ -176,7 +218,7 @@ def run_chunk(plan_text, numbers):
             watchdog.begin()
             record = run_task(plan, number)
             watchdog.end()
-        except Overtime:
+        except users_code.Overtime:
             record = record_of(number, 'overtime', f'it had not ended after {plan.max_seconds:g} s', seconds=plan.max_seconds)
         finally:
             watchdog.end()

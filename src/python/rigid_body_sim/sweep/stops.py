@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What ends a run before its time. `holds` is asked after every step."""
+import copy
+
 from . import users_code
 from .metrics import Posture, Rest
 from .tree import Refused
@@ -31,7 +33,7 @@ class Python:
     """A function(world, parameters) of the user's file returns what counts as true."""
 
     def __init__(self, code, run):
-        self.function, self.parameters = users_code.loaded(**code), run.task.parameters
+        self.function, self.parameters = run.files.function(**code), copy.deepcopy(run.task.parameters)
 
     def holds(self, world):
         return bool(self.function(world, self.parameters))
@@ -48,4 +50,7 @@ def checked(name, argument, folder):
 
 
 def made_for(run, entry):
-    return KINDS[entry['name']](entry['argument'], run)
+    try:
+        return KINDS[entry['name']](entry['argument'], run)
+    except Refused as error:
+        raise Refused(*(f'stop.{entry["name"]}: {fault}' for fault in error.faults))

@@ -49,19 +49,79 @@ def write_whole(path, write):
             os.unlink(part)
 
 
+class Sink:
+    """A file for HDF5, whose library ends the process where a write fails as it closes. From the first that fails on, what is
+    written is kept here; `check` raises the error, and should be called often."""
+
+    def __init__(self, file):
+        self.file, self.error, self.kept, self.place = file, None, [], 0
+
+    def check(self):
+        if self.error:
+            raise self.error
+
+    def seek(self, offset, whence=os.SEEK_SET):
+        ends = [begin + len(data) for begin, data in self.kept]
+        base = {os.SEEK_SET: 0, os.SEEK_CUR: self.place}.get(whence)
+        self.place = (max(ends + [self.file.seek(0, os.SEEK_END)]) if base is None else base) + offset
+        return self.place
+
+    def tell(self):
+        return self.place
+
+    def write(self, data):
+        data, done = bytes(data), 0
+        while not self.error and done < len(data):
+            try:
+                self.file.seek(self.place + done)
+                done += self.file.write(data[done:])
+            except OSError as error:
+                self.error = error
+        if done < len(data):
+            self.kept.append((self.place + done, data[done:]))
+        self.place += len(data)
+        return len(data)
+
+    def read(self, size):
+        begin = self.place
+        self.file.seek(begin)
+        data = bytearray(self.file.read(size).ljust(size, b'\0'))
+        for place, kept in self.kept:
+            first, last = max(place, begin), min(place + len(kept), begin + size)
+            if first < last:
+                data[first - begin:last - begin] = kept[first - place:last - place]
+        self.place += size
+        return bytes(data)
+
+    def truncate(self, size=None):
+        try:
+            self.file.truncate(self.place if size is None else size)
+        except OSError as error:
+            self.error = self.error or error
+
+    def flush(self):
+        pass
+
+
+def of_rank(shape, rank):
+    """A shape of more dimensions: what has fewer stands at index 0 of the first ones."""
+    return (1,) * (rank - len(shape)) + tuple(shape)
+
+
 def padded(arrays, shape):
     """Arrays of several shapes as one, with NaN where one has nothing."""
     whole = numpy.full((len(arrays), *shape), numpy.nan)
     for k, array in enumerate(arrays):
-        if array is not None and array.ndim == len(shape):
+        if array is not None:
+            array = array.reshape(of_rank(array.shape, len(shape)))
             whole[(k, *(slice(0, n) for n in array.shape))] = array
     return whole
 
 
 def common_shape(shapes):
-    """The smallest shape that holds all; those of fewer dimensions than others are left out."""
-    most = max((len(shape) for shape in shapes), default=0)
-    return tuple(max(lengths) for lengths in zip(*(shape for shape in shapes if len(shape) == most)))
+    """The smallest shape that holds all."""
+    rank = max(map(len, shapes), default=0)
+    return tuple(max(lengths) for lengths in zip(*(of_rank(shape, rank) for shape in shapes)))
 
 
 def table_of(records):
@@ -87,7 +147,7 @@ def write_columns(group, table):
 
 def read_part(data):
     with h5py.File(io.BytesIO(data), 'r') as file:
-        table = {key: file[key][()] for key in NUMBERS if key in file}
+        table = {'build': file.attrs.get('build', ''), **{key: file[key][()] for key in NUMBERS if key in file}}
         table.update({key: file[key].asstr()[()] for key in TEXTS if key in file})
         table['metrics'] = {name: values[()] for name, values in file.get('metrics', {}).items()}
     return table
@@ -117,7 +177,10 @@ class Store:
             return file.read()
 
     def fingerprint(self):
-        return Plan.from_text(self.plan_text()).fingerprint()
+        try:
+            return Plan.from_text(self.plan_text()).fingerprint()
+        except (ValueError, KeyError, TypeError, AttributeError):
+            raise Refused(f'{self.path("plan.json")} is damaged: --output takes another folder')
 
     def details(self, numbers):
         """What is said of some runs in results.h5."""
@@ -139,16 +202,17 @@ class Store:
             raise Refused(f'another sweep is writing into {self.folder}')
 
     def keep(self, records):
-        """Writes the runs of a chunk."""
+        """Writes the runs of a chunk, which one process has made."""
         data = io.BytesIO()
         with h5py.File(data, 'w') as file:
             write_columns(file, table_of(records))
+            file.attrs['build'] = records[0].get('build', '')
         digest = hashlib.sha256(data.getbuffer()).hexdigest()[:16]
         name = f'part-{records[0]["number"]:09d}-{len(records)}-{digest}.h5'
         write_whole(os.path.join(self.parts, name), lambda file: file.write(data.getbuffer()))
 
     def part_names(self):
-        return {name for name in os.listdir(self.parts) if PART.fullmatch(name)}
+        return {name for name in os.listdir(self.parts) if PART.fullmatch(name)} if os.path.isdir(self.parts) else set()
 
     def parts_beginning_in(self, numbers):
         """The parts whose first run is one of these. What works on its own share of the runs need not read all parts."""
@@ -169,16 +233,17 @@ class Store:
         return self.survey(names)[0]
 
     def survey(self, names=None):
-        """The status of each run by its number, and the shape that holds all values of each metric. A record that may be
-        another on another day stands back behind any other."""
-        known, shapes = {}, {}
+        """The status of each run by its number, the shape that holds all values of each metric, and the builds of the physics that
+        have made them. A record that may be another on another day stands back behind any other."""
+        known, shapes, builds = {}, {}, set()
         for table in self.whole_parts(names):
+            builds.add(table['build'])
             for number, status in zip(table['number'].tolist(), table['status']):
                 if number not in known or known[number] in AGAIN:
                     known[number] = status
             for name, values in table['metrics'].items():
                 shapes.setdefault(name, set()).add(values.shape[1:])
-        return known, {name: common_shape(found) for name, found in shapes.items()}
+        return known, {name: common_shape(found) for name, found in shapes.items()}, builds - {''}
 
     def count_runs(self):
         """How many runs the parts hold, by their names alone."""
@@ -197,22 +262,24 @@ class Store:
         """Makes results.h5, and results.csv where that is small, of the parts that are there now: workers may go on and write
         more. Returns the status of each run."""
         names = self.part_names()
-        known, shapes = self.survey(names)
+        known, shapes, _ = self.survey(names)
         if not known:
             return known
 
         def write(raw):
-            with h5py.File(raw, 'w') as file:
-                self.fill(file, plan, known, shapes, names)
+            sink = Sink(raw.raw)
+            with h5py.File(sink, 'w') as file:
+                self.fill(file, plan, known, shapes, names, sink.check)
                 file.attrs.update({'runs': len(known), 'planned': plan.count, 'complete': len(known) == plan.count,
                                    'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
+            sink.check()
 
         write_whole(self.results, write)
         self.write_csv(plan)
         return known
 
-    def fill(self, file, plan, known, shapes, names):
-        """The table of the runs in the order of their numbers."""
+    def fill(self, file, plan, known, shapes, names, check):
+        """The table of the runs in the order of their numbers. `check` raises what has gone wrong so far."""
         numbers = numpy.array(sorted(known), numpy.int64)
         meaningless = OF_SCENES if plan.program else OF_PROGRAMS
         columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items() if key not in meaningless}
@@ -228,6 +295,7 @@ class Store:
             use.sort(key=lambda k, order=table['number']: order[k])
             if not use:
                 continue
+            check()
             rows = numpy.searchsorted(numbers, table['number'][use])
             for key in columns.keys() & table:
                 columns[key][rows] = table[key][use]
@@ -250,17 +318,22 @@ class Store:
         group = file.create_group('parameters')
         for axis in plan.axes:
             values = [parameters[axis.path] for _, parameters in found]
-            if all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
-                column = group.create_dataset(name_in_file(axis.path), data=numpy.array(values, float))
-            else:
-                texts = [value if isinstance(value, str) else json.dumps(value) for value in values]
-                column = group.create_dataset(name_in_file(axis.path), data=texts, dtype=h5py.string_dtype())
+            kind = kind_of(values)
+            data = numpy.array(values, kind) if kind else [text_of(value) for value in values]
+            column = group.create_dataset(name_in_file(axis.path), data=data, dtype=kind or h5py.string_dtype())
             column.attrs['path'] = axis.path
 
     def write_csv(self, plan):
         """results.csv: a line for each run, without metrics that are tables and the output of programs. Left out where it would
         be large."""
         path, columns = self.path('results.csv'), {}
+
+        def add(name, values, where):
+            """A column; where another has this name, with the key of the file that it stands below."""
+            while name in columns or name in NUMBERS or name in TEXTS:
+                name = f'{where}.{name}'
+            columns[name] = values
+
         with h5py.File(self.results, 'r') as file:
             if len(file['number']) > MOST_CSV_RUNS:
                 if os.path.exists(path):
@@ -269,13 +342,13 @@ class Store:
             columns['number'], columns['seed'] = file['number'][()], file['seed'][()]
             for axis in plan.axes:
                 values = file['parameters'][name_in_file(axis.path)]
-                columns[axis.path] = (values.asstr() if values.dtype == object else values)[()]
+                add(axis.path, (values.asstr() if values.dtype == object else values)[()], 'vary')
             for entry in plan.tree['measure']:
                 values = file['metrics'][entry['name']]
                 if values.ndim == 1:
-                    columns[entry['name']] = values[()]
-                elif values.ndim == 2:
-                    columns.update({f'{entry["name"]}_{k}': values[:, k] for k in range(values.shape[1])})
+                    add(entry['name'], values[()], 'measure')
+                for k in range(values.shape[1] if values.ndim == 2 else 0):
+                    add(f'{entry["name"]}_{k}', values[:, k], 'measure')
             columns.update({name: file[name].asstr()[()] for name in TEXTS if name in file and name != 'output'})
             columns.update({name: file[name][()] for name in NUMBERS if name in file and name not in ('number', 'hash')})
             if 'hash' in file:
@@ -285,6 +358,24 @@ class Store:
         writer.writerow(columns)
         writer.writerows(zip(*(column.tolist() for column in columns.values())))
         write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def kind_of(values):
+    """The type that holds all values as they are; None where they are stored as text."""
+    if not all(isinstance(value, (int, float)) and not isinstance(value, bool) for value in values):
+        return None
+    whole = [value for value in values if isinstance(value, int)]
+    low, high = min(whole, default=0), max(whole, default=0)
+    if len(whole) == len(values) and -2 ** 63 <= low and high < 2 ** 63:
+        return numpy.int64
+    if len(whole) == len(values) and 0 <= low and high < 2 ** 64:
+        return numpy.uint64
+    return float if max(-low, high) <= 2 ** 53 else None
+
+
+def text_of(value):
+    """Words as they are where HDF5 takes them, all else as JSON."""
+    return value if isinstance(value, str) and '\0' not in value else json.dumps(value)
 
 
 def name_in_file(path):
@@ -303,8 +394,7 @@ def layout(shape):
 
 def fill_rows(dataset, rows, values):
     """Writes values of a part, which may be smaller than the rows of the whole."""
-    if values.ndim != dataset.ndim:
-        return
+    values = values.reshape(len(values), *of_rank(values.shape[1:], dataset.ndim - 1))
     inner = tuple(slice(0, n) for n in values.shape[1:])
     if rows[-1] - rows[0] + 1 == len(rows):
         dataset[(slice(rows[0], rows[-1] + 1), *inner)] = values

@@ -9,6 +9,7 @@ LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 WHOLE = re.compile(r'[-+]?[0-9]+')
 HEXADECIMAL = re.compile(r'0x[0-9a-fA-F]+')
 DECIMAL = re.compile(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?')
+MOST_DIGITS = 1000  # of a number: what is longer is text
 WORDS = {'true': True, 'false': False, 'null': None, '~': None, '': None}
 STEP_OF_PATH = re.compile(r'\.?([^.\[\]]+)|\[([^\[\]]+)\]')
 
@@ -27,8 +28,8 @@ def scalar(node):
     if node.value in WORDS:
         return WORDS[node.value]
     if WHOLE.fullmatch(node.value):
-        return int(node.value)
-    if HEXADECIMAL.fullmatch(node.value):
+        return int(node.value) if len(node.value) <= MOST_DIGITS else node.value
+    if HEXADECIMAL.fullmatch(node.value) and len(node.value) <= MOST_DIGITS:
         return int(node.value, 16)
     return float(node.value) if DECIMAL.fullmatch(node.value) else node.value
 
@@ -96,6 +97,25 @@ def entry_of(entries, which, path):
         known = ', '.join(str(name) for name in names if name) or 'none has a name'
         raise Refused(f"{path}: no entry is named '{which}' (there are: {known:.300})")
     return names.index(which)
+
+
+def place_of(tree, path):
+    """The keys and indices that a path leads by, as a tuple: equal for all spellings of one place. What the tree does not have
+    stays as it is spelled."""
+    place = []
+    for step in split(path):
+        key = step
+        if isinstance(step, list):
+            try:
+                key = entry_of(tree, step[0], path)
+            except Refused:
+                key = step[0]
+        place.append(key)
+        if isinstance(tree, list):
+            tree = tree[key] if isinstance(key, int) and key < len(tree) else None
+        else:
+            tree = tree.get(key) if isinstance(tree, dict) else None
+    return tuple(place)
 
 
 def value_at(tree, path):

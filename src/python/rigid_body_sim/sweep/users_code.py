@@ -5,7 +5,13 @@ import linecache
 import os
 import traceback
 
+import numpy
+
 from .tree import Refused
+
+
+class Overtime(BaseException):
+    """A run has taken longer than it may. A user's `except Exception` does not catch it."""
 
 
 def checked(given, folder):
@@ -17,25 +23,58 @@ def checked(given, folder):
     try:
         with open(path, encoding='utf-8') as source:
             text = source.read()
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # such as a path with a NUL in it
         raise Refused(f'{path} cannot be read: {getattr(error, "strerror", None) or error}')
     code = {'path': path, 'function': function, 'text': text}
     try:
-        loaded(path, function, text)
+        Files().function(**code)
     except Exception as error:  # whatever the user's file raises
         raise Refused(f'{path}: {said(error, path)}')
     return code
 
 
+class Files:
+    """The files of a run. Each is executed once, at the first of its functions, so that those share its globals; the next run
+    finds them as they are written, whatever worker makes it."""
+
+    def __init__(self):
+        self.names = {}
+
+    def function(self, path, function, text):
+        """One of the file; called, it raises an Exception or Overtime, whatever the user's code raises."""
+        if (path, text) not in self.names:
+            names = {'__name__': os.path.splitext(os.path.basename(path))[0], '__file__': path}
+            contained(exec, compiled(path, text), names)
+            self.names[path, text] = names
+        found = self.names[path, text].get(function)
+        if not callable(found):
+            raise NameError(f"there is no function '{function}'")
+        return functools.partial(contained, found)
+
+
 @functools.lru_cache(maxsize=64)
-def loaded(path, function, text):
-    """The function. A traceback shows its lines, also where there is no such file."""
+def compiled(path, text):
+    """A traceback shows its lines, also where there is no such file."""
     linecache.cache[path] = (len(text), None, text.splitlines(True), path)
-    names = {'__name__': os.path.splitext(os.path.basename(path))[0], '__file__': path}
-    exec(compile(text, path, 'exec'), names)
-    if not callable(names.get(function)):
-        raise NameError(f"there is no function '{function}'")
-    return names[function]
+    return compile(text, path, 'exec')
+
+
+def contained(function, *arguments):
+    """Calls a user's function. One that would leave the program, as sys.exit() does, has failed."""
+    try:
+        return function(*arguments)
+    except (Exception, Overtime):
+        raise
+    except BaseException as error:
+        raise RuntimeError(f'it raised {type(error).__name__}: {error}').with_traceback(error.__traceback__)
+
+
+def numbers(value):
+    """What a metric is: a number or an array of them. Raises TypeError for all else, which NumPy might take for NaN."""
+    found = numpy.asarray(value)
+    if found.dtype.kind not in 'biuf':
+        raise TypeError(f'{value!r:.60} is neither a number nor an array of numbers')
+    return found.astype(float)
 
 
 def said(error, path=None):
