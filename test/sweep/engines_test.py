@@ -19,7 +19,7 @@ import slurm_cluster  # noqa: E402
 from rigid_body_sim.sweep import batch, command, engines  # noqa: E402
 from rigid_body_sim.sweep.store import Store  # noqa: E402
 from rigid_body_sim.sweep.tree import Refused  # noqa: E402
-from sweep_file import PROGRAM, ROOT, SweepCase  # noqa: E402
+from sweep_file import PATIENCE, PROGRAM, ROOT, SweepCase  # noqa: E402
 
 BALLS = '''
 scene: ball_hits_wall
@@ -163,6 +163,26 @@ class EnginesTest(SweepCase):
         hosts = self.write('2/:\n', 'hosts')
         self.sound('--hosts', hosts)
         self.assertEqual(self.hashes(), self.one_process())
+
+    @unittest.skipUnless(shutil.which('parallel'), 'there is no GNU parallel')
+    def test_nothing_is_left_of_a_sweep_by_gnu_parallel_that_is_killed(self):
+        self.write('import time\ndef f(world, parameters):\n    time.sleep(0.2)\n    return 1\n', 'f.py')
+        self.write('scene: ball_hits_wall\nsteps: 1\nrepeats: 300\nmeasure: {f: {python: f.py:f}}\n')
+        self.write(':\n', 'hosts')
+
+        def left():
+            return subprocess.run(['pgrep', '-f', '--', f'--work {self.folder}'], capture_output=True, text=True, check=False).stdout
+
+        process = subprocess.Popen(self.command('--hosts', self.folder / 'hosts'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not left() and process.poll() is None:
+            time.sleep(0.01)
+        self.assertTrue(left())
+        process.kill()
+        process.wait()
+        deadline = time.monotonic() + 40
+        while left() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        self.assertEqual(left(), '')
 
     def test_a_host_that_does_not_answer_is_named_before(self):
         if not shutil.which('parallel'):
@@ -390,6 +410,28 @@ measure: {k: {python: "traps.py:%s"}}
                     self.assertEqual(again['seconds'][number], seconds)
                 self.check_balls()
 
+    def test_a_run_that_cannot_be_interrupted_exceeds_its_time(self):
+        self.write('import ctypes\ndef f(world, parameters):\n    if world.step() and parameters["step"] == 0.5:\n'
+                   '        ctypes.CDLL(None).sleep(99)\n    return 1\n', 'f.py')
+        self.write('scene: {bodies: [{shape: sphere}]}\nsteps: 1\nmax_seconds: 0.5\nvary: {step: [0.25, 0.5, 1]}\n'
+                   'measure: {f: {python: f.py:f}}\n')
+        begin = time.monotonic()
+        self.sound('--workers', '1')
+        self.assertLess(time.monotonic() - begin, 25)  # two attempts of 5.5 s, not three more
+        self.assertEqual(self.results()['status'].tolist(), ['ok', 'overtime', 'ok'])
+        self.assertIn('could not be interrupted', self.results()['detail'][1])
+
+    def test_a_signal_to_end_keeps_what_is_done(self):
+        self.balls()
+        process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        while not self.parts() and process.poll() is None:
+            time.sleep(0.01)
+        process.terminate()
+        said, _ = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, 130, said)
+        self.assertIn('Interrupted. What is done is kept', said)
+        self.assertTrue((self.folder / 's.sweep/results.h5').exists())
+
     def test_a_killed_program_loses_only_what_was_running(self):
         self.balls()
         process = subprocess.Popen(self.command('--workers', '1'), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -458,6 +500,21 @@ measure: {k: {python: "traps.py:%s"}}
         self.sound('--resume', '--workers', '1')
         self.assertGreater(len(self.parts()), kept)
         self.check_balls()
+
+    def test_a_disk_that_is_full_before_the_results_keeps_the_parts(self):
+        """The parts fit, and any length of the results but the whole does not."""
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        whole, size = self.hashes(), (self.folder / 's.sweep/results.h5').stat().st_size
+        for limit in (10, size // 3, 2 * size // 3, size - 100):
+            done = self.sweep('--resume', preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+            self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+            self.assertIn('--resume goes on', done.stderr)
+            self.assertNotIn('Traceback', done.stderr)
+            self.assertFalse(list(self.folder.glob('s.sweep/**/*.tmp')))
+            self.assertEqual(self.hashes(), whole)  # those of before
+        self.sound('--resume')
+        self.assertEqual(self.hashes(), whole)
 
     def test_a_full_file_system_keeps_what_was_stored(self):
         if os.geteuid() != 0:

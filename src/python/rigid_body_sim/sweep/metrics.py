@@ -252,13 +252,14 @@ class States:
 
 
 class Python:
-    """What a function(world, parameters) of the user's file returns at the end: a number or an array of numbers."""
+    """What a function(world, parameters) of the user's file returns at the end: a number or an array of numbers. The world is
+    a copy, so that no metric changes another."""
 
     def __init__(self, code, run):
         self.function, self.parameters = run.files.function(**code), copy.deepcopy(run.task.parameters)
 
     def value(self, world):
-        return self.function(world, self.parameters)
+        return self.function(world.copy(), self.parameters)
 
 
 KINDS = {'final_position': functools.partial(Final, columns=slice(0, 3)),

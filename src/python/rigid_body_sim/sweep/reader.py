@@ -88,7 +88,7 @@ class Reader:
             known = known[:-1]
         for key in path:
             place += f'[{key}]' if isinstance(key, int) else ('.' if place else '') + str(key)
-        self.faults.append(f'{self.file}:{self.lines.get(known, 1)}: {place}: {text}')
+        self.faults.append(f'{self.file}:{self.lines.get(known, 1)}: {place}: {text:.500}')
 
     def whole(self, key, low, high, default):
         value = self.tree.get(key, default)
