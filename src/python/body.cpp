@@ -119,7 +119,7 @@ std::string describe(const BodyDef& body) {
 
 BodyKind toKind(py::handle value, const std::string& path) {
   for (const BodyKind kind : {BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic})
-    if (py::isinstance<py::str>(value) && value.cast<std::string>() == kindName(kind)) return kind;
+    if (py::isinstance<py::str>(value) && toText(value, path) == kindName(kind)) return kind;
   refuse(path, textOf(value), "dynamic, static or kinematic");
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 BodyId toBodyId(const Snapshot& snapshot, py::handle body, const std::string& path) {
   if (!py::isinstance<py::str>(body)) return {toWhole(body, path, 0)};
-  const int index = snapshot.find(body.cast<std::string>());
+  const int index = snapshot.find(toText(body, path));
   if (index < 0) refuse(path, textOf(body), "the name of a body");
   return snapshot.states[static_cast<std::size_t>(index)].id;
 }

@@ -29,7 +29,7 @@ py::tuple tupleOf(const Vec3& v) {
 }  // namespace
 
 Setting toSetting(py::handle value, const std::string& path) {
-  if (py::isinstance<py::str>(value)) return fidelityNamed(value.cast<std::string>());
+  if (py::isinstance<py::str>(value)) return fidelityNamed(toText(value, path));
   require(value, "Setting", path, "a Setting, or preview, interactive, accurate or reference");
   Setting setting = fidelityNamed(toText(value.attr("preset"), path + ".preset"));
   setting.divisions = static_cast<std::uint32_t>(

@@ -37,14 +37,21 @@ std::uint64_t toWhole(py::handle value, const std::string& path, std::uint64_t l
 
 std::string toText(py::handle value, const std::string& path) {
   if (!py::isinstance<py::str>(value)) refuse(path, textOf(value), "a text");
-  return value.cast<std::string>();
+  Py_ssize_t size = 0;
+  const char* const text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
+  PyErr_Clear();
+  if (!text) refuse(path, textOf(value), "a text of Unicode characters");
+  return {text, static_cast<std::size_t>(size)};
 }
 
 std::string toPath(py::handle value) {
   const auto path = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
+  const bool is_text = path && py::isinstance<py::str>(path);
+  // Python writes bytes of a file name that are no UTF-8 as lone surrogates.
+  const auto bytes = py::reinterpret_steal<py::bytes>(is_text ? PyUnicode_EncodeFSDefault(path.ptr()) : nullptr);
   PyErr_Clear();
-  if (!path || !py::isinstance<py::str>(path)) refuse("path", textOf(value), "the path of a file");
-  return path.cast<std::string>();
+  if (!bytes) refuse("path", textOf(value), "the path of a file");
+  return bytes;
 }
 
 Vec3 toVec3(py::handle value, const std::string& path) {

@@ -249,7 +249,7 @@ void PyWorld::setJournal(const py::object& journal) {
 
 BodyId toBodyId(const World& world, py::handle body, const std::string& path) {
   if (!py::isinstance<py::str>(body)) return {toWhole(body, path, 0)};
-  const BodyId id = world.find(body.cast<std::string>());
+  const BodyId id = world.find(toText(body, path));
   if (!id) refuse(path, textOf(body), "the name of a body");
   return id;
 }

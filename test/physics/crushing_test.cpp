@@ -76,14 +76,16 @@ TEST_P(Crushing, ACubeIsNotPushedIntoAPlaneThatItsOwnMotionWouldNotHaveMet) {
         scene.bodies.push_back(ball("ball", kRadius, {0.02, 0.03, gap + 2.0 * kSize + kRadius + 1e-3}));
         scene.bodies.back().mass = 32.0 * ratio;
         scene.bodies.back().twist.v_WB.z() = -speed;
-        World world(ordered(scene));
-        double lowest = 1.0;
-        for (int k = 0; k < 30; ++k) {
-          world.step();
-          for (const char* name : {"cube_0", "cube_1"})
-            lowest = std::min(lowest, stateOf(world, name).pose.p_WB.z());
+        for (const SceneDef& in_order : inBothOrders(scene)) {
+          World world(in_order);
+          double lowest = 1.0;
+          for (int k = 0; k < 30; ++k) {
+            world.step();
+            for (const char* name : {"cube_0", "cube_1"})
+              lowest = std::min(lowest, stateOf(world, name).pose.p_WB.z());
+          }
+          EXPECT_GT(lowest, 0.47 * kSize) << gap << " m above, " << speed << " m/s, 1 : " << ratio;
         }
-        EXPECT_GT(lowest, 0.47 * kSize) << gap << " m above, " << speed << " m/s, 1 : " << ratio;
       }
 }
 

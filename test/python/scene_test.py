@@ -169,6 +169,16 @@ class RefusedTest(unittest.TestCase):
         self.refused('^masss: 2 .*a field of Body', lambda: rbs.Body(masss=2))
         self.refused('^gravty: 2 .*a field of Scene', lambda: rbs.Scene(gravty=2))
 
+    def test_what_is_no_text_is_refused_and_a_file_may_have_any_name(self):
+        self.refused(r"^name: '\\udcff' .*a text of Unicode", lambda: rbs.Body(name='\udcff'))
+        self.refused(r"^kind: '\\udcff' .*a text of Unicode", lambda: rbs.Body(kind='\udcff'))
+        self.refused('^path: None ', lambda: rbs.Scene.load(None))
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, 'a\udcff.yaml')  # the byte 0xff, which is no UTF-8
+            rbs.Scene(name='x').save(file)
+            self.assertEqual(os.listdir(os.fsencode(folder)), [b'a\xff.yaml'])
+            self.assertEqual(rbs.Scene.load(file).name, 'x')
+
     def test_numbers_out_of_range_are_refused_where_they_are_used_all_at_once(self):
         bodies = [rbs.Body(friction=NAN), rbs.Body(position=[0, 0, NAN]), rbs.Body(rbs.Sphere(-1)), rbs.Body(mass=1, density=1)]
         scene = rbs.Scene(bodies, step=-1)
