@@ -48,7 +48,8 @@ std::string toPath(py::handle value) {
   const auto path = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
   const bool is_text = path && py::isinstance<py::str>(path);
   // Python writes bytes of a file name that are no UTF-8 as lone surrogates.
-  const auto bytes = py::reinterpret_steal<py::bytes>(is_text ? PyUnicode_EncodeFSDefault(path.ptr()) : nullptr);
+  const auto bytes =
+      py::reinterpret_steal<py::bytes>(is_text ? PyUnicode_EncodeFSDefault(path.ptr()) : nullptr);
   PyErr_Clear();
   if (!bytes) refuse("path", textOf(value), "the path of a file");
   return bytes;
