@@ -13,6 +13,7 @@ import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import unittest
@@ -221,7 +222,7 @@ measure: {all: {final_position: all}, two: {final_velocity: [tips, floor]}, one:
                            ('return "3.0"', "TypeError: '3.0' is neither"), ('return [1, None]', 'TypeError: [1, None] is neither'),
                            ('return 2j', 'TypeError: 2j is neither'), ('return {}', 'TypeError: {} is neither'),
                            ('import sys; sys.exit(3)', 'RuntimeError: it raised SystemExit: 3 (f.py, line 2)'),
-                           ('raise KeyboardInterrupt', 'RuntimeError: it raised KeyboardInterrupt:  (f.py, line 2)'),
+                           ('raise GeneratorExit', 'RuntimeError: it raised GeneratorExit:  (f.py, line 2)'),
                            ('raise ValueError("a\\0b\\ud800")', 'ValueError: a\ufffdb? (f.py, line 2)')):
             self.write(f'def f(world, parameters):\n    {text}\n', 'f.py')
             for use in ('measure: {a: {python: f.py:f}}', 'stop: {python: f.py:f}'):
@@ -230,9 +231,35 @@ measure: {all: {final_position: all}, two: {final_velocity: [tips, floor]}, one:
                 record = self.record(FALL + f'steps: 2\n{use}\n')
                 self.assertEqual((record['status'], record['values']), ('failed', {}), use)
                 self.assertIn(('measure.a: ' if 'measure' in use else 'stop.python: ') + said, record['detail'])
-        for text, wanted in (('return True', 1), ('import numpy; return numpy.uint8(3)', 3), ('return []', [])):
+        for text, wanted in (('return 10 ** 20', 1e20), ('return [1, 2 ** 70]', [1, 2.0 ** 70]), ('return True', 1), ('import numpy; return numpy.uint8(3)', 3), ('return []', [])):
             self.write(f'def f(world, parameters):\n    {text}\n', 'f.py')
             self.assertEqual(self.values(FALL + 'steps: 2\nmeasure: {a: {python: f.py:f}}\n')['a'].tolist(), wanted)
+
+    def test_ctrl_c_is_no_fault_of_a_function(self):
+        self.write('def f(world, parameters):\n    raise KeyboardInterrupt\n', 'f.py')
+        text = FALL + 'steps: 2\nmeasure: {a: {python: f.py:f}}\n'
+        with self.assertRaises(KeyboardInterrupt):
+            self.record(text)
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as a worker has it
+        self.addCleanup(signal.signal, signal.SIGINT, before)
+        self.assertEqual(self.record(text)['detail'], 'measure.a: RuntimeError: it raised KeyboardInterrupt:  (f.py, line 2)')
+
+    def test_a_function_that_catches_all_exceeds_its_time_all_the_same(self):
+        self.write('import time\ndef f(world, parameters):\n    try:\n        for _ in range(400):\n            time.sleep(0.01)\n'
+                   '    except BaseException:\n        return -1\n    return 1\n', 'f.py')
+        plan = self.plan(FALL + 'steps: 1\nrepeats: 2\nmax_seconds: 0.2\nmeasure: {a: {python: f.py:f}}\n')
+        self.assertEqual([record['status'] for record in run_chunk(plan.text(), [0, 1])], ['overtime', 'overtime'])
+
+    def test_a_stop_that_steps_the_world_has_failed(self):
+        self.write('def f(world, parameters):\n    world.step()\n', 'f.py')
+        record = self.record(FALL + 'steps: 3\nstop: {python: f.py:f}\n')
+        self.assertEqual((record['status'], record['detail']),
+                         ('failed', 'stop.python: RuntimeError: it has stepped the world'))
+
+    def test_a_file_of_functions_may_have_dataclasses(self):
+        self.write('from __future__ import annotations\nimport dataclasses\n@dataclasses.dataclass\nclass A:\n    x: float = 2.0\n'
+                   'def f(world, parameters):\n    return A().x\n', 'f.py')
+        self.assertEqual(float(self.values(FALL + 'steps: 1\nmeasure: {a: {python: f.py:f}}\n')['a']), 2.0)
 
     def test_a_run_that_diverges_says_so(self):
         record = self.record(FALL + 'duration: 2\nvary: {"bodies[ball].position": [[999999999, 0, 0]]}\nmeasure: {e: energy}\n')
@@ -286,6 +313,8 @@ class ProgramTest(SweepCase):
     def test_numbers_out_of_all_range_are_refused(self):
         ball, many = 'scene: ball_hits_wall\nduration: 1\n', '9' * 400
         self.refused(ball + 'vary: {step: {range: [1, %s], count: 3}}' % many, 'vary.step.range', '(allowed: [number, number])')
+        self.refused(ball + 'max_seconds:', 's.yaml:3: max_seconds: None (allowed: a number above 0, in s)')
+        self.refused(ball + 'measure: {"a\\0b": energy}', 'it is no name')
         self.refused(ball + f'max_seconds: {many}', '(allowed: a number above 0, in s)')
         self.refused(ball + 'seed: ' + '1' * 5000, 'seed: ')
         self.refused(ball + f'vary: {{step: [{many}]}}', 'vary.step = 9')
@@ -307,6 +336,10 @@ class ProgramTest(SweepCase):
         ball = 'scene: ball_hits_wall\nduration: 1\n'
         self.refused(ball + 'vary: {"bodies[ball].mass": [1], "bodies[2].mass": [2]}',
                      "vary.bodies[2].mass: it replaces what 'bodies[ball].mass' has set")
+        self.refused('scene: {bodies: [{name: old, shape: sphere}]}\nduration: 1\nvary: {bodies: [[{name: a, shape: sphere}]], '
+                     '"bodies[a].velocity": [[1, 0, 0]], "bodies[0].velocity": [[2, 0, 0]]}',
+                     "vary.bodies[0].velocity: it replaces what 'bodies[a].velocity' has set")
+        self.refused(ball + 'vary: {"bodies[-9].mass": [1]}', 'bodies[-9].mass: [-9] of a list of 3')
         self.refused(ball + 'vary: {fidelity.divisions: [2], fidelity: [{preset: accurate}]}',
                      "vary.fidelity: it replaces what 'fidelity.divisions' has set")
         self.write(ball + 'vary: {fidelity: [{preset: accurate}], fidelity.divisions: [2], "bodies[ball].velocity[0]": [1], '
@@ -355,6 +388,9 @@ class ProgramTest(SweepCase):
         mesh.write_text(''.join(corners + ['v 3 0.5 0.5\n']), encoding='utf-8')
         done = self.sweep('--resume')
         self.assertEqual((done.returncode, 'holds a sweep of another file or scene' in done.stderr), (2, True), done.stderr)
+        for vary in ('vary: {"bodies[b]mesh": [m.obj]}', 'measure: {e: {distance_to_reference: {"bodies[b].mesh": m.obj}}}'):
+            plan = self.plan(f'scene: {{bodies: [{{name: b, shape: hull, mesh: n.obj}}]}}\nsteps: 1\n{vary}\n')
+            self.assertEqual(set(plan.tree['meshes']), {str(self.folder / 'm.obj'), str(self.folder / 'n.obj')})
 
     def test_runs_of_two_builds_are_not_mixed(self):
         self.write(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
@@ -363,7 +399,7 @@ class ProgramTest(SweepCase):
         for part in self.parts():
             part.unlink()
         plan = self.plan(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
-        store.keep([{**run_task(plan, 0), 'build': 'another'}])
+        store.keep([record_of(1, 'overtime'), {**run_task(plan, 0), 'build': 'another'}])
         done = self.sweep('--resume')
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertIn('holds runs of another build of the physics (another; this is ', done.stderr)
@@ -461,14 +497,15 @@ class ProgramTest(SweepCase):
     def test_charts(self):
         self.write('scene: ball_hits_wall\nduration: 0.5\nrepeats: 20\n'
                    'vary: {fidelity: [preview, accurate], "bodies[ball].velocity[0]": {uniform: [3, 5]}}\n'
-                   'measure: {p: {final_position: ball}, e: energy}\n')
+                   'measure: {p: {final_position: ball}, e: energy, none: {time_to_rest: 1.0e-9}}\n')
         self.sound('--workers', '1')
         for arguments in (('e', 'fidelity'), ('cpu_seconds', 'fidelity'), ('p_0', 'bodies[ball].velocity[0]', 'fidelity')):
             path = self.sound('--chart', *arguments).strip()
             with open(path, 'rb') as file:
                 self.assertEqual(file.read(8), b'\x89PNG\r\n\x1a\n')
-        for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, p_0 to p_2, time, steps, seconds, cpu_seconds)"),
+        for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, none, p_0 to p_2, time, steps, seconds, cpu_seconds)"),
                                 (('e', 'mass'), "no parameter 'mass' (there are: bodies[ball].velocity[0], fidelity)"),
+                                (('none', 'fidelity', 'fidelity'), "no run has a value of 'none'"),
                                 (('p', 'fidelity'), "no metric 'p'"), (('p_3', 'fidelity'), "no metric 'p_3'")):
             done = self.sweep('--chart', *arguments)
             self.assertEqual(done.returncode, 2)

@@ -144,20 +144,25 @@ def carry_live(plan, numbers, engine, store, progress):
 
 
 def pilot(plan, numbers, engine):
-    """Records of a few runs that stand for all. One that takes longer than a minute is cut off, as `overtime`."""
+    """Records of a few runs that stand for all. One that takes longer than a minute is cut off, as `overtime`; one that ends its
+    process has none."""
     chosen = sorted({numbers[k * (len(numbers) - 1) // (PILOTS - 1)] for k in range(PILOTS)})
     short = Plan({**plan.tree, 'max_seconds': min(plan.max_seconds, PILOT_SECONDS)})
-    engine.submit(short.text(), chosen)
-    while True:
+    found, left = [], len(chosen)
+    for number in chosen:
+        engine.submit(short.text(), [number])
+    while left:
         for _, records, why in engine.wait():
-            if records is None:
-                raise Refused(f'one of the runs {", ".join(map(str, chosen))} ends its process ({why}): try each by --only')
-            return records
+            left -= 1
+            found += records or []
+    if not found:
+        raise Refused(f'each of the runs {", ".join(map(str, chosen))} ends its process ({why}): try one by --only')
+    return found
 
 
 def carry_batch(numbers, engine, store, progress, run_seconds):
     """By an engine that takes all chunks at once. What its workers leave undone goes out again."""
-    earlier, before, missing = store.part_names(), store.count_runs(), numbers
+    earlier, before, missing = store.part_names(), store.count_runs() - progress.done, numbers
 
     def report():
         done = store.count_runs() - before

@@ -118,6 +118,8 @@ def draw(results, target, metric, along, lines=None):
     """Draws a chart into a file. `lines` names a second parameter, with a line for each of its values."""
     plot, table = pyplot(), Table(results)
     values, column = table.metric(metric), table.parameter(along)
+    if not numpy.isfinite(values).any():
+        raise Refused(f"no run has a value of '{metric}' to draw")
     groups = classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES) if lines else [(None, slice(None))]
     places = {word: k for k, word in enumerate(dict.fromkeys(column.tolist()))} if column.dtype == object else None
     figure, axes = plot.subplots(figsize=(8, 5))

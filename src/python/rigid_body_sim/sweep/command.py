@@ -256,7 +256,8 @@ def missing(plan, store):
 def sum_up(plan, known, store, options):
     """What came of all runs, and how to run a failed one again."""
     counts = collections.Counter(known.values())
-    print(f'{len(known):,} of {plan.count:,} runs: ' + ', '.join(f'{n:,} {status}' for status, n in counts.most_common()))
+    print(f'{len(known):,} of {plan.count:,} runs' + (': ' if known else '')
+          + ', '.join(f'{n:,} {status}' for status, n in counts.most_common()))
     if store.damaged:
         print(f'{len(store.damaged):,} damaged parts do not count: {", ".join(sorted(store.damaged)):.300}')
     failed = [number for number in sorted(known) if known[number] != 'ok']
@@ -268,7 +269,8 @@ def sum_up(plan, known, store, options):
         if len(failed) > SHOWN_FAILURES:
             print(f'and {len(failed) - SHOWN_FAILURES:,} more: `status` in the results')
     files = [name for name in ('results.h5', 'results.csv') if os.path.exists(store.path(name))]
-    print(f'In {store.folder}: {", ".join(files)}')
+    if files:
+        print(f'In {store.folder}: {", ".join(files)}')
 
 
 def again(options, number):

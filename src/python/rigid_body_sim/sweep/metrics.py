@@ -8,7 +8,7 @@ import math
 
 import numpy
 
-from . import users_code
+from . import meshes, users_code
 from .tree import Refused, replaced
 
 REFERENCES_KEPT = 16
@@ -201,7 +201,8 @@ class DistanceToReference:
         return argument
 
     def __init__(self, argument, run):
-        self.run, self.scene, self.begin = run, run.task.scene, run.world.time
+        self.scene, self.begin = run.task.scene, run.world.time
+        self.references, self.positions_of = run.plan.references, run.positions_of
         try:
             for path, value in argument.items():
                 self.scene = replaced(self.scene, path, value)
@@ -218,12 +219,14 @@ class DistanceToReference:
 
     def positions(self, steps):
         """Those of the reference, which many runs of a sweep may share."""
-        known, key = self.run.plan.references, (json.dumps(self.scene), steps)
-        if key not in known:
-            if len(known) >= REFERENCES_KEPT:
-                known.clear()
-            known[key] = self.run.positions_of(self.scene, steps)
-        return known[key]
+        key = (json.dumps(self.scene), steps)
+        positions = self.references.get(key)
+        if positions is None:
+            positions = self.positions_of(self.scene, steps)
+            if len(self.references) >= REFERENCES_KEPT:
+                self.references.clear()
+            self.references[key] = positions
+        return positions
 
 
 class States:
@@ -279,7 +282,7 @@ def kind_and_argument(entry, kinds):
 
 
 def named(name):
-    if not isinstance(name, str) or '/' in name or name in ('', '.'):
+    if not isinstance(name, str) or '/' in name or '\0' in name or name in ('', '.'):
         raise Refused("it is no name (allowed: any word without '/')")
     return name
 
@@ -290,7 +293,10 @@ def checked(name, entry, folder):
     if kind == 'python':
         return {'name': name, 'kind': kind, 'argument': users_code.checked(argument, folder)}
     made = KINDS[kind]
-    return {'name': name, 'kind': kind, 'argument': getattr(made, 'func', made).check(argument)}
+    argument = getattr(made, 'func', made).check(argument)
+    if kind == 'distance_to_reference':
+        argument = {path: meshes.from_root_at(path, value, folder) for path, value in argument.items()}
+    return {'name': name, 'kind': kind, 'argument': argument}
 
 
 def made_for(run, entry):

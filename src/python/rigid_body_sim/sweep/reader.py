@@ -4,11 +4,9 @@ import hashlib
 import os
 import sys
 
-from rigid_body_sim import InvalidInput, hull_of_mesh
-
-from . import metrics, outputs, program, stops
+from . import meshes, metrics, outputs, program, stops
 from .plan import RUN_SEED, Axis, Plan
-from .tree import Refused, place_of, read, split
+from .tree import Refused, place_of, read, replaced, split
 
 MOST_RUNS = 10_000_000
 MOST_VALUES = 1_000_000  # of one key
@@ -35,37 +33,6 @@ def spread(kind, a, b, count):
     if isinstance(a, int) and isinstance(b, int) and (b - a) % (count - 1) == 0:
         return [a + (b - a) // (count - 1) * k for k in range(count)]
     return values
-
-
-def with_absolute_meshes(tree, folder):
-    """A tree whose meshes have paths from the root: given ones begin at the folder."""
-    if isinstance(tree, list):
-        return [with_absolute_meshes(entry, folder) for entry in tree]
-    if not isinstance(tree, dict):
-        return tree
-    return {key: os.path.join(folder, value) if key == 'mesh' and isinstance(value, str) and not value.startswith('package://')
-            else with_absolute_meshes(value, folder) for key, value in tree.items()}
-
-
-def meshes_of(tree):
-    """The paths of all meshes in a tree."""
-    if isinstance(tree, dict) and isinstance(tree.get('mesh'), str):
-        yield tree['mesh']
-    for entry in tree.values() if isinstance(tree, dict) else tree if isinstance(tree, list) else ():
-        yield from meshes_of(entry)
-
-
-def digests_of_hulls(paths):
-    """A digest of the hull of each mesh that can be read: another mesh in its place makes another sweep."""
-    found = {}
-    for path in sorted(set(paths)):
-        try:
-            mesh = hull_of_mesh(path)
-            found[path] = hashlib.sha256(b''.join(
-                array.tobytes() for array in (mesh.hull.vertices, mesh.position, mesh.orientation))).hexdigest()
-        except InvalidInput:
-            pass  # the scene says so
-    return found
 
 
 class Reader:
@@ -99,7 +66,7 @@ class Reader:
 
     def above_zero(self, key, default=None):
         value = self.tree.get(key, default)
-        if value is not None and not (is_number(value) and value > 0):
+        if key in self.tree and not (is_number(value) and value > 0):
             self.fault((key,), f'{value!r} (allowed: a number above 0, in s)')
             return 1.0
         return value
@@ -113,13 +80,12 @@ class Reader:
             is_path = '/' in given or given.endswith(('.yaml', '.yml'))
             path = os.path.join(self.folder, given) if is_path else self.find_scene(given)
             try:
-                with open(path, encoding='utf-8') as text:
-                    tree, _ = read(text.read(), path)
-            except (OSError, ValueError) as error:
-                if isinstance(error, Refused):
-                    raise
+                with open(path, encoding='utf-8') as file:
+                    text = file.read()
+            except (OSError, ValueError) as error:  # such as bytes that are no UTF-8, or a NUL in the path
                 self.fault(('scene',), f'{path} cannot be read: {getattr(error, "strerror", None) or error}')
                 return {}
+            tree, _ = read(text, path)
             folder = os.path.dirname(os.path.abspath(path))
             if not isinstance(tree, dict):
                 raise Refused(f'{path}: no scene')
@@ -127,7 +93,7 @@ class Reader:
         else:
             self.fault(('scene',), f'{given!r} (allowed: a name of the catalogue, the path of a scene, or a scene)')
             return {}
-        return with_absolute_meshes(tree, folder)
+        return meshes.from_root(tree, folder)
 
     def length_and_scene(self):
         duration = self.above_zero('duration')
@@ -181,11 +147,11 @@ class Reader:
             split(path)
         except Refused as error:
             self.fault(where, str(error))
+            return Axis(path, values=[None])
         if isinstance(given, list):
             if not given:
                 self.fault(where, 'an empty list (allowed: at least one value)')
-            key = path.rpartition('.')[2]
-            return Axis(path, values=[with_absolute_meshes({key: value}, self.folder)[key] for value in given])
+            return Axis(path, values=[meshes.from_root_at(path, value, self.folder) for value in given])
         if given == RUN_SEED:
             return Axis(path, draw=RUN_SEED)
         kinds = ('range', 'log_range', *DRAWS)
@@ -231,7 +197,7 @@ class Reader:
         return [self.axis(path, given) for path, given in varied.items()]
 
     def check_overwriting(self, axes, scene):
-        """No path may set what another has set, by another spelling or as a part of it."""
+        """No path may set what another has set, by another spelling or as a part of it. The scene is that of the first run."""
         set_by = {}
         for axis in axes:
             place = place_of(scene, axis.path)
@@ -240,6 +206,10 @@ class Reader:
                     self.fault(('vary', axis.path), f"it replaces what '{path}' has set")
                     break
             set_by[place] = axis.path
+            try:
+                scene = replaced(scene, axis.path, axis.values[0]) if axis.values else scene
+            except Refused:
+                pass  # the check of the first run says so
 
     def parts(self, key, catalogue):
         """Metrics or stops: the named entries of a mapping, each checked by its class."""
@@ -273,8 +243,8 @@ class Reader:
         if self.faults:
             raise Refused(*self.faults)
         if not of_program:
-            values = [{axis.path.rpartition('.')[2]: value} for axis in axes for value in axis.values or []]
-            tree['meshes'] = digests_of_hulls(meshes_of([tree['scene'], *values]))
+            values = [{axis.path: value} for axis in axes for value in axis.values or []]
+            tree['meshes'] = meshes.digests([tree['scene'], *values, tree['measure']])
         plan = Plan(tree)
         if plan.count > MOST_RUNS:
             factors = [f'{len(axis.values):,} of {axis.path}' for axis in plan.axes if axis.values is not None]

@@ -83,8 +83,12 @@ class Run:
     def reason_to_stop(self):
         """The first stop that holds; empty where none does."""
         for entry in self.plan.tree['stop']:
+            steps = self.world.steps
             try:
-                if self.stops[entry['name']].holds(self.world):
+                holds = self.stops[entry['name']].holds(self.world)
+                if self.world.steps != steps:
+                    raise RuntimeError('it has stepped the world')
+                if holds:
                     return entry['name']
             except Exception as error:  # of a user's function
                 path = entry['argument']['path'] if entry['name'] == 'python' else None
@@ -169,8 +173,8 @@ class Watchdog:
     """Raises Overtime in the thread that made it where a run takes longer than it may, and ends the process where that
     does not help. Whoever has started the process notices."""
 
-    def __init__(self, seconds):
-        self.seconds, self.thread = seconds, threading.get_ident()
+    def __init__(self):
+        self.seconds, self.thread = 0.0, threading.get_ident()
         self.deadline, self.raised, self.change = None, False, threading.Condition()
         threading.Thread(target=self.watch, daemon=True).start()
 
@@ -187,9 +191,9 @@ class Watchdog:
                     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.thread), ctypes.py_object(users_code.Overtime))
                     self.deadline, self.raised = time.monotonic() + GRACE_SECONDS, True
 
-    def begin(self):
+    def begin(self, seconds):
         with self.change:
-            self.deadline, self.raised = time.monotonic() + self.seconds, False
+            self.seconds, self.deadline, self.raised = seconds, time.monotonic() + seconds, False
             self.change.notify()
 
     def end(self):
@@ -197,10 +201,14 @@ class Watchdog:
             self.deadline = None
 
 
-@functools.lru_cache(maxsize=16)
-def watchdog_of(thread, seconds):
+OF_THREAD = threading.local()
+
+
+def watchdog_of_thread():
     """One for each thread that runs chunks."""
-    return Watchdog(seconds)
+    if not hasattr(OF_THREAD, 'watchdog'):
+        OF_THREAD.watchdog = Watchdog()
+    return OF_THREAD.watchdog
 
 
 @functools.lru_cache(maxsize=4)
@@ -212,15 +220,18 @@ def run_chunk(plan_text, numbers):
     """The records of some tasks, in their order."""
     plan = plan_of(plan_text)
     seconds = plan.max_seconds + (GRACE_SECONDS if plan.program else 0.0)  # a program is ended by its run; its metrics are not
-    watchdog, records = watchdog_of(threading.get_ident(), seconds), []
+    watchdog, records = watchdog_of_thread(), []
     for number in numbers:
+        record = None
         try:
-            watchdog.begin()
+            watchdog.begin(seconds)
             record = run_task(plan, number)
-            watchdog.end()
+            watchdog.end()  # within the try: Overtime may come until then
         except users_code.Overtime:
-            record = record_of(number, 'overtime', f'it had not ended after {plan.max_seconds:g} s', seconds=plan.max_seconds)
+            pass
         finally:
             watchdog.end()
+        if watchdog.raised:  # whatever a user's `except:` has made of it
+            record = record_of(number, 'overtime', f'it had not ended after {plan.max_seconds:g} s', seconds=plan.max_seconds)
         records.append(record)
     return records

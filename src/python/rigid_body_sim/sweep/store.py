@@ -13,6 +13,7 @@ import io
 import json
 import os
 import re
+import signal
 
 import h5py
 import numpy
@@ -28,6 +29,7 @@ AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
 PART = re.compile(r'part-(\d+)-(\d+)-([0-9a-f]{16})\.h5')
 MOST_CSV_RUNS = 100_000
 CHUNK_BYTES = 1 << 20
+INTERRUPTS = {signal.SIGINT, signal.SIGTERM}
 
 
 def write_whole(path, write):
@@ -50,8 +52,8 @@ def write_whole(path, write):
 
 
 class Sink:
-    """A file for HDF5, whose library ends the process where a write fails as it closes. From the first that fails on, what is
-    written is kept here; `check` raises the error, and should be called often."""
+    """A file for HDF5, whose library ends the process where a write fails or is interrupted. From the first that fails on, what is
+    written is kept here, and signals are blocked; `check` raises the error or the interrupt, and should be called often."""
 
     def __init__(self, file):
         self.file, self.error, self.kept, self.place = file, None, [], 0
@@ -59,6 +61,8 @@ class Sink:
     def check(self):
         if self.error:
             raise self.error
+        if signal.sigpending() & INTERRUPTS:
+            raise KeyboardInterrupt
 
     def seek(self, offset, whence=os.SEEK_SET):
         ends = [begin + len(data) for begin, data in self.kept]
@@ -206,7 +210,7 @@ class Store:
         data = io.BytesIO()
         with h5py.File(data, 'w') as file:
             write_columns(file, table_of(records))
-            file.attrs['build'] = records[0].get('build', '')
+            file.attrs['build'] = next((record['build'] for record in records if 'build' in record), '')
         digest = hashlib.sha256(data.getbuffer()).hexdigest()[:16]
         name = f'part-{records[0]["number"]:09d}-{len(records)}-{digest}.h5'
         write_whole(os.path.join(self.parts, name), lambda file: file.write(data.getbuffer()))
@@ -267,12 +271,15 @@ class Store:
             return known
 
         def write(raw):
-            sink = Sink(raw.raw)
-            with h5py.File(sink, 'w') as file:
-                self.fill(file, plan, known, shapes, names, sink.check)
-                file.attrs.update({'runs': len(known), 'planned': plan.count, 'complete': len(known) == plan.count,
-                                   'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
-            sink.check()
+            sink, mask = Sink(raw.raw), signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTS)
+            try:
+                with h5py.File(sink, 'w') as file:
+                    self.fill(file, plan, known, shapes, names, sink.check)
+                    file.attrs.update({'runs': len(known), 'planned': plan.count, 'complete': len(known) == plan.count,
+                                       'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
+                sink.check()
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
         write_whole(self.results, write)
         self.write_csv(plan)

@@ -112,7 +112,7 @@ def place_of(tree, path):
                 key = step[0]
         place.append(key)
         if isinstance(tree, list):
-            tree = tree[key] if isinstance(key, int) and key < len(tree) else None
+            tree = tree[key] if isinstance(key, int) and 0 <= key < len(tree) else None
         else:
             tree = tree.get(key) if isinstance(tree, dict) else None
     return tuple(place)

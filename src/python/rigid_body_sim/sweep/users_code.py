@@ -3,7 +3,10 @@
 import functools
 import linecache
 import os
+import signal
+import sys
 import traceback
+import types
 
 import numpy
 
@@ -43,9 +46,11 @@ class Files:
     def function(self, path, function, text):
         """One of the file; called, it raises an Exception or Overtime, whatever the user's code raises."""
         if (path, text) not in self.names:
-            names = {'__name__': os.path.splitext(os.path.basename(path))[0], '__file__': path}
-            contained(exec, compiled(path, text), names)
-            self.names[path, text] = names
+            module = types.ModuleType('sweep_' + os.path.splitext(os.path.basename(path))[0])
+            module.__file__ = path
+            sys.modules[module.__name__] = module  # where dataclasses look their own up
+            contained(exec, compiled(path, text), module.__dict__)
+            self.names[path, text] = module.__dict__
         found = self.names[path, text].get(function)
         if not callable(found):
             raise NameError(f"there is no function '{function}'")
@@ -60,25 +65,30 @@ def compiled(path, text):
 
 
 def contained(function, *arguments):
-    """Calls a user's function. One that would leave the program, as sys.exit() does, has failed."""
+    """Calls a user's function. One that would leave the program, as sys.exit() does, has failed. Ctrl-C passes, where it is not
+    ignored as in workers."""
     try:
         return function(*arguments)
     except (Exception, Overtime):
         raise
     except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and signal.getsignal(signal.SIGINT) != signal.SIG_IGN:
+            raise
         raise RuntimeError(f'it raised {type(error).__name__}: {error}').with_traceback(error.__traceback__)
 
 
 def numbers(value):
     """What a metric is: a number or an array of them. Raises TypeError for all else, which NumPy might take for NaN."""
     found = numpy.asarray(value)
+    if found.dtype.kind == 'O' and all(type(entry) in (int, float) for entry in found.flat):  # such as 10**20
+        found = found.astype(float)
     if found.dtype.kind not in 'biuf':
         raise TypeError(f'{value!r:.60} is neither a number nor an array of numbers')
     return found.astype(float)
 
 
 def said(error, path=None):
-    """An exception in one line, with the last line of the user's file that it came from."""
+    """An exception in words, with the last line of the user's file that it came from."""
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
     if isinstance(error, SyntaxError):
         lines = [error.lineno]
