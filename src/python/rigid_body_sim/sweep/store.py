@@ -382,7 +382,8 @@ def kind_of(values):
 
 def text_of(value):
     """Words as they are where HDF5 takes them, all else as JSON."""
-    return value if isinstance(value, str) and '\0' not in value else json.dumps(value)
+    is_plain = isinstance(value, str) and '\0' not in value and value.encode(errors='replace').decode() == value
+    return value if is_plain else json.dumps(value)
 
 
 def name_in_file(path):
