@@ -403,9 +403,19 @@ class ProgramTest(SweepCase):
         done = self.sweep('--resume')
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertIn('holds runs of another build of the physics (another; this is ', done.stderr)
-        with self.assertRaises(Refused):
-            carry.check_builds([run_task(plan, 0), {**run_task(plan, 1), 'build': 'another'}])
-        carry.check_builds([run_task(plan, 0), record_of(1, 'crashed')])
+        class Engine:
+            slots = 1
+
+            def submit(self, text, numbers):
+                self.numbers = numbers
+
+            def wait(self):
+                yield self.numbers, [{**run_task(plan, number), 'build': 'another'} for number in self.numbers], ''
+
+        before = self.parts()
+        with self.assertRaisesRegex(Refused, 'a worker has another build of the physics'):
+            carry.carry_live(plan, [2, 3], Engine(), store, carry.Progress(2))
+        self.assertEqual(self.parts(), before)
 
     def test_a_plan_without_runs_and_one_that_is_damaged(self):
         self.write(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')

@@ -17,7 +17,7 @@ from .carry import Progress, carry_live
 from .engines import Processes, end_with_parent
 from .plan import Plan
 from .program import package_programs
-from .run import build_of_physics
+from .run import build_of_physics, check_builds
 from .store import AGAIN, Store, write_whole
 from .tree import Refused
 
@@ -57,9 +57,7 @@ def work(folder, name, which):
     store = Store(folder)
     with open(store.path('rounds', name + '.json'), encoding='utf-8') as file:
         described = json.load(file)
-    if described['build'] != build_of_physics():
-        raise Refused(f'this machine has another build of the physics ({build_of_physics()}) than the one that wrote {name} '
-                      f'({described["build"]})')
+    check_builds([described['build']], f'round {name} was written by')
     numbers = [first + k for first, count in described['chunks'][which] for k in range(count)]
     known = store.status(store.parts_beginning_in(set(numbers)))
     numbers = [number for number in numbers if known.get(number, AGAIN[0]) in AGAIN]

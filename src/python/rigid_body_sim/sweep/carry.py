@@ -9,7 +9,7 @@ import sys
 import time
 
 from .plan import Plan
-from .run import ENDLESS, build_of_physics, record_of
+from .run import ENDLESS, check_builds, record_of
 from .tree import Refused
 
 ATTEMPTS = 3
@@ -116,13 +116,6 @@ class Pace:
         return max(1, min(int(min(aim / run, last)), left))
 
 
-def check_builds(records):
-    """Equal runs have equal results by one build of the physics alone."""
-    foreign = {record['build'] for record in records if 'build' in record} - {build_of_physics()}
-    if foreign:
-        raise Refused(f'a worker has another build of the physics ({foreign.pop()}; this is {build_of_physics()})')
-
-
 def carry_live(plan, numbers, engine, store, progress):
     """By an engine that takes one chunk after the other."""
     text, work, pace, running = plan.text(), Work(numbers), Pace(len(numbers), engine.slots), 0
@@ -137,7 +130,7 @@ def carry_live(plan, numbers, engine, store, progress):
             running -= 1
             records = work.lost(chunk, why) if records is None else records
             if records:
-                check_builds(records)
+                check_builds((record['build'] for record in records if 'build' in record), 'a worker has')
                 store.keep(records)
                 pace.learn(records)
                 progress.add(len(records), sum(record['status'] != 'ok' for record in records))

@@ -26,7 +26,7 @@ from . import batch, charts, engines
 from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Task, checked_numbers
 from .reader import Reader
-from .run import Run, build_of_physics, run_chunk, scene_of
+from .run import Run, build_of_physics, check_builds, run_chunk, scene_of
 from .store import AGAIN, MOST_CSV_RUNS, Store
 from .tree import Refused, replaced
 from .users_code import said
@@ -246,10 +246,7 @@ def carry_by_batch(plan, store, options, progress):
 
 def missing(plan, store):
     known, _, builds = store.survey()
-    foreign = builds - {build_of_physics()}
-    if foreign:
-        raise Refused(f'{store.folder} holds runs of another build of the physics ({", ".join(sorted(foreign))}; this is '
-                      f'{build_of_physics()}): --output takes another folder')
+    check_builds(builds, f'--output takes another folder: {store.folder} holds runs of')
     return [number for number in range(plan.count) if known.get(number, AGAIN[0]) in AGAIN]
 
 

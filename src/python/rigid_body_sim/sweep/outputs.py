@@ -57,6 +57,5 @@ def measured(plan, output, parameters):
             value = KINDS[entry['kind']].value(entry['argument'], output, parameters, files)
             values[entry['name']] = users_code.numbers(value)
         except Exception as error:  # whatever the output holds or a user's function raises
-            path = entry['argument']['path'] if entry['kind'] == 'python' else None
-            faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
+            faults.append(f'measure.{entry["name"]}: {users_code.said(error, entry["argument"])}')
     return values, faults

@@ -91,8 +91,7 @@ class Run:
                 if holds:
                     return entry['name']
             except Exception as error:  # of a user's function
-                path = entry['argument']['path'] if entry['name'] == 'python' else None
-                raise StopFailed(f'stop.{entry["name"]}: {users_code.said(error, path)}')
+                raise StopFailed(f'stop.{entry["name"]}: {users_code.said(error, entry["argument"])}')
         return ''
 
     def note(self, warnings):
@@ -106,8 +105,7 @@ class Run:
             try:
                 values[entry['name']] = users_code.numbers(self.metrics[entry['name']].value(self.world))
             except Exception as error:  # whatever a user's function raises
-                path = entry['argument']['path'] if entry['kind'] == 'python' else None
-                faults.append(f'measure.{entry["name"]}: {users_code.said(error, path)}')
+                faults.append(f'measure.{entry["name"]}: {users_code.said(error, entry["argument"])}')
         return values, '; '.join(faults)
 
 
@@ -122,6 +120,13 @@ def build_of_physics():
         with open(path, 'rb') as file:
             digest.update(file.read())
     return digest.hexdigest()[:16]
+
+
+def check_builds(builds, where):
+    """Equal runs have equal results by one build of the physics alone."""
+    foreign = sorted(set(builds) - {build_of_physics()})
+    if foreign:
+        raise Refused(f'{where} another build of the physics ({", ".join(foreign)}; this is {build_of_physics()})')
 
 
 def storable(text):

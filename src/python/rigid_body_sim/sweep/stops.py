@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What ends a run before its time. `holds` is asked after every step."""
-import copy
-
-from . import users_code
+from . import metrics, users_code
 from .metrics import Posture, Rest
 from .tree import Refused
 
@@ -29,11 +27,8 @@ class Fell(Posture):
         return not self.value(world)
 
 
-class Python:
+class Python(metrics.Python):
     """A function(world, parameters) of the user's file returns what counts as true."""
-
-    def __init__(self, code, run):
-        self.function, self.parameters = run.files.function(**code), copy.deepcopy(run.task.parameters)
 
     def holds(self, world):
         return bool(self.function(world, self.parameters))

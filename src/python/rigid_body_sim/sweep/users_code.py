@@ -32,7 +32,7 @@ def checked(given, folder):
     try:
         Files().function(**code)
     except Exception as error:  # whatever the user's file raises
-        raise Refused(f'{path}: {said(error, path)}')
+        raise Refused(f'{path}: {said(error, code)}')
     return code
 
 
@@ -87,8 +87,9 @@ def numbers(value):
     return found.astype(float)
 
 
-def said(error, path=None):
-    """An exception in words, with the last line of the user's file that it came from."""
+def said(error, code=None):
+    """An exception in words, with the last line of the user's file that it came from, where `code` is what checked() gives."""
+    path = code['path'] if isinstance(code, dict) and 'text' in code else None
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
     if isinstance(error, SyntaxError):
         lines = [error.lineno]
