@@ -267,19 +267,20 @@ class SweepTest(ProgramCase):
                     path.unlink()
 
     def test_nothing_is_left_of_a_sweep_that_is_killed(self):
-        for workers in ('1', '2'):
+        for workers in (1, 2):
             with self.subTest(workers=workers):
-                self.program('#!/bin/sh\nsleep 1000 & echo $! > child; echo $PPID > new; mv new worker; wait\n')
+                self.program('#!/bin/sh\nsleep 1000 & echo $! > child$$; echo $PPID > new$$; mv new$$ worker$$; wait\n')
                 self.write('program: [./p]\nrepeats: 2\n')
-                process = subprocess.Popen(self.command('--workers', workers), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                while not (self.folder / 'worker').exists() and process.poll() is None:
+                process = subprocess.Popen(self.command('--workers', str(workers)), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                while len(list(self.folder.glob('worker*'))) < workers and process.poll() is None:
                     time.sleep(0.01)
                 process.kill()
                 process.wait()
-                self.assert_gone('child')
-                self.assert_gone('worker')
-                for path in (self.folder / 'worker', self.folder / 'child'):
-                    path.unlink()
+                names = [path.name for kind in ('child*', 'worker*') for path in self.folder.glob(kind)]
+                self.assertEqual(len(names), 2 * workers)
+                for name in names:
+                    self.assert_gone(name)
+                    (self.folder / name).unlink()
 
     def test_nothing_is_left_where_a_worker_ends_as_its_program_begins(self):
         self.program('#!/bin/sh\necho $$ > "child$$"; kill -9 $PPID; exec sleep 1000\n')
