@@ -16,7 +16,8 @@ from unittest import mock
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import slurm_cluster  # noqa: E402
-from rigid_body_sim.sweep import batch, command, engines  # noqa: E402
+from rigid_body_sim.sweep import batch, carry, command, engines  # noqa: E402
+from rigid_body_sim.sweep.run import record_of  # noqa: E402
 from rigid_body_sim.sweep.store import Store  # noqa: E402
 from rigid_body_sim.sweep.tree import Refused  # noqa: E402
 from sweep_file import PATIENCE, PROGRAM, ROOT, SweepCase  # noqa: E402
@@ -469,9 +470,41 @@ measure: {k: {python: "traps.py:%s"}}
             done = subprocess.run(['/usr/bin/python3', str(PROGRAM), '--work', store.folder, 'again', '1'], check=False)
             self.assertEqual(done.returncode, 0)
             self.assertEqual(sorted(store.status()), [*range(30, 60), *range(90, 100)])
-            self.assertEqual(store.count_runs(), 40)
+            self.assertEqual(store.counts(), (40, 0))
         self.sound('--resume', '--workers', '1')
         self.assertEqual(self.hashes(), whole)
+
+    def test_failed_runs_of_batch_workers_are_counted_as_they_come(self):
+        store, shown = Store(self.folder / 's.sweep'), []
+
+        class Workers:
+            name = 'these workers'
+
+            def pieces(self, _):
+                return 4
+
+            def run(self, _, __, chunks, ___, report):
+                for numbers in chunks:
+                    store.keep([record_of(number, 'failed' if number % 3 == 0 else 'ok') for number in numbers])
+                    report()
+                    shown.append((progress.done, progress.failed))
+
+        os.makedirs(store.parts)
+        store.keep([record_of(100, 'failed')])  # of an earlier round
+        progress = carry.Progress(12)
+        carry.carry_batch(list(range(12)), Workers(), store, progress, 1.0)
+        self.assertEqual(shown, [(3, 1), (6, 2), (9, 3), (12, 4)])
+
+    def test_what_killed_writers_have_left_goes(self):
+        self.write(BALLS)
+        self.sound('--workers', '1')
+        old, young = (self.folder / 's.sweep/parts' / f'part.{name}.tmp' for name in ('old', 'young'))
+        for path in (old, young):
+            path.write_text('half')
+        os.utime(old, (time.time() - 4000,) * 2)
+        self.sound('--resume', '--workers', '1')
+        self.assertFalse(old.exists())
+        self.assertTrue(young.exists())
 
     def test_runs_that_two_parts_hold_count_once(self):
         self.write(BALLS)

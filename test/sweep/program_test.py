@@ -211,6 +211,19 @@ class SweepTest(ProgramCase):
         self.assertEqual([row['exit_status'] for row in rows[13:16]], ['0', '3', '3'])
         self.assertNotIn('output', rows[0])
 
+    def test_a_program_that_does_not_start_has_the_exit_status_of_a_shell(self):
+        self.program('#!/no/such/interpreter\n')
+        self.write('program: [./p]\nrepeats: 2\n')
+        said = self.sweep('--workers', '1').stdout
+        self.assertIn('2 refused', said)
+        self.assertEqual(self.results()['exit_status'].tolist(), [127] * 2)
+
+    def test_values_of_several_kinds_stay_apart(self):
+        self.program(self.SCRIPT % '')
+        self.write('program: [./p, "{x}", "{y}"]\nvary: {x: [1], y: [true, "true", null, a]}\n')
+        self.sound('--workers', '1')
+        self.assertEqual(self.results()['parameters/y'].tolist(), ['true', '"true"', 'null', 'a'])
+
     def test_one_process_and_two_give_the_same(self):
         self.program(self.SCRIPT % '')
         self.write(self.TEXT)

@@ -57,7 +57,7 @@ def duration(seconds):
     return f'{seconds / 86400:.3g} days'
 
 
-class Work:
+class Backlog:
     """The runs that have no record yet."""
 
     def __init__(self, numbers):
@@ -118,17 +118,17 @@ class Pace:
 
 def carry_live(plan, numbers, engine, store, progress):
     """By an engine that takes one chunk after the other."""
-    text, work, pace, running = plan.text(), Work(numbers), Pace(len(numbers), engine.slots), 0
-    while running or work.left():
+    text, backlog, pace, running = plan.text(), Backlog(numbers), Pace(len(numbers), engine.slots), 0
+    while running or backlog.left():
         while running < QUEUED_PER_SLOT * engine.slots:
-            chunk = work.take(pace.size(work.fresh_left()), alone=not running)
+            chunk = backlog.take(pace.size(backlog.fresh_left()), alone=not running)
             if chunk is None:
                 break
             engine.submit(text, chunk)
             running += 1
         for chunk, records, why in engine.wait():
             running -= 1
-            records = work.lost(chunk, why) if records is None else records
+            records = backlog.lost(chunk, why) if records is None else records
             if records:
                 check_builds((record['build'] for record in records if 'build' in record), 'a worker has')
                 store.keep(records)
@@ -155,12 +155,13 @@ def pilot(plan, numbers, engine):
 
 def carry_batch(numbers, engine, store, progress, run_seconds):
     """By an engine that takes all chunks at once. What its workers leave undone goes out again."""
-    earlier, before, missing = store.part_names(), store.count_runs() - progress.done, numbers
+    earlier, missing = store.part_names(), numbers
+    runs_before, failed_before = (n - done for n, done in zip(store.counts(), (progress.done, progress.failed)))
 
     def report():
-        done = store.count_runs() - before
-        if done > progress.done:
-            progress.add(done - progress.done, 0)
+        runs, failed = store.counts()
+        if runs - runs_before > progress.done:
+            progress.add(runs - runs_before - progress.done, failed - failed_before - progress.failed)
 
     for attempt in range(ATTEMPTS):
         pieces = min(engine.pieces(run_seconds * len(missing)), len(missing))

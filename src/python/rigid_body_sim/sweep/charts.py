@@ -9,7 +9,7 @@ import numpy
 from .tree import Refused
 
 MOST_VALUES = 60  # of a parameter, above which its values are put together in classes
-OF_RUNS = ('time', 'steps', 'exit_status', 'seconds', 'cpu_seconds')  # columns that may be drawn like metrics
+DRAWABLE = ('time', 'steps', 'exit_status', 'seconds', 'cpu_seconds')  # columns that may be drawn like metrics
 CLASSES, CLASSES_OF_LINES, MOST_LINES = 20, 5, 8
 
 
@@ -51,7 +51,7 @@ class Table:
             self.parameters = {values.attrs['path']: (values.asstr() if values.dtype == object else values)[()][self.sound]
                                for values in file['parameters'].values()}
             self.metrics = {name: values[()][self.sound] for name, values in file.get('metrics', {}).items() if values.ndim < 3}
-            self.metrics.update({name: file[name][()][self.sound] for name in OF_RUNS
+            self.metrics.update({name: file[name][()][self.sound] for name in DRAWABLE
                                  if name in file and name not in self.metrics})
 
     def metric(self, name):

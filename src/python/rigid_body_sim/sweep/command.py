@@ -27,7 +27,7 @@ from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Task, checked_numbers
 from .reader import Reader
 from .run import Run, build_of_physics, check_builds, run_chunk, scene_of
-from .store import AGAIN, MOST_CSV_RUNS, Store
+from .store import AGAIN, MOST_CSV_RUNS, Store, folder_of
 from .tree import Refused, replaced
 from .users_code import said
 
@@ -232,7 +232,7 @@ def carry_by_batch(plan, store, options, progress):
         store.keep(known)
     done = {record['number'] for record in known}
     numbers = [number for number in numbers if number not in done]
-    progress.add(len(known), 0)
+    progress.add(len(known), sum(record['status'] != 'ok' for record in known))
     if not numbers:
         return
     try:
@@ -285,7 +285,7 @@ def chart(options, store):
 
 
 def folder_of_results(options):
-    return options.output or os.path.splitext(options.file)[0] + '.sweep'
+    return options.output or folder_of(options.file)
 
 
 def interrupt(*_):

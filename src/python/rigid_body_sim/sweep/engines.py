@@ -28,7 +28,7 @@ def end_with_parent(how):
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, how)
 
 
-def work(pipe):
+def serve(pipe):
     """What a process does: it hands back the records of each chunk that comes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes of the terminal: the one that has started this decides
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # blocked until here
@@ -48,7 +48,7 @@ class Worker:
     def __init__(self):
         context = multiprocessing.get_context('spawn')
         self.pipe, its_end = context.Pipe()
-        self.process = context.Process(target=work, args=[its_end])
+        self.process = context.Process(target=serve, args=[its_end])
         multiprocessing.resource_tracker.ensure_running()  # which start() would do, and unblock SIGINT then
         mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # the process begins with it
         try:

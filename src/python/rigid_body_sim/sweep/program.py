@@ -17,7 +17,8 @@ from . import keeper, outputs
 from .tree import Refused
 
 PLACEHOLDER = re.compile(r'\{([A-Za-z_]\w*)\}')
-OF_RUNS = ('seed', 'number')  # placeholders that every run has a value for
+GIVEN = ('seed', 'number')  # placeholders that every run has a value for
+NOT_STARTED = 127  # exit status, as a shell has it
 READ_BYTES = 1 << 16
 LONGEST_WAIT = 3600.0  # s: epoll takes no wait of any length
 MOST_READ = 1 << 26  # bytes of standard output
@@ -44,7 +45,7 @@ def found(name, folder):
     return path
 
 
-def text_of(value):
+def argument_of(value):
     """A value as an argument: text as it is, all else as JSON has it."""
     return value if isinstance(value, str) else json.dumps(value)
 
@@ -53,8 +54,8 @@ def filled(word, values):
     """The arguments that a word makes: one; for a list that is all of the word, one for each entry."""
     whole = PLACEHOLDER.fullmatch(word)
     if whole and isinstance(values[whole.group(1)], list):
-        return [text_of(entry) for entry in values[whole.group(1)]]
-    return [PLACEHOLDER.sub(lambda match: text_of(values[match.group(1)]), word)]
+        return [argument_of(entry) for entry in values[whole.group(1)]]
+    return [PLACEHOLDER.sub(lambda match: argument_of(values[match.group(1)]), word)]
 
 
 def command_of(plan, number):
@@ -158,7 +159,7 @@ def run_task(plan, number):
     try:
         process = Process(command_of(plan, number), plan.program['folder'])
     except (OSError, ValueError) as error:  # such as an argument that is too long, or that has a NUL in it
-        return 'refused', f'it does not start: {error}', {}
+        return 'refused', f'it does not start: {error}', {'exit_status': NOT_STARTED}
     process.run(plan.max_seconds)
     status, detail = process.verdict(plan.max_seconds)
     output = process.output.text()

@@ -11,7 +11,7 @@ from .tree import Refused, place_of, read, replaced, split
 MOST_RUNS = 10_000_000
 MOST_VALUES = 1_000_000  # of one key
 KEYS = ('scene', 'program', 'seed', 'duration', 'steps', 'repeats', 'vary', 'stop', 'measure', 'max_seconds')
-OF_SCENES = ('scene', 'duration', 'steps', 'stop')  # keys that mean nothing to a program
+NOT_OF_PROGRAMS = ('scene', 'duration', 'steps', 'stop')  # keys that mean nothing to a program
 DRAWS = {'uniform': 'a smaller and a larger number', 'log_uniform': 'a smaller and a larger number above 0',
          'normal': 'a mean and a standard deviation above 0', 'integers': 'a smaller and a larger whole number'}
 
@@ -104,14 +104,14 @@ class Reader:
 
     def command(self):
         """The program with its words, where it runs, and the digest of its file."""
-        for key in OF_SCENES:
+        for key in NOT_OF_PROGRAMS:
             if key in self.tree:
                 self.fault((key,), "it means nothing to a program; 'program' or 'scene' says what is run")
         words = self.tree['program']
         if not (isinstance(words, list) and words and all(isinstance(word, (str, int, float)) for word in words)):
             self.fault(('program',), f'{words!r:.60} (allowed: a list of words, the program first)')
             return {}
-        words = [program.text_of(word) for word in words]
+        words = [program.argument_of(word) for word in words]
         self.check_placeholders(words)
         try:
             path = program.found(words[0], self.folder)
@@ -125,7 +125,7 @@ class Reader:
     def check_placeholders(self, words):
         varied, used = self.tree.get('vary', {}), set()
         varied = list(varied) if isinstance(varied, dict) else []
-        known = dict.fromkeys([*varied, *program.OF_RUNS])
+        known = dict.fromkeys([*varied, *program.GIVEN])
         for k, word in enumerate(words):
             for name in program.PLACEHOLDER.findall(word):
                 used.add(name)
@@ -134,8 +134,8 @@ class Reader:
                 elif name not in known:
                     self.fault(('program', k), f'{{{name}}}: nothing varies it (there are: {", ".join(known)})')
         for name in varied:
-            if name in program.OF_RUNS:
-                self.fault(('vary', name), f'each run has its own (allowed: a name other than {", ".join(program.OF_RUNS)})')
+            if name in program.GIVEN:
+                self.fault(('vary', name), f'each run has its own (allowed: a name other than {", ".join(program.GIVEN)})')
             elif not program.PLACEHOLDER.fullmatch('{' + name + '}'):
                 self.fault(('vary', name), 'it is no placeholder (allowed: letters, digits and _, no digit first)')
             elif name not in used:

@@ -42,7 +42,8 @@ class Run:
 
     def __init__(self, plan, task):
         self.plan, self.task, self.files = plan, task, users_code.Files()
-        self.world = World(scene_of(task.scene))
+        scene = scene_of(task.scene)
+        self.world, self.steps = World(scene), plan.steps(scene.step)
         self.metrics = {entry['name']: metrics.made_for(self, entry) for entry in plan.tree['measure']}
         self.stops = {entry['name']: stops.made_for(self, entry) for entry in plan.tree['stop']}
         self.flags, self.stopped, self.diverged = set(), '', ''
@@ -64,11 +65,11 @@ class Run:
 
     def advance(self):
         """Steps to the end, or until something stops it."""
-        world, steps = self.world, self.plan.steps(self.task.scene.get('step', 1 / 60))
+        world = self.world
         observers = [metric.observe for metric in self.metrics.values() if hasattr(metric, 'observe')]
         for observe in observers:
             observe(world, None)
-        for _ in range(steps):
+        for _ in range(self.steps):
             report = world.step()
             if report.warnings:
                 self.note(report.warnings)

@@ -5,6 +5,7 @@ A file is written under another name, forced to the disk and renamed, so it is w
 the digest of its bytes, so a part that was damaged later is noticed and its runs are made again. Runs are known by their
 numbers: one that two parts hold counts once.
 """
+import contextlib
 import csv
 import fcntl
 import glob
@@ -14,22 +15,31 @@ import json
 import os
 import re
 import signal
+import time
 
 import h5py
 import numpy
 
 from .plan import Plan
+from .program import NOT_STARTED
 from .sink import INTERRUPTS, Sink
 from .tree import Refused
 
 TEXTS = ('status', 'detail', 'stopped', 'flags', 'host', 'output')
 NUMBERS = {'number': numpy.int64, 'hash': numpy.uint64, 'steps': numpy.int64, 'time': float, 'exit_status': numpy.int64,
            'seconds': float, 'cpu_seconds': float}
-OF_SCENES, OF_PROGRAMS = ('hash', 'steps', 'time', 'stopped', 'flags'), ('exit_status', 'output')
+OF_SCENES_ALONE, OF_PROGRAMS_ALONE = ('hash', 'steps', 'time', 'stopped', 'flags'), ('exit_status', 'output')
+UNKNOWN = {'exit_status': NOT_STARTED}  # of a run that has none; 0 in other columns
 AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
-PART = re.compile(r'part-(\d+)-(\d+)-([0-9a-f]{16})\.h5')
+PART = re.compile(r'part-(?P<first>\d+)-(?P<runs>\d+)-(?P<failed>\d+)-(?P<digest>[0-9a-f]{16})\.h5')
 MOST_CSV_RUNS = 100_000
 CHUNK_BYTES = 1 << 20
+LONGEST_WRITE = 3600.0  # s, of a file
+
+
+def folder_of(file):
+    """The folder of a sweep's results, unless another is asked for."""
+    return os.path.splitext(file)[0] + '.sweep'
 
 
 def write_whole(path, write):
@@ -76,7 +86,7 @@ def table_of(records):
     """Records as columns; metrics as one array each. A run that was cut off has no more than its status and its time."""
     names = list(dict.fromkeys(name for record in records for name in record['values']))
     known = {key for record in records for key in record}
-    table = {key: numpy.array([record.get(key, 0) for record in records], kind) for key, kind in NUMBERS.items() if key in known}
+    table = {key: numpy.array([record.get(key, UNKNOWN.get(key, 0)) for record in records], kind) for key, kind in NUMBERS.items() if key in known}
     table.update({key: [record.get(key, '') for record in records] for key in TEXTS if key in known})
     values = {name: [record['values'].get(name) for record in records] for name in names}
     table['metrics'] = {name: padded(arrays, common_shape([a.shape for a in arrays if a is not None]))
@@ -139,7 +149,15 @@ class Store:
     def begin(self, plan):
         os.makedirs(self.parts, exist_ok=True)
         self.seize()
+        self.clear()
         write_whole(self.path('plan.json'), lambda file: file.write(plan.text().encode()))
+
+    def clear(self):
+        """Removes what processes that were killed have left half written. Workers may be writing now, not for an hour."""
+        for path in glob.glob(glob.escape(self.folder) + '/**/*.tmp', recursive=True):
+            with contextlib.suppress(FileNotFoundError):  # one that is whole now
+                if time.time() - os.path.getmtime(path) > LONGEST_WRITE:
+                    os.unlink(path)
 
     def seize(self):
         """Two programs never write into one folder."""
@@ -156,7 +174,8 @@ class Store:
             write_columns(file, table_of(records))
             file.attrs['build'] = next((record['build'] for record in records if 'build' in record), '')
         digest = hashlib.sha256(data.getbuffer()).hexdigest()[:16]
-        name = f'part-{records[0]["number"]:09d}-{len(records)}-{digest}.h5'
+        failed = sum(record['status'] != 'ok' for record in records)
+        name = f'part-{records[0]["number"]:09d}-{len(records)}-{failed}-{digest}.h5'
         write_whole(os.path.join(self.parts, name), lambda file: file.write(data.getbuffer()))
 
     def part_names(self):
@@ -164,14 +183,14 @@ class Store:
 
     def parts_beginning_in(self, numbers):
         """The parts whose first run is one of these. What works on its own share of the runs need not read all parts."""
-        return {name for name in self.part_names() if int(PART.fullmatch(name).group(1)) in numbers}
+        return {name for name in self.part_names() if int(PART.fullmatch(name)['first']) in numbers}
 
     def whole_parts(self, names=None):
         """The tables of parts that are as they were written, in the order of their names."""
         for name in sorted(self.part_names() if names is None else names):
             with open(os.path.join(self.parts, name), 'rb') as file:
                 data = file.read()
-            if hashlib.sha256(data).hexdigest()[:16] == PART.fullmatch(name).group(3):
+            if hashlib.sha256(data).hexdigest()[:16] == PART.fullmatch(name)['digest']:
                 yield read_part(data)
             else:
                 self.damaged.add(name)
@@ -193,9 +212,10 @@ class Store:
                 shapes.setdefault(name, set()).add(values.shape[1:])
         return known, {name: common_shape(found) for name, found in shapes.items()}, builds - {''}
 
-    def count_runs(self):
-        """How many runs the parts hold, by their names alone."""
-        return sum(int(PART.fullmatch(name).group(2)) for name in self.part_names())
+    def counts(self):
+        """How many runs the parts hold, and how many of them have failed, by the names of the parts alone."""
+        found = [PART.fullmatch(name) for name in self.part_names()]
+        return tuple(sum(int(part[key]) for part in found) for key in ('runs', 'failed'))
 
     def last_log(self, name):
         """The end of what the workers of a round have said."""
@@ -232,8 +252,8 @@ class Store:
     def fill(self, file, plan, known, shapes, names, check):
         """The table of the runs in the order of their numbers. `check` raises what has gone wrong so far."""
         numbers = numpy.array(sorted(known), numpy.int64)
-        meaningless = OF_SCENES if plan.program else OF_PROGRAMS
-        columns = {key: numpy.zeros(len(numbers), kind) for key, kind in NUMBERS.items() if key not in meaningless}
+        meaningless = OF_SCENES_ALONE if plan.program else OF_PROGRAMS_ALONE
+        columns = {key: numpy.full(len(numbers), UNKNOWN.get(key, 0), kind) for key, kind in NUMBERS.items() if key not in meaningless}
         texts = {key: numpy.full(len(numbers), '', object) for key in TEXTS if key not in meaningless}
         metrics = {}
         for entry in plan.tree['measure']:
@@ -270,7 +290,7 @@ class Store:
         for axis in plan.axes:
             values = [parameters[axis.path] for _, parameters in found]
             kind = kind_of(values)
-            data = numpy.array(values, kind) if kind else [text_of(value) for value in values]
+            data = numpy.array(values, kind) if kind else texts_of(values)
             column = group.create_dataset(name_in_file(axis.path), data=data, dtype=kind or h5py.string_dtype())
             column.attrs['path'] = axis.path
 
@@ -324,10 +344,23 @@ def kind_of(values):
     return float if max(-low, high) <= 2 ** 53 else None
 
 
-def text_of(value):
-    """Words as they are where HDF5 takes them, all else as JSON."""
-    is_plain = isinstance(value, str) and '\0' not in value and value.encode(errors='replace').decode() == value
-    return value if is_plain else json.dumps(value)
+def texts_of(values):
+    """Words as they are, all else as JSON; so is a word that HDF5 does not take, or that would be taken for JSON beside others."""
+    mixed = not all(isinstance(value, str) for value in values)
+    return [value if is_word(value) and not (mixed and is_json(value)) else json.dumps(value) for value in values]
+
+
+def is_word(value):
+    """Whether HDF5 takes it as it is."""
+    return isinstance(value, str) and '\0' not in value and value.encode(errors='replace').decode() == value
+
+
+def is_json(text):
+    try:
+        json.loads(text)
+    except ValueError:
+        return False
+    return True
 
 
 def name_in_file(path):

@@ -8,10 +8,7 @@ import h5py
 from . import command
 from .plan import Plan
 from .program import package_programs
-
-
-def folder_of(file):
-    return os.path.splitext(file)[0] + '.sweep'
+from .store import folder_of
 
 
 def carry(file, tree, engine=()):
