@@ -106,6 +106,12 @@ class ParametersTest(unittest.TestCase):
             parameters = yaml.safe_load(dumped)
             self.assertEqual([parameters['/sim/' + name] for name in ('scene', 'world_frame', 'tf_prefix')], [wanted, '5', '7'])
 
+    def test_a_recording_has_any_name(self):
+        for given, wanted in (('', ''), ("it's.bag", "/here/it's.bag"), ('/a b/"c"\\ü.bag', '/a b/"c"\\ü.bag'), ('~/x.bag', '~/x.bag')):
+            printed = subprocess.run(['roslaunch', '--args', 'record', 'rigid_body_sim', 'record.launch', 'file:=' + given],
+                                     env=dict(os.environ, PWD='/here'), stdout=subprocess.PIPE, text=True, timeout=60, check=True).stdout
+            self.assertIn(' --simulator /sim --file %s __name' % wanted, printed)
+
     def test_a_simulator_without_a_clock_leaves_the_time_of_the_others_alone(self):
         launch = subprocess.Popen(['roslaunch', 'rigid_body_sim', 'sim.launch', 'gui:=false', 'scene:=' + SMALL, 'use_sim_time:=false',
                                    'tf_prefix:=other/'], env=dict(os.environ, ROS_NAMESPACE='other'), start_new_session=True)
