@@ -17,9 +17,9 @@ struct SettingCost {
   /// Mean CPU time of a step of the scene with all its divisions, ms; 0: not timed yet.
   double step_ms = 0.0;
   ErrorRate error,  ///< mean error over the time of all windows
-      worst;        ///< largest error of a single window
-  /// Whether `error` and `worst` are upper bounds: the reference is not known well enough to measure the
-  /// error.
+      worst;        ///< largest error of a window, or of a piece of one
+  /// Whether the distances in `error` and `worst` are upper bounds: the reference is not known well enough to
+  /// measure them. Angles and energies are bounds in the same way, each where its own uncertainty is large.
   bool at_most = false;
   std::uint64_t steps = 0;  ///< steps of the scene that were timed
 };
@@ -31,11 +31,12 @@ struct AccuracyStudy {
   double time = 0.0;            ///< physics time that the study starts from, s
   double step = 0.0;            ///< length of a step of the scene, s
   double window = 0.0;          ///< required length of a window, rounded to whole steps, s
-  double shortest = 0.0;        ///< length of the shortest window measured, s; 0: none was
+  double shortest = 0.0;        ///< length of the shortest piece of a window measured, s; 0: none was
   double seconds = 0.0;         ///< physics time over which the windows begin, s
-  std::uint32_t windows = 0;    ///< measured windows in which the reference converged
-  std::uint32_t shortened = 0;  ///< of `windows`: shorter than `window`, for convergence or for CPU time
-  std::uint32_t dropped = 0;    ///< windows in which the reference did not converge even for one step
+  std::uint32_t windows = 0;    ///< windows measured
+  std::uint32_t shortened = 0;  ///< of `windows`: in pieces for convergence, or ended early for CPU time
+  /// Pieces of one step in which the reference does not converge. Their uncertainties count with their errors.
+  std::uint32_t inconclusive = 0;
   /// Uncertainty of the reference, the mean over the windows. In each window it is the change by halving the
   /// step of the reference, or a third of the change by quartering it, whichever is larger.
   ErrorRate uncertainty;
@@ -51,7 +52,8 @@ struct AccuracyStudy {
 struct AccuracyOptions {
   double seconds = 2.0;  ///< physics time to look ahead, s, 1e-6 to 1000
   double window = 0.25;  ///< length of a window, s, 1e-6 to 1000; rounded to whole steps, 1 to 1000 of them
-  std::uint32_t windows = 16;  ///< number of windows, 1 to 1000; evenly spaced along `seconds`
+  /// Number of windows, 1 to 1000; evenly spaced along `seconds`. There are no more than steps in it.
+  std::uint32_t windows = 16;
   /// CPU time of the calling thread that the study may take, s, 1e-3 to 1e6. A step that has begun is still
   /// finished.
   double max_cpu_seconds = 60.0;
@@ -68,10 +70,12 @@ std::vector<Problem> validate(const AccuracyOptions& options);
 /// itself does not change.
 ///
 /// All runs of a window begin with the same state, that of a run at Fidelity::Reference from the state of
-/// `world`. So the growth of errors in a chaotic scene over a long run does not count. A window ends early
-/// where the reference stops converging, and where it would take too large a part of the CPU time. A window
-/// in which the reference does not converge even for one step is dropped. Where all are dropped, they give
-/// upper bounds of the errors.
+/// `world`. So the growth of errors in a chaotic scene over a long run does not count. Where the reference
+/// stops converging, all runs begin again with its state, and at the latest after each step. A window ends
+/// early where it would take too large a part of the CPU time.
+///
+/// There is no reference, and `trouble` says so, for a scene without a dynamic body, and for one with
+/// restitution in which the effect impacts is off.
 ///
 /// The first answer takes one step of every choice of settings. It is refined until all windows are measured
 /// or the time is up. `goOn(share, study)` is called after each step with the fraction that is done, 0 to 1,

@@ -31,11 +31,11 @@ class Governor {
   /// divisions.
   void setEstimating(bool on);
 
-  /// Estimate of the last window. Empty until a window is over, and after a step with neither a goal nor
-  /// setEstimating().
+  /// Estimate of the last window in which the settings were compared with more exact ones. Empty until such a
+  /// window is over, and after a step with neither a goal nor setEstimating().
   const std::optional<ErrorEstimate>& estimate() const;
   /// Why the goal of the world has set the solver settings to what they are, or can go no further:
-  /// "interactive: an error of 3.2 mm/s is above 1 mm/s". Empty where the world has no goal, or where the
+  /// "interactive: preview has an error of 3.2 mm/s, which is above 1 mm/s". Empty where the world has no goal, or where the
   /// goal has not required a change yet.
   std::string reason(const World& world) const;
   /// CPU time of the last step of the world, without the second run beside it, s; 0 before the first.

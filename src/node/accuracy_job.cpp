@@ -157,8 +157,7 @@ AccuracyStudy AccuracyJob::read(ChildProcess& program) {
     trouble = words("its output is not an accuracy study: ", error.what());
   }
   if (!stop_) ROS_WARN_STREAM("scene_accuracy was ended: " << trouble);
-  if (!stop_ || study.windows + study.dropped == 0)
-    study.trouble = "scene_accuracy gave no result: " + trouble;
+  if (!stop_ || study.windows == 0) study.trouble = "scene_accuracy gave no result: " + trouble;
   return study;
 }
 
@@ -196,7 +195,7 @@ void AccuracyJob::publish() {
   msg.seconds = study.seconds;
   msg.windows = study.windows;
   msg.shortened = study.shortened;
-  msg.dropped = study.dropped;
+  msg.inconclusive = study.inconclusive;
   msg.uncertainty = finite(study.uncertainty.distance);
   for (const SettingCost& cost : study.settings) msg.settings.push_back(costMessage(cost));
   publisher_.publish(msg);

@@ -2,6 +2,7 @@
 #include "same_scene.h"
 
 #include <algorithm>
+#include <map>
 
 namespace rbs {
 namespace {
@@ -14,7 +15,8 @@ bool same(const Material& a, const Material& b) {
 
 bool same(const BodyDescription& a, const BodyDescription& b) {
   return a.kind == b.kind && a.mass == b.mass && a.inertia == b.inertia && a.frozen == b.frozen &&
-         same(a.material, b.material) && sameShape(a.shape, b.shape);
+         a.group == b.group && a.mask == b.mask && same(a.material, b.material) &&
+         sameShape(a.shape, b.shape);
 }
 
 bool same(const std::optional<Fluid>& a, const std::optional<Fluid>& b) {
@@ -38,6 +40,25 @@ std::string bodiesChange(const std::vector<BodyDescription>& then, const std::ve
   return "";
 }
 
+// A conveyor or a turntable is what its velocity makes of it.
+std::string motionChange(const Snapshot& then, const Snapshot& now) {
+  const auto motions = [](const Snapshot& snapshot) {
+    std::map<std::string, Twist> found;
+    for (std::size_t k = 0; k < snapshot.bodies->size(); ++k) {
+      const BodyDescription& body = (*snapshot.bodies)[k];
+      if (body.kind == BodyKind::Kinematic) found[body.name] = snapshot.states[k].twist;
+    }
+    return found;
+  };
+  const std::map<std::string, Twist> before = motions(then);
+  for (const auto& [name, twist] : motions(now)) {
+    const Twist& earlier = before.at(name);
+    if (twist.v_WB != earlier.v_WB || twist.w_WB != earlier.w_WB)
+      return "the velocity of '" + name + "' was changed";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string sceneChange(const Snapshot& then, const Snapshot& now) {
@@ -47,7 +68,8 @@ std::string sceneChange(const Snapshot& then, const Snapshot& now) {
   if (!same(then.air, now.air)) return "the air was changed";
   if (!same(then.fluid, now.fluid)) return "the fluid was changed";
   if (then.effects != now.effects) return "the effects were changed";
-  return then.bodies == now.bodies ? "" : bodiesChange(*then.bodies, *now.bodies);
+  const std::string change = then.bodies == now.bodies ? "" : bodiesChange(*then.bodies, *now.bodies);
+  return change.empty() ? motionChange(then, now) : change;
 }
 
 }  // namespace rbs

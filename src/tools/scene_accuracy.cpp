@@ -80,12 +80,13 @@ void printWindows(const AccuracyStudy& study) {
   std::printf("A window is %.3g s long.", study.window);
   if (study.shortened > 0)
     std::printf(
-        " %u of them end earlier, the shortest after %.3g s: the reference does not converge for longer, or "
-        "the CPU time ran out.",
+        " %u of them are in pieces, the shortest of %.3g s, or end earlier: the reference does not converge "
+        "for "
+        "longer, or the CPU time ran out.",
         study.shortened, study.shortest);
-  if (study.dropped > 0)
-    std::printf(" In %u more the reference does not converge even for one step%s.", study.dropped,
-                study.windows > 0 ? "; they are dropped" : ": all errors are upper bounds from these");
+  if (study.inconclusive > 0)
+    std::printf(" Steps in which the reference does not converge: %u. Their errors count as upper bounds.",
+                study.inconclusive);
   std::printf("\n\n");
 }
 

@@ -40,6 +40,7 @@ inline void from_json(const nlohmann::json& json, Setting& setting) {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SettingCost, setting, step_ms, error, worst, at_most, steps)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyStudy, scene, time, step, window, shortest, seconds, windows,
-                                   shortened, dropped, uncertainty, trouble, complete, first_answer, settings)
+                                   shortened, inconclusive, uncertainty, trouble, complete, first_answer,
+                                   settings)
 
 }  // namespace rbs

@@ -120,7 +120,7 @@ TEST(AccuracyStudy, MeasuresAllWindowsThatAreAskedFor) {
   options.seconds = 0.5, options.window = 1.0 / 60.0, options.windows = 17;
   options.settings = {Fidelity::Preview};
   const AccuracyStudy study = measureAccuracy(World(slidingBox()), options, kAlways);
-  EXPECT_EQ(study.windows + study.dropped, 17u);
+  EXPECT_EQ(study.windows, 17u);
   EXPECT_TRUE(study.complete);
 }
 
@@ -158,8 +158,8 @@ SceneDef tumblingCubes() {
 }
 
 // The only error is that of the reference in half its divisions, its uncertainty: small only until the first
-// impact.
-TEST(AccuracyStudy, ShortensAWindowUntilTheReferenceConverges) {
+// impact, from which the runs go on together.
+TEST(AccuracyStudy, MeasuresAWindowInPiecesInWhichTheReferenceConverges) {
   AccuracyOptions options;
   options.settings = {Fidelity::Reference};
   options.settings[0].divisions = 4;
@@ -169,11 +169,97 @@ TEST(AccuracyStudy, ShortensAWindowUntilTheReferenceConverges) {
   EXPECT_EQ(study.trouble, "");
   EXPECT_EQ(study.windows, 1u);
   EXPECT_EQ(study.shortened, 1u);
-  EXPECT_EQ(study.dropped, 0u);
-  EXPECT_GE(study.shortest, 1.0 / 60.0 - 1e-12);
-  EXPECT_LE(study.shortest, 5.0);
-  EXPECT_LE(study.uncertainty.distance * study.shortest, 1e-6);
+  EXPECT_TRUE(study.complete);
+  EXPECT_GE(study.inconclusive, 1u);
+  EXPECT_LT(study.inconclusive, 200u);
+  EXPECT_NEAR(study.shortest, 1.0 / 60.0, 1e-12);
   EXPECT_TRUE(study.settings[0].at_most);
+}
+
+// A cube that falls on its corner in large steps. It is in the impact, which no reference knows well, that
+// `accurate` errs. So the answer is a bound, and no smaller than the mean of all whole windows, by a
+// reference that is eight times as fine.
+TEST(AccuracyStudy, DoesNotLeaveOutWhatIsHardToPredict) {
+  SceneDef scene = onFloor(0.1, 0.5);
+  scene.bodies.push_back(box("box", Vec3(0.5, 0.5, 0.5), Vec3(0.0, -3.0, 1.0)));
+  scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(0.576, Vec3(1.0, 2.0, 3.0).normalized()));
+  scene.bodies.back().material.restitution = 0.3;
+  scene.bodies.back().twist.v_WB.x() = 1.0;
+  AccuracyOptions options;
+  options.windows = 20, options.window = 0.3;
+  options.settings = {Fidelity::Preview, Fidelity::Accurate};
+  const AccuracyStudy study = measureAccuracy(World(scene), options, kAlways);
+  EXPECT_EQ(study.windows, 20u);
+
+  scene.fidelity = Fidelity::Reference;
+  World path(scene);
+  double sum = 0.0;
+  for (int window = 0; window < 20; ++window, path.step()) {
+    Setting fine(Fidelity::Reference);
+    fine.divisions = 64;
+    World run(path), truth(path);
+    run.setFidelity(Fidelity::Accurate);
+    truth.setFidelity(fine);
+    for (int k = 0; k < 3; ++k) run.step(), truth.step();
+    sum += (stateOf(run, "box").pose.p_WB - stateOf(truth, "box").pose.p_WB).norm() / 0.3;
+  }
+  EXPECT_GT(sum / 20.0, 1e-3) << "an impact in large steps is not easy";
+  EXPECT_TRUE(study.settings[1].at_most);
+  EXPECT_GE(study.settings[1].error.distance, 0.5 * sum / 20.0);
+  EXPECT_EQ(cheapestWithin(study, 0.2 * sum / 20.0), nullptr);
+}
+
+// However many windows are required: those that were measured lie along all of the path. The box is on the
+// floor in the second half of it.
+TEST(AccuracyStudy, EndedEarlyItHasSeenAllPartsOfThePathOfManyWindows) {
+  SceneDef scene = onFloor(1.0 / 240.0, kFriction);
+  scene.bodies.push_back(box("box", Vec3(1.0, 1.0, 0.2), Vec3(0.0, 0.0, 0.1 + 0.5 * kGravity * 0.81)));
+  scene.bodies.back().material.friction = kFriction;
+  scene.bodies.back().twist.v_WB.x() = kSpeed;
+  AccuracyOptions options;
+  options.windows = 400, options.window = 1.0 / 240.0, options.settings = {Fidelity::Preview};
+  const auto errorAfter = [&](std::uint32_t windows) {
+    const AccuracyStudy study =
+        measureAccuracy(World(scene), options,
+                        [&](double, const AccuracyStudy& so_far) { return so_far.windows <= windows; });
+    return study.settings[0].error.distance;
+  };
+  const double all = errorAfter(400);
+  EXPECT_GT(all, 1e-5);
+  EXPECT_NEAR(errorAfter(32), all, 0.3 * all);
+  EXPECT_NEAR(errorAfter(100), all, 0.15 * all);
+}
+
+// Steps of a second: there are two windows in two seconds, not one eight times.
+TEST(AccuracyStudy, MeasuresNoWindowTwice) {
+  SceneDef scene = onFloor(1.0, kFriction);
+  scene.bodies.push_back(box("box", Vec3(0.4, 0.4, 0.4), Vec3(0.0, 0.0, 5.0)));
+  const AccuracyStudy study = measureAccuracy(World(scene), {}, kAlways);
+  EXPECT_EQ(study.windows, 2u);
+  EXPECT_TRUE(study.complete);
+}
+
+// The exact step knows no rebound but that of located impacts: its ball lies where others rebound.
+TEST(AccuracyStudy, HasNoReferenceForReboundsWithoutLocatedImpacts) {
+  SceneDef scene = onFloor(1.0 / 60.0, kFriction);
+  scene.bodies.push_back(ball("ball", 0.2, Vec3(0.0, 0.0, 1.2)));
+  scene.effects[Effect::Impacts] = false;
+  EXPECT_EQ(measureAccuracy(World(scene), {}, kAlways).trouble, "");
+  scene.bodies.back().material.restitution = 0.8;
+  EXPECT_THAT(measureAccuracy(World(scene), {}, kAlways).trouble, testing::HasSubstr("has no restitution"));
+  scene.effects[Effect::Restitution] = false;
+  EXPECT_EQ(measureAccuracy(World(scene), {}, kAlways).trouble, "");
+}
+
+// A look at the clock takes as long as the step of one ball, and is not part of it.
+TEST(AccuracyStudy, LooksAtTheClockAreNoPartOfAStep) {
+  SceneDef scene;
+  scene.bodies.push_back(ball("ball", 0.2, Vec3::Zero()));
+  AccuracyOptions options;
+  options.seconds = 100.0, options.windows = 1, options.settings = {Fidelity::Preview};
+  int calls = 0;
+  measureAccuracy(World(scene), options, [&](double, const AccuracyStudy&) { return ++calls > 0; });
+  EXPECT_LT(calls, 1000) << "of more than 6,000 steps";
 }
 
 // The largest error is that of the reference in half its divisions: which is the uncertainty, and tells
@@ -204,7 +290,7 @@ TEST(AccuracyStudy, EveryStepOfTheScheduleRefinesAnAnswerThatIsThereFromTheFirst
     std::size_t steps = 0;
     const AccuracyStudy study = measureAccuracy(world, {}, [&](double, const AccuracyStudy& so_far) {
       ++steps;
-      EXPECT_EQ(so_far.windows + so_far.dropped, steps > runs ? 1u : 0u) << name << " " << steps;
+      EXPECT_EQ(so_far.windows, steps > runs ? 1u : 0u) << name << " " << steps;
       return steps <= 2 * runs;
     });
     EXPECT_EQ(study.trouble, "") << name;

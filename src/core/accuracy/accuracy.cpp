@@ -6,13 +6,17 @@
 // length costs no more than running it at once. In a chaotic scene a difference d grows as d exp(t/T), with T
 // the Lyapunov time. The difference of the reference from its own half step starts at rounding, or at a
 // collision that the two order differently. It outgrows the error of the settings, which starts at the
-// truncation error of a step. So the longest length counts at which the reference still converges
-// (accuracy_window.cpp). Lengths differ by a factor of two, so at most half is lost. A window that would cost
-// more than a fraction of the CPU time ends at the length that it has reached.
+// truncation error of a step. So a window is measured in pieces: each is as long as the reference still
+// converges (accuracy_window.cpp), and the next begins where the reference has ended it. Lengths differ by a
+// factor of two. A piece of one step counts in any case: what nobody can predict is not left out, since it
+// is there that settings differ most. A window that would cost more than a fraction of the CPU time ends at
+// the length that it has reached.
 //
 // Then each choice of settings runs alone through all of the physics time, to measure its CPU time: a pile
 // that collapses at `preview` has the cost of the collapse. The other windows come last. Their order is not
-// that of time: the finished windows are spread evenly along the path, whenever the study is ended.
+// that of time: the finished windows are spread evenly along the path, whenever the study is ended. As few
+// worlds are kept at a time, a sweep along all of the path passes the beginnings of some windows, and later
+// sweeps those between them.
 #include "rigid_body_sim/accuracy.h"
 
 #include "accuracy/accuracy_window.h"
@@ -22,7 +26,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 
 namespace rbs {
 
@@ -37,13 +43,15 @@ constexpr double kWindowShare = 0.125, kTimingShare = 0.25, kPathShare = 0.25;
 /// Short runs are repeated, and the fastest counts, s.
 constexpr double kShortRun = 5e-3;
 constexpr int kRepetitions = 3;
+/// CPU time of timed steps between two looks at the clock, which takes as long as a cheap step, s.
+constexpr double kBetweenLooks = 1e-4;
 
-/// 1 to n - 1, each as far as can be from 0 and from those before it: n/2, then the quarters, and so on.
+/// 0 to n - 1, each as far as can be from those before it: 0, n/2, then the quarters, and so on.
 std::vector<std::size_t> spread(std::size_t n) {
   std::vector<std::size_t> order;
   std::size_t power = 1;
   while (power < n) power *= 2;
-  for (std::size_t k = 1; k < power; ++k) {
+  for (std::size_t k = 0; k < power; ++k) {
     std::size_t reversed = 0;
     for (std::size_t bit = 1; bit < power; bit *= 2) reversed = 2 * reversed + ((k & bit) != 0);
     if (reversed < n) order.push_back(reversed);
@@ -51,22 +59,20 @@ std::vector<std::size_t> spread(std::size_t n) {
   return order;
 }
 
-/// Sums over the windows so far.
+/// Sums over the pieces of windows so far.
 struct Sums {
-  WindowSum converged, dropped;
-  std::uint32_t windows = 0, windows_dropped = 0, shortened = 0, shortest = 0;  // the last in steps
+  WindowSum errors;
+  std::uint32_t inconclusive = 0, shortest = 0;  // pieces; length in steps
   std::uint64_t steps = 0;
   std::vector<double> seconds;  // CPU time of each setting
 
-  // A window that has taken so many steps; of a full one `most`.
-  void add(const AccuracyWindow& window, const WindowReading& reading, std::uint32_t taken, double step,
-           std::uint32_t most) {
-    (reading.converged ? converged : dropped).add(reading, step);
-    ++(reading.converged ? windows : windows_dropped);
-    if (reading.converged && reading.steps < most) ++shortened;
+  // A piece of which `reading` counts, and whose runs have taken so many steps.
+  void add(const AccuracyWindow& piece, const WindowReading& reading, std::uint32_t taken, double step) {
+    errors.add(reading, step);
+    if (!reading.converged) ++inconclusive;
     shortest = shortest == 0 ? reading.steps : std::min(shortest, reading.steps);
     steps += taken;
-    for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] += window.secondsOf(k);
+    for (std::size_t k = 0; k < seconds.size(); ++k) seconds[k] += piece.secondsOf(k);
   }
 };
 
@@ -76,6 +82,19 @@ struct Timing {
   std::uint64_t steps = 0;  ///< 0: not timed
 };
 
+/// Why there is no reference for a world. Without located impacts the exact step has no law of rebound, so
+/// bodies with restitution lie still in every reference.
+std::string withoutReference(const World& world) {
+  const std::vector<StageInfo> pipeline = world.pipeline();
+  const auto runs = [&](const char* name) {
+    return std::any_of(pipeline.begin(), pipeline.end(),
+                       [name](const StageInfo& stage) { return stage.name == name && stage.active; });
+  };
+  return runs("contacts.restitution") && !runs("impacts.predict")
+             ? "the effect impacts is off, without which the reference has no restitution"
+             : "";
+}
+
 /// Thrown inside to end a study.
 struct Stopped {};
 
@@ -83,12 +102,14 @@ class Study {
  public:
   Study(const World& world, const AccuracyOptions& options,
         const std::function<bool(double, const AccuracyStudy&)>& goOn)
-      : options_(options), goOn_(goOn), path_(world), begin_(threadCpuSeconds()) {
-    path_.setGoal(std::nullopt);
-    path_.setFidelity(Fidelity::Reference);
+      : options_(options), goOn_(goOn), start_(world), path_(world), begin_(threadCpuSeconds()) {
+    start_.setGoal(std::nullopt);
+    start_.setFidelity(Fidelity::Reference);
     step_ = world.scene().step;
     const double steps = std::round(options.window / step_);
     window_steps_ = static_cast<std::uint32_t>(std::clamp(steps, 1.0, static_cast<double>(kMostWindowSteps)));
+    path_steps_ = static_cast<std::uint64_t>(std::max(1.0, std::round(options.seconds / step_)));
+    order_ = spread(std::min<std::uint64_t>(options.windows, path_steps_));
     result_.scene = world.scene().name;
     result_.time = world.time();
     result_.step = step_;
@@ -110,12 +131,17 @@ class Study {
       result_.trouble = "the scene has no dynamic body";
       return result_;
     }
+    if (const std::string why = withoutReference(start_); !why.empty()) {
+      result_.trouble = why;
+      return result_;
+    }
     try {
-      measureWindow(path_);
+      measureWindow(start_);
       timeRuns();
-      while (done_ < options_.windows) {
-        const std::vector<World> begins = followPath();
-        for (const std::size_t k : spread(begins.size() + 1)) measureWindow(begins[k - 1]);
+      while (done_ < order_.size()) {
+        const std::map<std::size_t, World> begins = followPath();
+        for (const std::size_t window : order_)
+          if (const auto found = begins.find(window); found != begins.end()) measureWindow(found->second);
       }
       result_.complete = !cut_;
     } catch (const Stopped&) {
@@ -129,57 +155,80 @@ class Study {
  private:
   double spent() const { return threadCpuSeconds() - begin_; }
 
-  // Steps, and ends the study where its CPU time is over or goOn_ returns false.
-  void advance(World& world) {
-    world.step();
-    const double share =
-        std::max(static_cast<double>(done_) / options_.windows, spent() / options_.max_cpu_seconds);
+  // Ends the study where its CPU time is over or goOn_ returns false.
+  void checkIn() {
+    const double share = std::max(static_cast<double>(done_) / static_cast<double>(order_.size()),
+                                  spent() / options_.max_cpu_seconds);
     if (!goOn_(std::min(1.0, share), result_) || share > 1.0) throw Stopped{};
   }
 
-  // The initial worlds of the next windows: at most kKept, fewer where the path is expensive.
-  std::vector<World> followPath() {
+  void advance(World& world) {
+    world.step();
+    checkIn();
+  }
+
+  // The initial worlds of the next windows, by their numbers: at most kKept, fewer where the path is expensive.
+  std::map<std::size_t, World> followPath() {
+    if (sweep_.empty()) {
+      const auto next = order_.begin() + static_cast<std::ptrdiff_t>(done_);
+      sweep_.assign(next, std::min(next + kKept, order_.end()));
+      std::sort(sweep_.begin(), sweep_.end(), std::greater<>());
+      path_ = World(start_);
+      on_path_ = 0;
+    }
     const double until = spent() + kPathShare * (options_.max_cpu_seconds - spent());
-    std::vector<World> begins;
-    for (std::uint32_t k = done_; k < options_.windows && begins.size() < kKept; ++k) {
-      const auto begin =
-          static_cast<std::uint64_t>(std::round(options_.seconds * k / options_.windows / step_));
+    std::map<std::size_t, World> begins;
+    for (; !sweep_.empty(); sweep_.pop_back()) {
+      const double share = static_cast<double>(sweep_.back()) / static_cast<double>(order_.size());
+      const auto begin = static_cast<std::uint64_t>(std::round(share * static_cast<double>(path_steps_)));
       for (; on_path_ < begin; ++on_path_) {
         if (!begins.empty() && spent() > until) return begins;
         advance(path_);
       }
-      begins.push_back(path_);
+      begins.emplace(sweep_.back(), path_);
     }
     return begins;
   }
 
+  // A window, in as many pieces as it takes.
   void measureWindow(const World& begin) {
-    AccuracyWindow window(begin, result_.settings, smallest_);
-    const auto step = [this](World& world) { advance(world); };
-    WindowReading best;
-    for (std::uint32_t steps = 1;; steps = std::min(2 * steps, window_steps_)) {
-      const WindowReading reading = window.growTo(steps, step);
-      if (steps == 1 || reading.converged) best = reading;
-      const bool last = steps == window_steps_,
-                 expensive = 2.0 * window.seconds() > kWindowShare * options_.max_cpu_seconds;
-      Sums sums = sums_;
-      sums.add(window, best, steps, step_, window_steps_);
-      write(sums);
-      if (!last && !expensive) continue;
-      cut_ = cut_ || !last;
-      sums_ = std::move(sums);
-      ++done_;
-      return;
+    World from(begin);
+    std::uint32_t left = window_steps_, pieces = 0;
+    double seconds = 0.0;
+    bool expensive = false;
+    while (left > 0 && !expensive) {
+      AccuracyWindow piece(from, result_.settings, smallest_);
+      WindowReading best;
+      for (std::uint32_t steps = 1;; steps = std::min(2 * steps, left)) {
+        const WindowReading reading = piece.growTo(steps, [this](World& world) { advance(world); });
+        if (steps == 1 || reading.converged) {
+          best = reading;
+          from = World(piece.reference());
+        }
+        expensive = 2.0 * (seconds + piece.seconds()) > kWindowShare * options_.max_cpu_seconds;
+        Sums sums = sums_;
+        sums.add(piece, best, steps, step_);
+        write(sums, done_ + 1, shortened_ + (best.steps < window_steps_));
+        // Once it has parted from its half step, the reference does not come back.
+        if (steps < left && !expensive && reading.converged) continue;
+        sums_ = std::move(sums);
+        break;
+      }
+      seconds += piece.seconds();
+      left -= best.steps;
+      ++pieces;
     }
+    cut_ = cut_ || left > 0;
+    shortened_ += pieces > 1 || left > 0;
+    ++done_;
   }
 
-  void write(const Sums& sums) {
+  void write(const Sums& sums, std::uint32_t windows, std::uint32_t shortened) {
     if (result_.first_answer == 0.0) result_.first_answer = spent();
-    const bool converged = sums.windows > 0;
-    (converged ? sums.converged : sums.dropped).write(result_, converged);
-    result_.windows = sums.windows;
-    result_.dropped = sums.windows_dropped;
-    result_.shortened = sums.shortened;
+    sums.errors.write(result_);
+    result_.windows = windows;
+    result_.shortened = shortened;
+    result_.inconclusive = sums.inconclusive;
     result_.shortest = sums.shortest * step_;
     for (std::size_t k = 0; k < timings_.size(); ++k) {
       const Timing timing = timings_[k].steps > 0 ? timings_[k] : Timing{sums.seconds[k], sums.steps};
@@ -192,37 +241,44 @@ class Study {
   // not reach the end are timed by the windows.
   void timeRuns() {
     const double end = spent() + kTimingShare * options_.max_cpu_seconds;
-    const auto steps = static_cast<std::uint64_t>(std::max(1.0, std::round(options_.seconds / step_)));
     for (std::size_t k = 0; k < timings_.size(); ++k) {
       const double until = spent() + (end - spent()) / static_cast<double>(timings_.size() - k);
       double least = std::numeric_limits<double>::infinity();
       for (int run = 0; run < kRepetitions && (run == 0 || least < kShortRun); ++run)
-        least = std::min(least, timeRun(result_.settings[k].setting, steps, until));
-      if (std::isfinite(least)) timings_[k] = {least, steps};
+        least = std::min(least, timeRun(result_.settings[k].setting, until));
+      if (std::isfinite(least)) timings_[k] = {least, path_steps_};
     }
-    write(sums_);
+    write(sums_, done_, shortened_);
   }
 
   // CPU time of a run, s; infinite where it is not through at `until`.
-  double timeRun(const Setting& setting, std::uint64_t steps, double until) {
-    World world(path_);
+  double timeRun(const Setting& setting, double until) {
+    World world(start_);
     world.setFidelity(setting);
-    const double start = spent();
-    for (std::uint64_t k = 0; k < steps; ++k) {
-      if (spent() > until) return std::numeric_limits<double>::infinity();
-      advance(world);
+    double sum = 0.0;
+    for (std::uint64_t taken = 0, together = 1; taken < path_steps_;) {
+      const double start = spent();
+      if (start > until) return std::numeric_limits<double>::infinity();
+      const std::uint64_t end = std::min(taken + together, path_steps_);
+      for (; taken < end; ++taken) world.step();
+      const double seconds = spent() - start;
+      sum += seconds;
+      if (seconds < kBetweenLooks) together *= 2;
+      checkIn();
     }
-    return spent() - start;
+    return sum;
   }
 
   const AccuracyOptions& options_;
   const std::function<bool(double, const AccuracyStudy&)>& goOn_;
-  World path_;
+  World start_, path_;
   const double begin_;
   double step_ = 0.0, smallest_ = 0.0;
-  std::uint32_t window_steps_ = 1, done_ = 0;  // windows
-  std::uint64_t on_path_ = 0;                  // steps
-  bool cut_ = false;                           // a window was too expensive for its full length
+  std::uint32_t window_steps_ = 1;
+  std::uint64_t path_steps_ = 1, on_path_ = 0;
+  std::vector<std::size_t> order_, sweep_;  // of the windows: all, and those ahead on this sweep, last first
+  std::uint32_t done_ = 0, shortened_ = 0;  // windows
+  bool cut_ = false;                        // a window was too expensive for its full length
   Sums sums_;
   std::vector<Timing> timings_;
   AccuracyStudy result_;

@@ -107,15 +107,21 @@ void WindowSum::add(const WindowReading& reading, double step) {
   }
 }
 
-void WindowSum::write(AccuracyStudy& study, bool converged) const {
+void WindowSum::write(AccuracyStudy& study) const {
   study.uncertainty = 1.0 / seconds_ * uncertainty_;
   for (std::size_t k = 0; k < settings_.size(); ++k) {
     SettingCost& cost = study.settings[k];
     const Sum& sum = settings_[k];
     cost.error = 1.0 / seconds_ * sum.error;
-    cost.at_most = !converged || study.uncertainty.distance >= kLargestUncertainty * cost.error.distance;
-    if (cost.at_most) cost.error = cost.error + study.uncertainty;
-    cost.worst = cost.at_most ? sum.worst_bound : sum.worst;
+    cost.worst = sum.worst;
+    const auto bound = [&](double ErrorRate::*part) {
+      const bool unknown = study.uncertainty.*part >= kLargestUncertainty * cost.error.*part;
+      if (unknown) cost.error.*part += study.uncertainty.*part, cost.worst.*part = sum.worst_bound.*part;
+      return unknown;
+    };
+    cost.at_most = bound(&ErrorRate::distance);
+    bound(&ErrorRate::angle);
+    bound(&ErrorRate::energy);
   }
 }
 

@@ -32,6 +32,8 @@ class AccuracyWindow {
   /// CPU time of the runs so far, s: that of one choice of settings, and that of all with the reference.
   double secondsOf(std::size_t setting) const { return runs_[setting].seconds; }
   double seconds() const;
+  /// The run that the others are compared with.
+  const World& reference() const { return runs_.back().world; }
 
  private:
   struct Run {
@@ -45,13 +47,12 @@ class AccuracyWindow {
       runs_;  ///< of each setting, and of the reference in a quarter, in half, and in all of its divisions
 };
 
-/// The sums of several windows.
+/// The sums of several windows, by their lengths.
 class WindowSum {
  public:
   void add(const WindowReading& reading, double step);
-  bool empty() const { return seconds_ == 0.0; }
-  /// Writes the means. Without `converged` every error is a bound.
-  void write(AccuracyStudy& study, bool converged) const;
+  /// Writes the means. What the reference is not known well enough for is a bound.
+  void write(AccuracyStudy& study) const;
 
  private:
   struct Sum {

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The ladder of solver settings, and the two goals by which the governor climbs it.
 //
-// max_error: a copy of the world runs alongside with the settings of the next rung up, which are much more
-// accurate. The deviation of the two at the end of a window is the error of the present rung. When it is
-// above the goal, the settings go up a rung. When it is well below, the copy takes the rung below in the next
-// window, and the settings go there if that error is well below the goal, too. A rung that was tried in vain
-// is left alone for twice as long each time. All decisions go by states, so runs repeat.
+// max_error: a copy of the world runs alongside with the settings of the next rung up, and with half its step
+// at least: errors of gusts or of free flight go with the step alone, and all rungs of one step share them.
+// The deviation d of the two at the end of a window then is at least half the error e of the present rung,
+// where that is proportional to the step: d >= e - e/2. So 2 d is taken for the error. When it is above the
+// goal, the settings go up a rung. When it is well below, the copy takes the rung below in the next window.
+// The error of that is at most its deviation from the present rung and the error of the present rung. The
+// settings go there if both together are well below the goal. A rung that was tried in vain is left alone for
+// twice as long each time. All decisions go by states, so runs repeat.
 //
 // max_step_ms: the measure is the mean wall time of the steps of a window. When it is too long, the settings
 // go down a rung. When it is far below the goal, they go up a rung, and back if that was too much; the next
@@ -15,6 +18,7 @@
 #include "base/cpu_time.h"
 #include "base/text.h"
 #include "rigid_body_sim/difference.h"
+#include "state/fidelity.h"
 
 #include <algorithm>
 #include <array>
@@ -24,9 +28,10 @@ namespace rbs {
 
 namespace {
 
-constexpr double kWindow = 0.25;  // s
-constexpr double kComfort = 0.5;  // share of the goal below which the rung below may do
-constexpr double kIdle = 0.3;     // share of the time below which the rung above may do
+constexpr double kWindow = 0.25;   // s
+constexpr double kOfHalved = 2.0;  // largest error of a run over its deviation from one with half its step
+constexpr double kComfort = 0.5;   // share of the goal below which the rung below may do
+constexpr double kIdle = 0.3;      // share of the time below which the rung above may do
 constexpr std::uint32_t kFirstPatience = 2, kLongestPatience = 64;  // windows
 
 Setting rung(Fidelity preset, std::uint32_t divisions,
@@ -47,14 +52,29 @@ Setting halved(Setting setting) {
   return setting;
 }
 
-// The rung of a setting; of one that is on none, the last of its name.
-std::size_t rungOf(const Setting& setting) {
-  std::size_t found = 0;
-  for (std::size_t k = 0; k < kLadder.size(); ++k) {
-    if (kLadder[k] == setting) return k;
-    if (kLadder[k].preset == setting.preset) found = k;
-  }
-  return found;
+// Whether a is at least as exact as b in each of its numbers.
+bool isAsExact(const Setting& a, const Setting& b) {
+  const SolverSettings x = resolved(a), y = resolved(b);
+  return a.preset >= b.preset && a.divisions >= b.divisions && (x.exact || x.sub_steps >= y.sub_steps) &&
+         (!y.exact || x.tolerance <= y.tolerance);
+}
+
+bool isMoreExact(const Setting& a, const Setting& b) {
+  return isAsExact(a, b) && !isAsExact(b, a);
+}
+
+// The next rung that is more exact than a setting, which need not be a rung itself. Null: there is none.
+const Setting* above(const Setting& setting) {
+  for (const Setting& rung : kLadder)
+    if (isMoreExact(rung, setting)) return &rung;
+  return nullptr;
+}
+
+// The last rung that is less exact.
+const Setting* below(const Setting& setting) {
+  for (auto rung = kLadder.rbegin(); rung != kLadder.rend(); ++rung)
+    if (isMoreExact(setting, *rung)) return &*rung;
+  return nullptr;
 }
 
 }  // namespace
@@ -69,6 +89,7 @@ struct Governor::Impl {
   double seconds = 0.0;                     // wall time of these, of the world
   double beside_seconds = 0.0;              // and of the one beside it
   bool tries_below = false;                 // beside it runs the rung below
+  double error = 0.0;                       // of the present settings in the window before, m/s
   std::uint32_t calm = 0;                   // windows since the last trial or turn
   std::uint32_t patience = kFirstPatience;  // windows to be calm before the next trial
   std::optional<ErrorEstimate> estimate;
@@ -85,6 +106,7 @@ struct Governor::Impl {
 
   void begin(const World& world) {
     edits = world.edits();
+    if (world.scene().fidelity != setting) tries_below = false;
     setting = world.scene().fidelity;
     steps = 0;
     seconds = beside_seconds = 0.0;
@@ -98,72 +120,81 @@ struct Governor::Impl {
     }
     Setting other = halved(setting);
     if (wants_error) {
-      const std::size_t k = rungOf(setting);
-      tries_below = tries_below && k > 0;  // the settings may have been changed from outside
-      if (tries_below)
-        other = kLadder[k - 1];
-      else if (k + 1 < kLadder.size())
-        other = kLadder[k + 1];
+      if (tries_below) {
+        other = *below(setting);
+      } else if (const Setting* next = above(setting)) {
+        const std::uint32_t divisions = std::max(next->divisions, other.divisions);
+        other = *next;
+        other.divisions = divisions;
+      }
     }
     beside.emplace(world);
     beside->setFidelity(other);
   }
 
-  void change(World& world, std::size_t to, const std::string& why) {
-    world.setFidelity(kLadder[to]);
-    reason = settingName(kLadder[to]) + ": " + why;
+  void change(World& world, const Setting& to, const std::string& why) {
+    reason = settingName(to) + ": " + why;
+    world.setFidelity(to);
     calm = 0;
   }
 
-  void compare(const World& world) {
+  // Deviation of the two runs over the window.
+  ErrorEstimate deviation(const World& world) const {
     const double window = steps * world.scene().step;
     const Difference difference = differenceOf(world.snapshot(), beside->snapshot());
-    estimate =
-        ErrorEstimate{{difference.distance / window, difference.angle / window, difference.energy / window},
-                      window,
-                      world.scene().fidelity,
-                      beside->scene().fidelity,
-                      1e3 * beside_seconds / steps};
+    return {{difference.distance / window, difference.angle / window, difference.energy / window},
+            window,
+            world.scene().fidelity,
+            beside->scene().fidelity,
+            1e3 * beside_seconds / steps};
   }
 
   void seekError(World& world, double most) {
-    const std::size_t k = rungOf(world.scene().fidelity);
-    const double error = estimate->error.distance;
+    const Setting now = world.scene().fidelity;
     const std::string goal = text(1e3 * most) + " mm/s";
     if (tries_below) {
       tries_below = false;
       calm = 0;
-      if (error <= kComfort * most) {
+      const double of_below = deviation(world).error.distance + error;
+      if (of_below <= kComfort * most) {
         patience = kFirstPatience;
-        return change(world, k - 1, "its error of " + text(1e3 * error) + " mm/s is well below " + goal);
+        return change(world, *below(now),
+                      "its error of " + text(1e3 * of_below) + " mm/s is well below " + goal);
       }
       patience = std::min(2 * patience, kLongestPatience);
-    } else if (error > most) {
+      return;
+    }
+    estimate = deviation(world);
+    error = kOfHalved * estimate->error.distance;
+    if (error > most) {
       patience = std::min(2 * patience, kLongestPatience);
-      if (k + 1 < kLadder.size())
-        change(world, k + 1, "an error of " + text(1e3 * error) + " mm/s is above " + goal);
+      if (const Setting* next = above(now))
+        change(world, *next,
+               settingName(now) + " has an error of " + text(1e3 * error) + " mm/s, which is above " + goal);
       else
-        reason = settingName(world.scene().fidelity) +
-                 ": the most accurate settings, although their error exceeds " + goal;
-    } else if (++calm >= patience && k > 0) {
+        reason = settingName(now) + ": the most accurate settings, although their error exceeds " + goal;
+    } else if (++calm >= patience && below(now)) {
       tries_below = true;
     }
   }
 
   void seekTime(World& world, double most) {
-    const std::size_t k = rungOf(world.scene().fidelity);
+    const Setting now = world.scene().fidelity;
     const double ms = 1e3 * seconds / steps;
     const std::string goal = text(most) + " ms";
+    const auto took = [&](const char* where) {
+      return settingName(now) + " takes " + text(ms) + " ms a step, which is " + where + " " + goal;
+    };
     if (ms > most) {
       patience = std::min(2 * patience, kLongestPatience);
       calm = 0;
-      if (k > 0)
-        change(world, k - 1, text(ms) + " ms per step are above " + goal);
+      if (const Setting* next = below(now))
+        change(world, *next, took("above"));
       else
-        reason = settingName(world.scene().fidelity) +
-                 ": the fastest settings, although they take more than " + goal + " per step";
-    } else if (++calm >= patience && ms < kIdle * most && k + 1 < kLadder.size()) {
-      change(world, k + 1, text(ms) + " ms per step are far below " + goal);
+        reason =
+            settingName(now) + ": the fastest settings, although they take more than " + goal + " a step";
+    } else if (++calm >= patience && ms < kIdle * most && above(now)) {
+      change(world, *above(now), took("far below"));
     }
   }
 };
@@ -192,8 +223,10 @@ const StepReport& Governor::step(World& world) {
   ++g.steps;
   if (world.edits() != g.edits || g.steps * world.scene().step < kWindow * (1.0 - 1e-9)) return report;
 
-  if (g.beside) g.compare(world);
-  if (goal && goal->max_error) g.seekError(world, *goal->max_error);
+  if (goal && goal->max_error)
+    g.seekError(world, *goal->max_error);
+  else if (g.beside)
+    g.estimate = g.deviation(world);
   if (goal && goal->max_step_ms) g.seekTime(world, *goal->max_step_ms);
   g.steps = 0;
   return report;
