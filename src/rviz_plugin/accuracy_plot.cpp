@@ -108,7 +108,7 @@ AccuracyPlot::AccuracyPlot() {
 }
 
 void AccuracyPlot::show(const rigid_body_sim::AccuracyStudy& study) {
-  settings_ = study.windows + study.dropped > 0 ? study.settings : std::vector<rigid_body_sim::SettingCost>();
+  settings_ = study.windows > 0 ? study.settings : std::vector<rigid_body_sim::SettingCost>();
   stale_ = !study.stale.empty();
   for (std::size_t k = 0; k < kPresets; ++k) {
     QVector<QPointF> points;

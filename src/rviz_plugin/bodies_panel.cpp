@@ -5,6 +5,7 @@
 #include "body_names.h"
 #include "colors.h"
 #include "duplicate_dialog.h"
+#include "quiet_end.h"
 #include "wheel_guard.h"
 
 #include <OgreAxisAlignedBox.h>
@@ -69,6 +70,7 @@ BodiesPanel::BodiesPanel()
     if (index.column() != BodyTable::Name) focus();
   });
   connect(&table_, &BodyTable::renameAsked, this, &BodiesPanel::rename);
+  connect(&table_, &BodyTable::updating, this, [this](bool begins) { shows_selection_ = begins; });
   connect(search_, &QLineEdit::textChanged, this, [this](const QString& text) {
     filter_.setText(text);
     showSelection();
@@ -83,6 +85,7 @@ BodiesPanel::BodiesPanel()
 }
 
 BodiesPanel::~BodiesPanel() {
+  endQuietly(*this);
   hideInView({});
 }
 

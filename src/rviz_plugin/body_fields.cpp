@@ -5,6 +5,7 @@
 #include <tf2/LinearMath/Quaternion.h>
 
 #include <QLocale>
+#include <QRegularExpression>
 
 #include <array>
 #include <cmath>
@@ -183,6 +184,9 @@ std::optional<double> fromText(const BodyField& field, const QString& text) {
     const std::uint32_t bits = text.trimmed().toUInt(&is_number, 0);
     return is_number ? std::optional<double>(bits) : std::nullopt;
   }
+  // 1,5 is 1.5, but 1,000 is 1 to some and 1000 to others.
+  static const QRegularExpression unclear(R"(^[+-]?\d{1,3},\d{3}$)");
+  if (unclear.match(text.trimmed()).hasMatch()) return std::nullopt;
   const double value = QLocale::c().toDouble(text.trimmed().replace(',', '.'), &is_number);
   return is_number && std::isfinite(value) ? std::optional<double>(value) : std::nullopt;
 }

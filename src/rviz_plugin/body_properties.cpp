@@ -9,8 +9,10 @@
 #include <QRegularExpression>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
+#include <unordered_set>
 
 namespace rbs {
 namespace {
@@ -114,6 +116,7 @@ BodyProperties::Row BodyProperties::addRow(const QString& name, const QString& u
   for (int part = 0; part < parts; ++part) {
     row.fields.push_back(new ValueField);
     row.fields.back()->setToolTip(tip);
+    connect(row.fields.back(), &ValueField::restored, this, [this] { refresh_.start(0); });
     row.fields.back()->setAccessibleName(parts == 1 ? name : name + " " + QString("xyz")[part]);
     grid_->addWidget(row.fields.back(), place, 1 + part, 1, parts == 1 ? kColumns - 1 : 1);
   }
@@ -147,14 +150,32 @@ void BodyProperties::editName() {
   name_.fields[0]->selectAll();
 }
 
+// What is typed is about the bodies that the form showed when the typing began, whatever others select
+// meanwhile.
 void BodyProperties::follow() {
-  findBodies();
+  bodies_.clear();
+  if (isTyping()) findShown();
+  if (bodies_.empty()) findSelected();
   hint_->setVisible(bodies_.empty());
   form_->setVisible(!bodies_.empty());
-  if (!bodies_.empty()) show();
+  show();
 }
 
-void BodyProperties::findBodies() {
+bool BodyProperties::isTyping() const {
+  const QList<ValueField*> fields = form_->findChildren<ValueField*>();
+  return std::any_of(fields.begin(), fields.end(),
+                     [](const ValueField* field) { return field->hasFocus() && field->isModified(); });
+}
+
+void BodyProperties::findShown() {
+  bodies_.clear();
+  const std::unordered_set<std::uint64_t> shown(shown_.begin(), shown_.end());
+  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i)
+    if (shown.count(simulator_.bodies()[i].id))
+      bodies_.push_back({&simulator_.bodies()[i], simulator_.motion(i)});
+}
+
+void BodyProperties::findSelected() {
   bodies_.clear();
   if (simulator_.selection().isEmpty()) return;
   std::unordered_map<std::string, std::size_t> known;
@@ -174,10 +195,11 @@ void BodyProperties::show() {
     ids.push_back(body.description->id);
   }
   if (ids != shown_) {
+    shown_ = std::move(ids);
     for (ValueField* const field : form_->findChildren<ValueField*>()) field->restore();
     note(kind_row_, {});
   }
-  shown_ = std::move(ids);
+  if (bodies_.empty()) return;
   const bool is_replay = simulator_.isReplay();
   heading_->setText((names.size() == 1 ? names[0] : QString("%1 bodies").arg(names.size())) +
                     (is_replay ? QString(", replayed: nothing can be changed") : QString()));
@@ -239,7 +261,8 @@ void BodyProperties::enterNumber(const BodyField& field, Row& row, int part, con
   };
   const std::optional<double> value = fromText(field, text);
   const auto refuse = [&](const char* allowed) { answer(QString("%1 (allowed: %2)").arg(text, allowed)); };
-  if (!value) return refuse(field.is_mask ? "a whole number, 0 to 0xffffffff" : "a number");
+  if (!value)
+    return refuse(field.is_mask ? "a whole number, 0 to 0xffffffff" : "a number such as 1000 or 1.5");
   if (field.above_zero && *value == 0.0) return refuse("a number above 0");
   ask(
       [&](rigid_body_sim::BodyChange& change, const KnownBody& body) {
@@ -294,7 +317,7 @@ void BodyProperties::chooseColor() {
 
 void BodyProperties::ask(const std::function<void(rigid_body_sim::BodyChange&, const KnownBody&)>& write,
                          const BodiesClient::Answer& answer) {
-  findBodies();  // where they are by now
+  findShown();
   const rigid_body_sim::BodyChange unchanged;
   std::vector<rigid_body_sim::BodyChange> changes;
   for (const KnownBody& body : bodies_) {
@@ -304,6 +327,7 @@ void BodyProperties::ask(const std::function<void(rigid_body_sim::BodyChange&, c
     change.name = body.description->name;
     changes.push_back(change);
   }
+  if (bodies_.empty()) return answer("the bodies are gone");
   if (changes.empty()) return answer("none of these bodies has this property");
   simulator_.edit(changes, answer);
 }

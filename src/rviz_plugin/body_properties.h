@@ -43,8 +43,11 @@ class BodyProperties : public QScrollArea {
   void addNumbers(const BodyField& field);
   void addNote(Row& row);
   void follow();
-  void findBodies();
-  void showNew();
+  /// Those that are selected.
+  void findSelected();
+  /// Those that the form shows, as they are by now.
+  void findShown();
+  bool isTyping() const;
   void show();
   void showNumbers(const BodyField& field, Row& row);
   void note(const Row& row, const QString& refusal);
@@ -53,7 +56,7 @@ class BodyProperties : public QScrollArea {
   void chooseKind(int index);
   void chooseColor();
   void showKindAndColor();
-  /// Asks for a change to each selected body.
+  /// Asks for a change to each body that the form shows.
   void ask(const std::function<void(rigid_body_sim::BodyChange&, const KnownBody&)>& write,
            const BodiesClient::Answer& answer);
 
@@ -66,7 +69,7 @@ class BodyProperties : public QScrollArea {
   QComboBox* kind_;
   QToolButton* color_;
   std::vector<Row> rows_;             ///< as bodyFields()
-  std::vector<KnownBody> bodies_;     ///< those that are selected
+  std::vector<KnownBody> bodies_;     ///< those that the form is about
   std::vector<std::uint64_t> shown_;  ///< bodies that the form was last filled with
   QTimer refresh_;
 };

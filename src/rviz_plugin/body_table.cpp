@@ -5,6 +5,8 @@
 #include <QFont>
 
 #include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 
 namespace rbs {
@@ -13,16 +15,15 @@ BodyTable::BodyTable(const BodiesClient& client) : client_(client) {
   connect(&client, &BodiesClient::bodiesChanged, this, &BodyTable::update);
 }
 
-// Rows stay where the bodies are the same, so that a property that changes moves no selection, and a name that is
-// being typed elsewhere stays.
+// Rows stay where the bodies are the same, so that neither a body that changes nor one that comes or goes moves the
+// selection, or ends the typing of a name.
 void BodyTable::update() {
   const std::vector<rigid_body_sim::BodyDescription>& bodies = client_.bodies();
-  const bool same_rows =
-      std::equal(bodies.begin(), bodies.end(), shown_.begin(), shown_.end(),
-                 [](const auto& body, const auto& before) { return body.id == before.id; });
-  if (!same_rows) beginResetModel();
+  Q_EMIT updating(true);
+  removeRowsThatWent(bodies);
+  insertRowsThatCame(bodies);
   std::vector<std::pair<int, int>> changed;  // first and last of rows that lie together
-  for (int row = 0; same_rows && row < static_cast<int>(bodies.size()); ++row) {
+  for (int row = 0; row < static_cast<int>(bodies.size()); ++row) {
     if (bodies[row] == shown_[row]) continue;
     if (!changed.empty() && changed.back().second == row - 1) {
       changed.back().second = row;
@@ -31,8 +32,46 @@ void BodyTable::update() {
     }
   }
   shown_ = bodies;
-  if (!same_rows) endResetModel();
   for (const auto& [first, last] : changed) Q_EMIT dataChanged(index(first, 0), index(last, kColumns - 1));
+  Q_EMIT updating(false);
+}
+
+// Also those that stand in another order now: they come again.
+void BodyTable::removeRowsThatWent(const std::vector<rigid_body_sim::BodyDescription>& bodies) {
+  std::unordered_map<std::uint64_t, std::size_t> place;
+  for (std::size_t k = 0; k < bodies.size(); ++k) place.emplace(bodies[k].id, k);
+  std::vector<bool> stays(shown_.size());
+  std::size_t next = 0;
+  for (std::size_t row = 0; row < shown_.size(); ++row) {
+    const auto it = place.find(shown_[row].id);
+    stays[row] = it != place.end() && it->second >= next;
+    if (stays[row]) next = it->second + 1;
+  }
+  for (int last = static_cast<int>(shown_.size()) - 1; last >= 0; --last) {
+    if (stays[last]) continue;
+    int first = last;
+    while (first > 0 && !stays[first - 1]) --first;
+    beginRemoveRows({}, first, last);
+    shown_.erase(shown_.begin() + first, shown_.begin() + last + 1);
+    endRemoveRows();
+    last = first;
+  }
+}
+
+void BodyTable::insertRowsThatCame(const std::vector<rigid_body_sim::BodyDescription>& bodies) {
+  std::unordered_set<std::uint64_t> listed;
+  for (const rigid_body_sim::BodyDescription& body : shown_) listed.insert(body.id);
+  for (std::size_t first = 0; first < bodies.size(); ++first) {
+    if (listed.count(bodies[first].id)) continue;
+    std::size_t end = first + 1;
+    while (end < bodies.size() && !listed.count(bodies[end].id)) ++end;
+    beginInsertRows({}, static_cast<int>(first), static_cast<int>(end) - 1);
+    shown_.insert(shown_.begin() + static_cast<std::ptrdiff_t>(first),
+                  bodies.begin() + static_cast<std::ptrdiff_t>(first),
+                  bodies.begin() + static_cast<std::ptrdiff_t>(end));
+    endInsertRows();
+    first = end;
+  }
 }
 
 void BodyTable::setHidden(const QSet<QString>& names) {

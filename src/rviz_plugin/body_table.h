@@ -34,9 +34,13 @@ class BodyTable : public QAbstractTableModel {
 
  Q_SIGNALS:
   void renameAsked(const QString& name, const QString& new_name);
+  /// The rows begin or cease to follow the simulator: what is selected meanwhile, nobody has chosen.
+  void updating(bool begins);
 
  private:
   void update();
+  void removeRowsThatWent(const std::vector<rigid_body_sim::BodyDescription>& bodies);
+  void insertRowsThatCame(const std::vector<rigid_body_sim::BodyDescription>& bodies);
 
   const BodiesClient& client_;
   std::vector<rigid_body_sim::BodyDescription> shown_;  ///< the rows

@@ -28,11 +28,11 @@ NodeBox::NodeBox() {
   connect(this, qOverload<int>(&QComboBox::activated), this, [this] { Q_EMIT chosen(node()); });
 }
 
-// Who publishes a status of this type is a simulator.
+// Who publishes a status of this type is a simulator. Without a master getTopics() would wait for one.
 void NodeBox::showPopup() {
   const QString before = node();
   ros::master::V_TopicInfo topics;
-  ros::master::getTopics(topics);
+  if (ros::master::check()) ros::master::getTopics(topics);
   clear();
   for (const ros::master::TopicInfo& topic : topics) {
     const QString name = QString::fromStdString(topic.name);

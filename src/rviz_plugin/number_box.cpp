@@ -3,6 +3,8 @@
 
 #include <QLocale>
 
+#include <algorithm>
+
 namespace rbs {
 
 NumberBox::NumberBox() {
@@ -13,7 +15,14 @@ NumberBox::NumberBox() {
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {
   text.replace(',', '.');
-  return QDoubleSpinBox::validate(text, position);
+  // A letter that is refused would make another number of the rest: 19 of 1e9. Enter brings back what was there.
+  return std::max(QDoubleSpinBox::validate(text, position), QValidator::Intermediate);
+}
+
+QString NumberBox::textFromValue(double value) const {
+  QString text = QDoubleSpinBox::textFromValue(value);
+  while (text.contains('.') && (text.endsWith('0') || text.endsWith('.'))) text.chop(1);
+  return text;
 }
 
 }  // namespace rbs

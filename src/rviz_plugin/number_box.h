@@ -14,6 +14,8 @@ class NumberBox : public QDoubleSpinBox {
 
  protected:
   QValidator::State validate(QString& text, int& position) const override;
+  /// Without zeros at the end.
+  QString textFromValue(double value) const override;
 };
 
 }  // namespace rbs

@@ -2,6 +2,7 @@
 #include "plots_panel.h"
 
 #include "plot_export.h"
+#include "quiet_end.h"
 #include "scrolled.h"
 
 #include <QDir>
@@ -62,6 +63,10 @@ PlotsPanel::PlotsPanel()
   connectWidgets();
   for (const char* name : kShownAtFirst) plots_->add(*findQuantity(name), {});
   plots_->setWindow(10.0);
+}
+
+PlotsPanel::~PlotsPanel() {
+  endQuietly(*this);
 }
 
 void PlotsPanel::makeBaselineMenu() {

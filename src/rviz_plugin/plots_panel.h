@@ -24,6 +24,7 @@ class PlotsPanel : public rviz::Panel {
   Q_OBJECT
  public:
   PlotsPanel();
+  ~PlotsPanel() override;
 
   void onInitialize() override;
   void load(const rviz::Config& config) override;

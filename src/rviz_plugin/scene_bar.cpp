@@ -14,6 +14,7 @@ namespace rbs {
 namespace {
 
 constexpr int kMostRecent = 8;
+constexpr int kSettling = 1000;  // ms from the answer to a load until every status is of its world
 const QString kState = "state:";
 
 }  // namespace
@@ -46,10 +47,22 @@ void SceneBar::listScenes(const QStringList& names, const QStringList& propertie
   fillSceneList(*scenes_, names, properties);
 }
 
-// A scene that another client has loaded is not in our file.
+// By a load, an undo or redo of one, or a simulator that was started anew. An undo of another edit makes a new
+// world of the same scene.
+bool SceneBar::isAnotherScene(const rigid_body_sim::Status& status) const {
+  const auto isLoad = [](const std::string& edit) { return edit.compare(0, 7, "loaded ") == 0; };
+  if (status.world <= world_) return status.world < world_ || status.steps < steps_;
+  return isLoad(status.redo) || (isLoad(status.undo) && status.redo.empty());
+}
+
+// What is not in our file, Save would write over it. A status that was on its way while the file was loaded tells
+// of the scene before.
 void SceneBar::show(const rigid_body_sim::Status& status) {
   const QString scene = QString::fromStdString(status.scene);
-  if (scene != scene_ && QFileInfo(file_).completeBaseName() != scene) file_.clear();
+  const bool is_fresh = !file_.isEmpty() && since_file_.elapsed() < kSettling;
+  if (!is_fresh && isAnotherScene(status)) file_.clear();
+  world_ = status.world;
+  steps_ = status.steps;
   scene_ = scene;
   const bool is_replay = !status.recording.empty();  // which has no catalogue
   if (is_replay && scenes_->findText(scene) < 0) scenes_->addItem(scene);
@@ -58,6 +71,7 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
 
 void SceneBar::useScene(const QString& file) {
   file_ = file;
+  since_file_.start();
   if (!file.isEmpty()) keep(file);
 }
 
@@ -102,7 +116,7 @@ void SceneBar::fillMenu() {
 void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&)) {
   const QString folder =
       recent_.isEmpty() ? QDir::homePath() : QFileInfo(QString(recent_[0]).remove(kState)).path();
-  auto* const dialog = new QFileDialog(this, title, folder, "Scenes (*.yaml)");
+  auto* const dialog = new QFileDialog(this, title, folder, "Scenes (*.yaml *.yml)");
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
   dialog->setFileMode(QFileDialog::AnyFile);

@@ -5,6 +5,7 @@
 #include "simulator_client.h"
 
 #include <QComboBox>
+#include <QElapsedTimer>
 #include <QMenu>
 #include <QStringList>
 #include <QToolButton>
@@ -31,6 +32,7 @@ class SceneBar : public QWidget {
 
  private:
   void listScenes(const QStringList& names, const QStringList& properties);
+  bool isAnotherScene(const rigid_body_sim::Status& status) const;
   void useScene(const QString& file);
   void useState(const QString& file);
   void keep(const QString& file);
@@ -43,7 +45,9 @@ class SceneBar : public QWidget {
   SimulatorClient& simulator_;
   QComboBox* scenes_;
   QMenu menu_;
-  QString scene_, file_;  ///< name of the scene; file that holds it, empty: none
+  QString scene_, file_;                 ///< name of the scene; file that holds it, empty: none
+  QElapsedTimer since_file_;             ///< since `file_` was loaded or saved
+  std::uint64_t world_ = 0, steps_ = 0;  ///< of the last status
   QStringList recent_;
 };
 

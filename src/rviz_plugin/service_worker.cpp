@@ -3,8 +3,10 @@
 
 #include <condition_variable>
 #include <deque>
+#include <iterator>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace rbs {
 
@@ -42,6 +44,26 @@ void ServiceWorker::post(const std::string& name, Call call, Refused otherwise) 
   const std::lock_guard<std::mutex> lock(queue_->mutex);
   queue_->calls.push_back(std::move(call));
   queue_->changed.notify_one();
+}
+
+// The first of those that wait is under way, or its answer is.
+void ServiceWorker::dropWaiting(const std::string& message) {
+  std::size_t dropped = 0;
+  {
+    const std::lock_guard<std::mutex> lock(queue_->mutex);
+    dropped = queue_->calls.size();
+    queue_->calls.clear();
+  }
+  const int kept = waiting_.size() - static_cast<int>(dropped);
+  const QStringList services = waiting_.mid(kept);
+  const std::vector<Refused> refused(std::make_move_iterator(otherwise_.begin() + kept),
+                                     std::make_move_iterator(otherwise_.end()));
+  waiting_.erase(waiting_.begin() + kept, waiting_.end());
+  otherwise_.erase(otherwise_.begin() + kept, otherwise_.end());
+  for (std::size_t k = 0; k < refused.size(); ++k) {
+    Q_EMIT answered(services[static_cast<int>(k)], false, QString::fromStdString(message));
+    if (refused[k]) refused[k](QString::fromStdString(message));
+  }
 }
 
 void ServiceWorker::finish(const Answer& answer) {

@@ -34,6 +34,9 @@ class ServiceWorker : public QObject {
             std::function<void(const typename Service::Response&)> then = {},
             std::function<void(const QString&)> otherwise = {});
 
+  /// Gives up the calls that have not begun: each is answered by this message.
+  void dropWaiting(const std::string& message);
+
   /// Name of the service that has been under way for longer than this; empty when there is none.
   QString overdue(double seconds) const;
   /// How long the call under way has lasted, s; 0 when there is none.

@@ -2,6 +2,7 @@
 #include "simulation_panel.h"
 
 #include "colors.h"
+#include "quiet_end.h"
 #include "scrolled.h"
 #include "shortcuts.h"
 #include "view.h"
@@ -44,6 +45,7 @@ SimulationPanel::SimulationPanel()
 }
 
 SimulationPanel::~SimulationPanel() {
+  endQuietly(*this);
   const bool had_keys = hasKeys();
   for (const QPointer<QShortcut>& key : keys_) delete key;
   const QList<SimulationPanel*> all = panels();
@@ -143,7 +145,11 @@ void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void(
   auto* const key = new QShortcut(keys, focus ? focus : window_.data());
   key->setContext(focus ? Qt::WidgetShortcut : Qt::ApplicationShortcut);
   key->setAutoRepeat(false);
-  connect(key, &QShortcut::activated, this, act);
+  // While nobody answers, edits would wait, and happen all at once; a recording can be ended.
+  const bool is_for_record = keys == QKeySequence(Qt::Key_R);
+  connect(key, &QShortcut::activated, this, [this, act, is_for_record] {
+    if (is_heard_ || is_for_record) act();
+  });
   keys_.append(key);
 }
 
@@ -217,6 +223,7 @@ void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
   enableControls();
   if (is_heard) {
+    scenes_->forgetFile();  // it may be another simulator of this name
     showMessage({}, false);
   } else {
     showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);

@@ -97,6 +97,11 @@ void SimulatorClient::watch() {
 void SimulatorClient::setHeard(bool is_heard) {
   if (is_heard == is_heard_) return;
   is_heard_ = is_heard;
+  if (!is_heard) {
+    // What nobody sees happen is not to happen later, all at once.
+    for (const std::unique_ptr<ServiceWorker>* const worker : {&worker_, &stepper_})
+      if (*worker) (*worker)->dropWaiting("not done: the simulator did not answer");
+  }
   Q_EMIT heardChanged(is_heard);
   if (is_heard && !is_replay_) listScenes();
 }

@@ -9,6 +9,7 @@
 #include <QDir>
 #include <QFileDialog>
 #include <QLabel>
+#include <QLineEdit>
 #include <QMenu>
 #include <QMessageBox>
 #include <QSignalBlocker>
@@ -30,7 +31,8 @@ QSpinBox* makeSteps() {
 
 NumberBox* makeSpeed() {
   auto* box = new NumberBox;
-  box->setRange(0.0, 100.0);
+  box->setDecimals(6);
+  box->setRange(0.0, 1e6);
   box->setSingleStep(0.1);
   box->setValue(1.0);
   box->setSuffix(" ×");
@@ -119,6 +121,8 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   connect(&recorder_, &BagRecorder::stateChanged, this, &TransportBar::showRecording);
   connect(&recorder_, &BagRecorder::reported, this, &TransportBar::note);
   connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
+  // After Enter the keys are those of the panel again.
+  connect(speed_->findChild<QLineEdit*>(), &QLineEdit::returnPressed, speed_, &QWidget::clearFocus);
 }
 
 QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
@@ -186,13 +190,15 @@ void TransportBar::step() {
 
 void TransportBar::scaleSpeed(double factor) {
   const double now = speed_->value();
-  if (now > 0.0) speed_->setValue(std::min(std::max(factor * now, kSlowest), kFastest));
+  if (now > 0.0)
+    speed_->setValue(factor > 1.0 ? std::max(now, std::min(factor * now, kFastest))
+                                  : std::min(now, std::max(factor * now, kSlowest)));
 }
 
 void TransportBar::showSpeed(double factor) {
   const QSignalBlocker quiet_box(speed_), quiet_slider(slider_);
-  speed_->setValue(factor);
-  slider_->setValue(placeOf(factor));
+  if (!speed_->hasFocus()) speed_->setValue(factor);
+  if (!slider_->isSliderDown()) slider_->setValue(placeOf(factor));
 }
 
 void TransportBar::playOrPause() {
@@ -216,7 +222,7 @@ void TransportBar::show(const rigid_body_sim::Status& status) {
   }
   reset_->setToolTip(is_replay_ ? "Back to the start of the recording"
                                 : "Reset: back to the scene as it was loaded");
-  if (!speed_->hasFocus() && !slider_->isSliderDown()) showSpeed(status.requested_speed);
+  showSpeed(status.requested_speed);
   if (is_still == is_paused_) return;
   is_paused_ = is_still;
   play_->setIcon(is_paused_ ? playIcon() : pauseIcon());

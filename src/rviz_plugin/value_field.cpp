@@ -49,6 +49,17 @@ void ValueField::restore() {
   Q_EMIT restored();
 }
 
+bool ValueField::event(QEvent* event) {
+  if (event->type() == QEvent::ShortcutOverride && !isModified()) {
+    auto* const key = static_cast<QKeyEvent*>(event);
+    if (key->matches(QKeySequence::Undo) || key->matches(QKeySequence::Redo)) {
+      key->ignore();
+      return false;
+    }
+  }
+  return QLineEdit::event(event);
+}
+
 void ValueField::keyPressEvent(QKeyEvent* event) {
   if (event->key() != Qt::Key_Escape) return QLineEdit::keyPressEvent(event);
   restore();

@@ -31,6 +31,8 @@ class ValueField : public QLineEdit {
 
  protected:
   void keyPressEvent(QKeyEvent* event) override;
+  /// Undo and redo are those of what is typed here; where nothing is, they are of the simulation.
+  bool event(QEvent* event) override;
 
  private:
   void enter();

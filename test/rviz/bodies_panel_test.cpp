@@ -10,6 +10,7 @@
 #include <rigid_body_sim/LoadScene.h>
 #include <rigid_body_sim/NamedBodies.h>
 #include <rigid_body_sim/SpawnBodies.h>
+#include <rigid_body_sim/SpawnBody.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
@@ -18,6 +19,7 @@
 #include <QColorDialog>
 #include <QDialog>
 #include <QInputDialog>
+#include <QPointer>
 #include <QSpinBox>
 #include <QTest>
 
@@ -268,7 +270,7 @@ TEST_F(BodiesPanelTest, SaysBesideTheFieldWhyItWasRefused) {
   for (const Bad& bad :
        {Bad{"Friction", "-1", "-1"}, Bad{"Friction", "abc", "a number"}, Bad{"Friction", "nan", "a number"},
         Bad{"Friction", "1e400", "a number"}, Bad{"Restitution", "2", "0 to 1"}, Bad{"Mass", "0", "above 0"},
-        Bad{"Mass", "-3", "-3"}, Bad{"Mask", "-1", "whole number"},
+        Bad{"Mass", "-3", "-3"}, Bad{"Mass", "1,000", "1000 or 1.5"}, Bad{"Mask", "-1", "whole number"},
         Bad{"Mask", "0x1ffffffff", "whole number"}, Bad{"Position x", "1e300", "1e+300"},
         Bad{"Name", "a//b", "a//b"}, Bad{"Size y", "-1", "-1"}}) {
     SCOPED_TRACE(std::string(bad.field) + " " + bad.text);
@@ -370,6 +372,100 @@ TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileOthersEdit) {
   EXPECT_EQ(editor->text(), "chest");
   QTest::keyClick(editor, Qt::Key_Return);
   EXPECT_TRUE(waitFor([this] { return rows().contains("chest"); }));
+}
+
+TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileBodiesComeAndGo) {
+  select({"crate"});
+  const QPointer<QLineEdit> editor = typeName(1, "chest");
+  ASSERT_TRUE(editor);
+  rigid_body_sim::SpawnBody::Request another;
+  another.name = "another";
+  call<rigid_body_sim::SpawnBody>("spawn_body", another);
+  ASSERT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball", "another"}); }));
+  rigid_body_sim::NamedBodies::Request floor;
+  floor.names = {"floor"};
+  call<rigid_body_sim::NamedBodies>("delete_bodies", floor);
+  ASSERT_TRUE(waitFor([this] { return rows() == QStringList({"crate", "ball", "another"}); }));
+  ASSERT_TRUE(editor);
+  EXPECT_EQ(editor->text(), "chest");
+  QTest::keyClick(editor, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"chest", "ball", "another"}); }));
+  EXPECT_TRUE(waitFor([this] { return selectedRows() == QStringList{"chest"}; }));
+  call<std_srvs::Trigger>("undo");
+  call<std_srvs::Trigger>("undo");
+  EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "crate", "ball", "another"}); }));
+}
+
+// Half a number is for the body that it was begun for.
+TEST_F(BodiesPanelTest, WhatIsTypedIsForTheBodyThatWasShown) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  const double before = body("ball").description.mass;
+  ValueField& line = field("Mass");
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "12");
+  select({"ball"});
+  QTest::keyClicks(&line, "34");
+  QTest::keyClick(&line, Qt::Key_Return);
+  EXPECT_TRUE(waitFor([] { return body("crate").description.mass == 1234.0; }));
+  EXPECT_EQ(body("ball").description.mass, before);
+  EXPECT_TRUE(waitFor([&] { return std::abs(line.text().toDouble() - before) < 1e-4 * before; }));
+}
+
+// And where that one is gone, it is for none.
+TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  ValueField& line = field("Mass");
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "12");
+  rigid_body_sim::NamedBodies::Request request;
+  request.names = {"crate"};
+  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
+  ASSERT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  call<std_srvs::Trigger>("undo");
+  select({"crate"});
+  EXPECT_TRUE(shows("Mass", "125"));
+  EXPECT_EQ(note(), "");
+}
+
+// The field with the focus would enter it into a client that is gone.
+TEST_F(BodiesPanelTest, WhatIsHalfTypedIsDroppedWithThePanel) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  {
+    BodiesPanel other;
+    other.load(config("/sim"));
+    other.show();
+    QApplication::setActiveWindow(&other);
+    ASSERT_TRUE(waitFor([&] { return other.findChild<QTableView*>()->selectionModel()->hasSelection(); }));
+    for (ValueField* const line : other.findChildren<ValueField*>()) {
+      if (line->accessibleName() != "Mass") continue;
+      line->setFocus();
+      ASSERT_TRUE(waitFor([&] { return line->text() == "125"; }));
+      QTest::keyClicks(line, "7");
+    }
+  }
+  EXPECT_TRUE(stays([] { return body("crate").description.mass == 125.0; }));
+}
+
+TEST_F(BodiesPanelTest, UndoIsOfTheTextOnlyWhereOneIsTyped) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  const auto takes = [this](int key, Qt::KeyboardModifiers with) {
+    QKeyEvent press(QEvent::ShortcutOverride, key, with);
+    press.ignore();
+    QApplication::sendEvent(&field("Mass"), &press);
+    return press.isAccepted();
+  };
+  enter("Mass", "5");
+  EXPECT_TRUE(waitFor([] { return body("crate").description.mass == 5.0; }));
+  EXPECT_FALSE(takes(Qt::Key_Z, Qt::ControlModifier));
+  EXPECT_FALSE(takes(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier));
+  QTest::keyClicks(&field("Mass"), "7");
+  EXPECT_TRUE(takes(Qt::Key_Z, Qt::ControlModifier));
 }
 
 TEST_F(BodiesPanelTest, AGroupFollowsARename) {

@@ -14,6 +14,7 @@
 #include <rigid_body_sim/LoadScene.h>
 #include <ros/package.h>
 #include <ros/ros.h>
+#include <std_srvs/Trigger.h>
 
 #include <QApplication>
 #include <QDir>
@@ -154,6 +155,87 @@ TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {
   EXPECT_TRUE(waitFor([this] { return told_.contains("/proc: "); })) << told_.toStdString();
 }
 
+// Save writes over a file only what came from it.
+TEST_F(SimulationPanelTest, SavesNoOtherSceneOverAFile) {
+  SceneBar bar(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &SceneBar::show);
+  const QTemporaryDir folder;
+  const auto saved = [&](const char* name) {
+    const QString file = folder.filePath(name);
+    simulator_.saveScene(file);
+    ASSERT_TRUE(waitFor([&] { return bar.recent().value(0) == file; })) << told_.toStdString();
+  };
+  const auto save = [&] {
+    Q_EMIT child<QToolButton>(bar).menu()->aboutToShow();
+    for (QAction* const action : child<QToolButton>(bar).menu()->actions())
+      if (action->text().startsWith("Save scene to ") && action->isEnabled()) return action->text().mid(14);
+    return QString();
+  };
+  // Longer than a status may be on its way.
+  const auto settles = [&] {
+    QElapsedTimer time;
+    time.start();
+    return waitFor([&] { return time.elapsed() > 1500; });
+  };
+  const auto others = [](const std::string& scene) {
+    rigid_body_sim::LoadScene load;
+    load.request.name = scene;
+    ASSERT_TRUE(ros::service::call("/sim/load_scene", load));
+    ASSERT_TRUE(load.response.success) << load.response.message;
+  };
+  saved("s.yaml");
+  ASSERT_TRUE(settles());
+  EXPECT_EQ(save(), "s.yaml");
+  simulator_.enableWind(true);
+  ASSERT_TRUE(waitFor([this] { return status_.wind; }));
+  simulator_.undo();
+  ASSERT_TRUE(waitFor([this] { return !status_.wind; }));
+  EXPECT_EQ(save(), "s.yaml") << "the same scene, without the wind";
+  simulator_.reset();
+  ASSERT_TRUE(settles());
+  EXPECT_EQ(save(), "s.yaml");
+  const std::uint64_t before = status_.world;
+  others(folder.filePath("s.yaml").toStdString());  // of the same name
+  ASSERT_TRUE(waitFor([&] { return status_.world > before; }));
+  EXPECT_EQ(save(), "");
+
+  simulator_.loadScene(folder.filePath("s.yaml"));
+  ASSERT_TRUE(settles());
+  EXPECT_EQ(save(), "s.yaml");
+  simulator_.undo();  // of the load
+  ASSERT_TRUE(waitFor([&] { return status_.redo.substr(0, 6) == "loaded"; }));
+  EXPECT_EQ(save(), "");
+}
+
+// The first is under way: its answer comes. What waits is given up, and said to be.
+TEST_F(SimulationPanelTest, GivesUpCallsThatHaveNotBegun) {
+  int calls = 0;
+  ros::NodeHandle node;
+  const boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> serve =
+      [&](std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+        ++calls;
+        response.success = true;
+        return true;
+      };
+  const ros::ServiceServer server = node.advertiseService("slow", serve);
+  ServiceWorker worker;
+  QStringList answers;
+  QObject::connect(&worker, &ServiceWorker::answered,
+                   [&](const QString&, bool, const QString& text) { answers.append(text); });
+  int refused = 0;
+  for (int k = 0; k < 4; ++k)
+    worker.call<std_srvs::Trigger>(node.resolveName("slow"), {}, {}, [&](const QString&) { ++refused; });
+  QTest::qSleep(500);  // the first is under way, and nobody serves it yet
+  worker.dropWaiting("given up");
+  EXPECT_EQ(answers, QStringList({"given up", "given up", "given up"}));
+  EXPECT_EQ(refused, 3);
+  ASSERT_TRUE(waitFor([&] { return answers.size() == 4; }));
+  EXPECT_EQ(calls, 1);
+  EXPECT_EQ(refused, 3);
+  worker.call<std_srvs::Trigger>(node.resolveName("slow"), {});
+  EXPECT_TRUE(waitFor([&] { return calls == 2 && answers.size() == 5; }));
+}
+
 TEST_F(SimulationPanelTest, AsksForAFileByTheMenu) {
   SceneBar bar(simulator_);
   bar.setVisible(true);
@@ -240,6 +322,19 @@ TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
   enter(child<QDoubleSpinBox>(bar), "1");
   EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 1.0; }));
   EXPECT_TRUE(waitFor([&] { return slider.value() == 40; }));
+  for (const auto& [text, speed] :
+       {std::pair("0.005", 0.005), std::pair("150", 150.0), std::pair("1e9", 150.0), std::pair("0", 0.0),
+        std::pair("2,5", 2.5), std::pair("-3", 2.5), std::pair("10000000", 2.5), std::pair("0.1", 0.1)}) {
+    enter(child<QDoubleSpinBox>(bar), text);
+    EXPECT_TRUE(waitFor([&, speed = speed] { return status_.requested_speed == speed; }))
+        << text << ": " << status_.requested_speed;
+  }
+  enter(child<QDoubleSpinBox>(bar), "0.004");
+  ASSERT_TRUE(waitFor([this] { return status_.requested_speed == 0.004; }));
+  EXPECT_EQ(child<QDoubleSpinBox>(bar).text(), QString::fromUtf8("0.004 ×"));
+  bar.goSlower();
+  bar.goFaster();
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 0.008; })) << status_.requested_speed;
   const std::uint64_t before = status_.steps;
   bar.step();
   EXPECT_TRUE(waitFor([&] { return status_.steps == before + 1; }));
