@@ -34,7 +34,8 @@ Softness softness(double h, double h_full) {
 double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  double h = std::numeric_limits<double>::infinity();
+  const double infinite = std::numeric_limits<double>::infinity();
+  double travel = infinite, fall = infinite, spin = 0.0;  // s, s², and rad²/s²
   for (const Edge& edge : edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];
@@ -42,12 +43,12 @@ double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
     const double length = smallerLength(bodies, i, j);
     const double load = (step.load[j].a_W - step.load[i].a_W).norm();
     const double speed = (bodies.twist[j].v_WB - bodies.twist[i].v_WB).norm() + step.h() * load;
-    h = std::min(h, kMostTravel * length / speed);
-    h = std::min(h, std::sqrt(kMostFall * length / load));
+    travel = std::min(travel, kMostTravel * length / speed);
+    fall = std::min(fall, kMostFall * length / load);
     for (const Index one : {i, j})
-      h = std::min(h, kMostTurn / surfaceSpin(bodies, one, bodies.twist[one].w_WB).norm());
+      spin = std::max(spin, surfaceSpin(bodies, one, bodies.twist[one].w_WB).squaredNorm());
   }
-  return h;
+  return std::min({travel, std::sqrt(fall), kMostTurn / std::sqrt(spin)});
 }
 
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {

@@ -44,6 +44,7 @@ SolverContacts::SolverContacts(Context& context, const IslandBatch& batch, Store
       slots_(context.step.slot),
       opened_(stores.opened),
       points_of_parts_(stores.points_of_parts),
+      last_(stores.last),
       drifted_(stores.drifted),
       has_drifted_(stores.has_drifted) {
   bodies.clear();
@@ -104,18 +105,26 @@ void SolverContacts::find(double now, double left, double h) {
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
   blocks.reserve(batch_.edges.size());
+  const auto add = [this](Index contact, Index i, Index j) {
+    SolverBlock& block = blocks.emplace_back();
+    block.i = i, block.j = j, block.contact = contact;
+  };
+  last_.clear();
   for (const Edge& edge : batch_.edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context_.scene.contacts.active[edge.of];
     if (!contact.state.isSolved()) continue;
-    SolverBlock& block = blocks.emplace_back();
-    block.i = slotOf(contact.i);
-    block.j = slotOf(contact.j);
-    block.contact = edge.of;
+    const Index i = slotOf(contact.i), j = slotOf(contact.j);
+    if (bodies[i].inv_mass > 0.0 && bodies[j].inv_mass > 0.0) {
+      add(edge.of, i, j);
+    } else {
+      last_.push_back(edge.of);
+    }
   }
-  const auto moves = [this](Index s) { return bodies[s].inv_mass > 0.0; };
-  std::stable_partition(blocks.begin(), blocks.end(),
-                        [&](const SolverBlock& block) { return moves(block.i) && moves(block.j); });
+  for (const Index k : last_) {
+    const Contact& contact = context_.scene.contacts.active[k];
+    add(k, slotOf(contact.i), slotOf(contact.j));
+  }
   Workers& workers = *context_.step.workers;
   const bool alone = workers.count() == 1;
   const std::size_t parts = Workers::parts(blocks.size(), kBlocksOfAPart);
@@ -168,17 +177,18 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.reach_j = reachOf(b, a, p_W, u_W, left);
   const double length = block.pair.length, room = kMargin * length;
   const Contact& contact = context_.scene.contacts.active[block.contact];
-  const double margin = searchMargin(contact, approachIn(block, left) + room);
+  const double margin = searchMargin(contact, approachIn(block, left) + room),
+               in_sub_step = approachIn(block, h_);
   Manifold manifold =
       contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
                       margin, softLimits(context_.step, block.pair, h_), last, contact.axis);
   if (!context_.step.solver.all_points && !contact.state.isMissed()) {
-    keepWithin(approachIn(block, h_) + room + kDriftLimit * length, manifold);
+    keepWithin(in_sub_step + room + kDriftLimit * length, manifold);
     reduceToFour(manifold);
   }
   block.n = manifold.n_W;
   std::tie(block.t1, block.t2) = tangents(block.n);
-  const double far = 0.5 * (leastSeparation(manifold) - approachIn(block, h_));
+  const double far = 0.5 * (leastSeparation(manifold) - in_sub_step);
   block.drift_limit = manifold.size > 0 ? std::max(kDriftLimit * length, far) : margin;
   block.moved_i = i.moved, block.turned_i = i.surface_turned;
   block.moved_j = j.moved, block.turned_j = j.surface_turned;

@@ -75,6 +75,7 @@ class SolverContacts {
     std::vector<SolverBlock> blocks;
     std::vector<SolverPoint> points;
     PointsOfContacts opened;
+    std::vector<Index> last;
     std::vector<Index> drifted;
     std::vector<char> has_drifted;
     std::vector<std::vector<SolverPoint>> points_of_parts;  // as threads find them
@@ -152,6 +153,7 @@ class SolverContacts {
   Slots slots_;               ///< in `bodies`
   PointsOfContacts& opened_;  ///< points that are gone, with what they have given
   std::vector<std::vector<SolverPoint>>& points_of_parts_;
+  std::vector<Index>& last_;        ///< contacts with what no impulse moves
   std::vector<Index>& drifted_;     ///< as last found
   std::vector<char>& has_drifted_;  ///< by block
 };
