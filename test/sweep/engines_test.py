@@ -498,13 +498,17 @@ measure: {k: {python: "traps.py:%s"}}
     def test_what_killed_writers_have_left_goes(self):
         self.write(BALLS)
         self.sound('--workers', '1')
-        old, young = (self.folder / 's.sweep/parts' / f'part.{name}.tmp' for name in ('old', 'young'))
-        for path in (old, young):
+        part = f'part-000000000-1-0-{"0" * 16}.h5'
+        old = [self.folder / 's.sweep' / name for name in (f'parts/{part}.17.tmp', 'plan.json.17.tmp', 'results.h5.17.tmp')]
+        others = [self.folder / 's.sweep' / name for name in (f'parts/{part}.18.tmp', 'mine.tmp', 'results.h5.tmp', 'notes/plan.json.1.tmp')]
+        others[-1].parent.mkdir()
+        for path in (*old, *others):
             path.write_text('half')
-        os.utime(old, (time.time() - 4000,) * 2)
+        for path in (*old, *others[1:]):
+            os.utime(path, (time.time() - 4000,) * 2)
         self.sound('--resume', '--workers', '1')
-        self.assertFalse(old.exists())
-        self.assertTrue(young.exists())
+        self.assertEqual([path for path in old if path.exists()], [])
+        self.assertEqual([path for path in others if not path.exists()], [])
 
     def test_runs_that_two_parts_hold_count_once(self):
         self.write(BALLS)

@@ -85,12 +85,16 @@ struct Timing {
 /// Why there is no reference for a world. Without located impacts the exact step has no law of rebound, so
 /// bodies with restitution lie still in every reference.
 std::string withoutReference(const World& world) {
-  const std::vector<StageInfo> pipeline = world.pipeline();
-  const auto runs = [&](const char* name) {
-    return std::any_of(pipeline.begin(), pipeline.end(),
-                       [name](const StageInfo& stage) { return stage.name == name && stage.active; });
+  const Snapshot snapshot = world.snapshot();
+  const auto isOff = [&](Effect effect) {
+    const auto forced = snapshot.effects.find(effect);
+    return forced != snapshot.effects.end() && !forced->second;
   };
-  return runs("contacts.restitution") && !runs("impacts.predict")
+  const bool rebounds =
+      !isOff(Effect::Collision) && !isOff(Effect::Restitution) &&
+      std::any_of(snapshot.bodies->begin(), snapshot.bodies->end(),
+                  [](const BodyDescription& body) { return body.material.restitution > 0.0; });
+  return rebounds && isOff(Effect::Impacts)
              ? "the effect impacts is off, without which the reference has no restitution"
              : "";
 }
@@ -171,7 +175,7 @@ class Study {
   std::map<std::size_t, World> followPath() {
     if (sweep_.empty()) {
       const auto next = order_.begin() + static_cast<std::ptrdiff_t>(done_);
-      sweep_.assign(next, std::min(next + kKept, order_.end()));
+      sweep_.assign(next, next + std::min<std::ptrdiff_t>(kKept, order_.end() - next));
       std::sort(sweep_.begin(), sweep_.end(), std::greater<>());
       path_ = World(start_);
       on_path_ = 0;
@@ -247,8 +251,8 @@ class Study {
       for (int run = 0; run < kRepetitions && (run == 0 || least < kShortRun); ++run)
         least = std::min(least, timeRun(result_.settings[k].setting, until));
       if (std::isfinite(least)) timings_[k] = {least, path_steps_};
+      write(sums_, done_, shortened_);
     }
-    write(sums_, done_, shortened_);
   }
 
   // CPU time of a run, s; infinite where it is not through at `until`.
@@ -263,7 +267,7 @@ class Study {
       for (; taken < end; ++taken) world.step();
       const double seconds = spent() - start;
       sum += seconds;
-      if (seconds < kBetweenLooks) together *= 2;
+      together = seconds < kBetweenLooks ? 2 * together : std::max<std::uint64_t>(1, together / 2);
       checkIn();
     }
     return sum;

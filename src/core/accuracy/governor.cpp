@@ -105,8 +105,8 @@ struct Governor::Impl {
   }
 
   void begin(const World& world) {
+    if (world.edits() != edits || world.scene().fidelity != setting) tries_below = false;
     edits = world.edits();
-    if (world.scene().fidelity != setting) tries_below = false;
     setting = world.scene().fidelity;
     steps = 0;
     seconds = beside_seconds = 0.0;

@@ -93,10 +93,11 @@ Measurement measure(const Problem& problem, const peers::EngineSetting& engine, 
     while (result.repetitions < asked || (together < kEnough && result.repetitions < kMost)) {
       const std::optional<double> seconds = timeOf(engine, task, request.max_seconds, result);
       if (!seconds) return result;
-      fastest = std::min(fastest, *seconds), slowest = std::max(slowest, *seconds), together += *seconds;
+      if (*seconds > 0.0) fastest = std::min(fastest, *seconds);  // the clock may stand for a microsecond
+      slowest = std::max(slowest, *seconds), together += *seconds;
       ++result.repetitions;
     }
-    result.cpu_seconds = fastest, result.cpu_spread = slowest - fastest;
+    result.cpu_seconds = std::min(fastest, slowest), result.cpu_spread = slowest - result.cpu_seconds;
   } catch (const peers::Unsupported& e) {
     result.failure = Failure{"not supported", e.what()};
   } catch (const std::exception& e) {

@@ -32,6 +32,7 @@ OF_SCENES_ALONE, OF_PROGRAMS_ALONE = ('hash', 'steps', 'time', 'stopped', 'flags
 UNKNOWN = {'exit_status': NOT_STARTED}  # of a run that has none; 0 in other columns
 AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
 PART = re.compile(r'part-(?P<first>\d+)-(?P<runs>\d+)-(?P<failed>\d+)-(?P<digest>[0-9a-f]{16})\.h5')
+HALF_WRITTEN = re.compile(r'(part-[\w-]+\.h5|plan\.json|jobs\.json|results\.(h5|csv)|\d+-\d+-\d+\.(json|sbatch))\.\d+\.tmp')
 MOST_CSV_RUNS = 100_000
 CHUNK_BYTES = 1 << 20
 LONGEST_WRITE = 3600.0  # s, of a file
@@ -153,11 +154,14 @@ class Store:
         write_whole(self.path('plan.json'), lambda file: file.write(plan.text().encode()))
 
     def clear(self):
-        """Removes what processes that were killed have left half written. Workers may be writing now, not for an hour."""
-        for path in glob.glob(glob.escape(self.folder) + '/**/*.tmp', recursive=True):
-            with contextlib.suppress(FileNotFoundError):  # one that is whole now
-                if time.time() - os.path.getmtime(path) > LONGEST_WRITE:
-                    os.unlink(path)
+        """Removes what write_whole() has left half written in processes that were killed. Workers may be writing now, not for
+        an hour."""
+        for folder in (self.folder, self.parts, self.path('rounds')):
+            for path in glob.glob(os.path.join(glob.escape(folder), '*.tmp')):
+                with contextlib.suppress(FileNotFoundError):  # one that is whole now
+                    is_ours = HALF_WRITTEN.fullmatch(os.path.basename(path)) and os.path.isfile(path)
+                    if is_ours and time.time() - os.path.getmtime(path) > LONGEST_WRITE:
+                        os.unlink(path)
 
     def seize(self):
         """Two programs never write into one folder."""
@@ -346,7 +350,7 @@ def kind_of(values):
 
 def texts_of(values):
     """Words as they are, all else as JSON; so is a word that HDF5 does not take, or that would be taken for JSON beside others."""
-    mixed = not all(isinstance(value, str) for value in values)
+    mixed = not all(is_word(value) for value in values)
     return [value if is_word(value) and not (mixed and is_json(value)) else json.dumps(value) for value in values]
 
 
@@ -358,7 +362,7 @@ def is_word(value):
 def is_json(text):
     try:
         json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return False
     return True
 
