@@ -43,6 +43,8 @@ class BodiesClient : public QObject {
 
   /// In the order of their creation; empty until the simulator is heard.
   const std::vector<rigid_body_sim::BodyDescription>& bodies() const { return descriptions_.bodies; }
+  /// The name of their scene. Bodies of two scenes have the same ids.
+  const std::string& scene() const { return descriptions_.scene; }
   /// The frame of the world.
   const std::string& frame() const { return descriptions_.header.frame_id; }
   /// The last state of bodies()[index]; empty where none of these bodies has come yet.

@@ -17,6 +17,7 @@
 #include <QHBoxLayout>
 #include <QHeaderView>
 #include <QInputDialog>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QSplitter>
 #include <QToolButton>
@@ -105,6 +106,7 @@ void BodiesPanel::layOut() {
   list_->setSelectionMode(QAbstractItemView::ExtendedSelection);
   list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
   list_->setContextMenuPolicy(Qt::ActionsContextMenu);
+  list_->installEventFilter(this);
   list_->setSortingEnabled(true);
   list_->sortByColumn(-1, Qt::AscendingOrder);  // the order of creation
   list_->setShowGrid(false);
@@ -166,6 +168,22 @@ QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, v
   connect(action, &QAction::triggered, this, act);
   list_->addAction(action);
   return action;
+}
+
+// Letters and digits look for a name, as in any list, and are no commands, but for those of the list itself.
+bool BodiesPanel::eventFilter(QObject* watched, QEvent* event) {
+  if (watched != list_ || event->type() != QEvent::ShortcutOverride)
+    return rviz::Panel::eventFilter(watched, event);
+  const auto* const key = static_cast<QKeyEvent*>(event);
+  const QString text = key->text();
+  const bool is_word =
+      key->modifiers() == Qt::NoModifier && !text.isEmpty() && text.front().isLetterOrNumber();
+  const QList<QAction*> own = list_->actions();
+  const bool is_own = std::any_of(own.begin(), own.end(), [key](const QAction* action) {
+    return action->shortcut() == QKeySequence(key->key());
+  });
+  if (is_word && !is_own) event->accept();
+  return is_word && !is_own;
 }
 
 void BodiesPanel::onInitialize() {

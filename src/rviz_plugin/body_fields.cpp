@@ -185,7 +185,7 @@ std::optional<double> fromText(const BodyField& field, const QString& text) {
     return is_number ? std::optional<double>(bits) : std::nullopt;
   }
   // 1,5 is 1.5, but 1,000 is 1 to some and 1000 to others.
-  static const QRegularExpression unclear(R"(^[+-]?\d{1,3},\d{3}$)");
+  static const QRegularExpression unclear(R"(^[+-]?[1-9]\d{0,2},\d{3}$)");
   if (unclear.match(text.trimmed()).hasMatch()) return std::nullopt;
   const double value = QLocale::c().toDouble(text.trimmed().replace(',', '.'), &is_number);
   return is_number && std::isfinite(value) ? std::optional<double>(value) : std::nullopt;

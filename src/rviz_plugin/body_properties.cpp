@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
-#include <unordered_set>
 
 namespace rbs {
 namespace {
@@ -156,9 +155,9 @@ void BodyProperties::follow() {
   bodies_.clear();
   if (isTyping()) findShown();
   if (bodies_.empty()) findSelected();
+  show();  // before the form is hidden: a field that loses the focus enters what is typed
   hint_->setVisible(bodies_.empty());
   form_->setVisible(!bodies_.empty());
-  show();
 }
 
 bool BodyProperties::isTyping() const {
@@ -167,12 +166,17 @@ bool BodyProperties::isTyping() const {
                      [](const ValueField* field) { return field->hasFocus() && field->isModified(); });
 }
 
+// Another scene has other bodies of the same numbers.
 void BodyProperties::findShown() {
   bodies_.clear();
-  const std::unordered_set<std::uint64_t> shown(shown_.begin(), shown_.end());
-  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i)
-    if (shown.count(simulator_.bodies()[i].id))
-      bodies_.push_back({&simulator_.bodies()[i], simulator_.motion(i)});
+  if (simulator_.scene() != shown_scene_) return;
+  std::unordered_map<std::uint64_t, std::size_t> known;
+  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) known.emplace(simulator_.bodies()[i].id, i);
+  for (const std::uint64_t id : shown_) {
+    const auto it = known.find(id);
+    if (it != known.end())
+      bodies_.push_back({&simulator_.bodies()[it->second], simulator_.motion(it->second)});
+  }
 }
 
 void BodyProperties::findSelected() {
@@ -194,8 +198,9 @@ void BodyProperties::show() {
     names.append(QString::fromStdString(body.description->name));
     ids.push_back(body.description->id);
   }
-  if (ids != shown_) {
+  if (ids != shown_ || simulator_.scene() != shown_scene_) {
     shown_ = std::move(ids);
+    shown_scene_ = simulator_.scene();
     for (ValueField* const field : form_->findChildren<ValueField*>()) field->restore();
     note(kind_row_, {});
   }
@@ -298,10 +303,9 @@ void BodyProperties::chooseColor() {
   auto* const dialog = new QColorDialog(QColor::fromRgbF(now.r, now.g, now.b, now.a), this);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setOption(QColorDialog::ShowAlphaChannel);
-  const QStringList asked_for = simulator_.selection();
+  const std::vector<std::uint64_t> asked_for = shown_;
   connect(dialog, &QColorDialog::colorSelected, this, [this, asked_for](const QColor& color) {
-    if (simulator_.selection() != asked_for)
-      return note(kind_row_, "The selection has changed since; no colour was set.");
+    if (shown_ != asked_for) return note(kind_row_, "The selection has changed since; no colour was set.");
     if (color.alpha() == 0) return note(kind_row_, "a colour with some opacity");
     ask(
         [&](rigid_body_sim::BodyChange& change, const KnownBody&) {

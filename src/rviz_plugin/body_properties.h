@@ -14,6 +14,7 @@
 #include <QToolButton>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace rbs {
@@ -71,6 +72,7 @@ class BodyProperties : public QScrollArea {
   std::vector<Row> rows_;             ///< as bodyFields()
   std::vector<KnownBody> bodies_;     ///< those that the form is about
   std::vector<std::uint64_t> shown_;  ///< bodies that the form was last filled with
+  std::string shown_scene_;           ///< the scene that they are of
   QTimer refresh_;
 };
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <unordered_map>
-#include <unordered_set>
 #include <utility>
 
 namespace rbs {
@@ -21,6 +20,7 @@ void BodyTable::update() {
   const std::vector<rigid_body_sim::BodyDescription>& bodies = client_.bodies();
   Q_EMIT updating(true);
   removeRowsThatWent(bodies);
+  scene_ = client_.scene();
   insertRowsThatCame(bodies);
   std::vector<std::pair<int, int>> changed;  // first and last of rows that lie together
   for (int row = 0; row < static_cast<int>(bodies.size()); ++row) {
@@ -36,7 +36,8 @@ void BodyTable::update() {
   Q_EMIT updating(false);
 }
 
-// Also those that stand in another order now: they come again.
+// Also those that stand in another order now, and all of another scene, whose bodies have the same numbers: they come
+// again.
 void BodyTable::removeRowsThatWent(const std::vector<rigid_body_sim::BodyDescription>& bodies) {
   std::unordered_map<std::uint64_t, std::size_t> place;
   for (std::size_t k = 0; k < bodies.size(); ++k) place.emplace(bodies[k].id, k);
@@ -44,7 +45,7 @@ void BodyTable::removeRowsThatWent(const std::vector<rigid_body_sim::BodyDescrip
   std::size_t next = 0;
   for (std::size_t row = 0; row < shown_.size(); ++row) {
     const auto it = place.find(shown_[row].id);
-    stays[row] = it != place.end() && it->second >= next;
+    stays[row] = client_.scene() == scene_ && it != place.end() && it->second >= next;
     if (stays[row]) next = it->second + 1;
   }
   for (int last = static_cast<int>(shown_.size()) - 1; last >= 0; --last) {
@@ -58,13 +59,15 @@ void BodyTable::removeRowsThatWent(const std::vector<rigid_body_sim::BodyDescrip
   }
 }
 
+// What is left stands in the order of the bodies, with others between.
 void BodyTable::insertRowsThatCame(const std::vector<rigid_body_sim::BodyDescription>& bodies) {
-  std::unordered_set<std::uint64_t> listed;
-  for (const rigid_body_sim::BodyDescription& body : shown_) listed.insert(body.id);
+  const auto isRow = [&](std::size_t row, std::size_t body) {
+    return row < shown_.size() && shown_[row].id == bodies[body].id;
+  };
   for (std::size_t first = 0; first < bodies.size(); ++first) {
-    if (listed.count(bodies[first].id)) continue;
+    if (isRow(first, first)) continue;
     std::size_t end = first + 1;
-    while (end < bodies.size() && !listed.count(bodies[end].id)) ++end;
+    while (end < bodies.size() && !isRow(first, end)) ++end;
     beginInsertRows({}, static_cast<int>(first), static_cast<int>(end) - 1);
     shown_.insert(shown_.begin() + static_cast<std::ptrdiff_t>(first),
                   bodies.begin() + static_cast<std::ptrdiff_t>(first),

@@ -8,6 +8,9 @@
 #include <QSet>
 #include <QSortFilterProxyModel>
 
+#include <string>
+#include <vector>
+
 namespace rbs {
 
 /// One row for each body, in the order of their creation.
@@ -44,6 +47,7 @@ class BodyTable : public QAbstractTableModel {
 
   const BodiesClient& client_;
   std::vector<rigid_body_sim::BodyDescription> shown_;  ///< the rows
+  std::string scene_;                                   ///< that they are of
   QSet<QString> hidden_;
 };
 

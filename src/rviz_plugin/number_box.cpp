@@ -3,8 +3,6 @@
 
 #include <QLocale>
 
-#include <algorithm>
-
 namespace rbs {
 
 NumberBox::NumberBox() {
@@ -15,8 +13,17 @@ NumberBox::NumberBox() {
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {
   text.replace(',', '.');
-  // A letter that is refused would make another number of the rest: 19 of 1e9. Enter brings back what was there.
-  return std::max(QDoubleSpinBox::validate(text, position), QValidator::Intermediate);
+  const QValidator::State state = QDoubleSpinBox::validate(text, position);
+  if (state != QValidator::Invalid) return state;
+  // A digit too many is refused. A letter, or what makes a number too large, is not: the rest would be another number,
+  // 19 of 1e9. Enter then brings back what was there.
+  QString number = text;
+  if (number.endsWith(suffix())) number.chop(suffix().size());
+  bool is_number = false;
+  const double value = locale().toDouble(number, &is_number);
+  const bool fits =
+      is_number && !number.contains('e', Qt::CaseInsensitive) && value >= minimum() && value <= maximum();
+  return fits ? QValidator::Invalid : QValidator::Intermediate;
 }
 
 QString NumberBox::textFromValue(double value) const {

@@ -52,7 +52,8 @@ void SceneBar::listScenes(const QStringList& names, const QStringList& propertie
 bool SceneBar::isAnotherScene(const rigid_body_sim::Status& status) const {
   const auto isLoad = [](const std::string& edit) { return edit.compare(0, 7, "loaded ") == 0; };
   if (status.world <= world_) return status.world < world_ || status.steps < steps_;
-  return isLoad(status.redo) || (isLoad(status.undo) && status.redo.empty());
+  const bool has_loaded = isLoad(status.undo) && (status.redo.empty() || isLoad(redo_));
+  return QString::fromStdString(status.scene) != scene_ || isLoad(status.redo) || has_loaded;
 }
 
 // What is not in our file, Save would write over it. A status that was on its way while the file was loaded tells
@@ -63,6 +64,7 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   if (!is_fresh && isAnotherScene(status)) file_.clear();
   world_ = status.world;
   steps_ = status.steps;
+  redo_ = status.redo;
   scene_ = scene;
   const bool is_replay = !status.recording.empty();  // which has no catalogue
   if (is_replay && scenes_->findText(scene) < 0) scenes_->addItem(scene);

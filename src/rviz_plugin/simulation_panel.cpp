@@ -223,9 +223,9 @@ void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
   enableControls();
   if (is_heard) {
-    scenes_->forgetFile();  // it may be another simulator of this name
     showMessage({}, false);
   } else {
+    scenes_->forgetFile();  // who answers next may be another simulator of this name
     showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
   }
 }

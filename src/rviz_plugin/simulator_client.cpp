@@ -99,6 +99,7 @@ void SimulatorClient::setHeard(bool is_heard) {
   is_heard_ = is_heard;
   if (!is_heard) {
     // What nobody sees happen is not to happen later, all at once.
+    next_seek_.reset();
     for (const std::unique_ptr<ServiceWorker>* const worker : {&worker_, &stepper_})
       if (*worker) (*worker)->dropWaiting("not done: the simulator did not answer");
   }
@@ -191,7 +192,11 @@ void SimulatorClient::loadSceneWithSeed(const QString& name, std::uint64_t seed)
   rigid_body_sim::LoadSceneWithSeed::Request request;
   request.name = name.toStdString();
   request.seed = seed;
-  call<rigid_body_sim::LoadSceneWithSeed>("load_scene_with_seed", request);
+  using rigid_body_sim::LoadSceneWithSeed;
+  const auto use = [this, name](const LoadSceneWithSeed::Response&) {
+    Q_EMIT sceneFileUsed(name.startsWith('/') ? name : QString());
+  };
+  worker_->call<LoadSceneWithSeed>(inNode("load_scene_with_seed"), request, use);
 }
 
 void SimulatorClient::loadState(const QString& file) {

@@ -197,8 +197,9 @@ void TransportBar::scaleSpeed(double factor) {
 
 void TransportBar::showSpeed(double factor) {
   const QSignalBlocker quiet_box(speed_), quiet_slider(slider_);
+  if (slider_->isSliderDown()) return;
   if (!speed_->hasFocus()) speed_->setValue(factor);
-  if (!slider_->isSliderDown()) slider_->setValue(placeOf(factor));
+  slider_->setValue(placeOf(factor));
 }
 
 void TransportBar::playOrPause() {

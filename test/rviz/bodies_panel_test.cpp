@@ -360,6 +360,26 @@ TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
   EXPECT_EQ(node, "/sim");
 }
 
+// R records and 1 is the wind, but not while one looks for a name in the list; F looks at a body.
+TEST_F(BodiesPanelTest, LettersLookForANameInTheList) {
+  const auto takes = [this](int key, const QString& text, Qt::KeyboardModifiers with = Qt::NoModifier) {
+    QKeyEvent press(QEvent::ShortcutOverride, key, with, text);
+    press.ignore();
+    QApplication::sendEvent(&list(), &press);
+    return press.isAccepted();
+  };
+  EXPECT_TRUE(takes(Qt::Key_R, "r"));
+  EXPECT_TRUE(takes(Qt::Key_1, "1"));
+  EXPECT_FALSE(takes(Qt::Key_F, "f"));
+  EXPECT_FALSE(takes(Qt::Key_H, "h"));
+  EXPECT_FALSE(takes(Qt::Key_Space, " "));
+  EXPECT_FALSE(takes(Qt::Key_Z, QString(QChar(26)), Qt::ControlModifier));
+  select({});
+  list().setFocus();
+  QTest::keyClicks(&list(), "ba");
+  EXPECT_TRUE(waitFor([this] { return selectedRows() == QStringList{"ball"}; }));
+}
+
 TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileOthersEdit) {
   QLineEdit* const editor = typeName(1, "chest");
   ASSERT_TRUE(editor);
@@ -398,6 +418,21 @@ TEST_F(BodiesPanelTest, ANameThatIsTypedInTheListStaysWhileBodiesComeAndGo) {
 
 // Half a number is for the body that it was begun for.
 TEST_F(BodiesPanelTest, WhatIsTypedIsForTheBodyThatWasShown) {
+  // Whatever the order of the selection: this is not that of the list.
+  select({"ball", "crate"});
+  ASSERT_TRUE(shows("Position y", "0"));
+  ValueField& y = field("Position y");
+  y.setFocus();
+  y.selectAll();
+  QTest::keyClicks(&y, "7");
+  rigid_body_sim::EditBodies::Request nudge;
+  nudge.changes.resize(1);
+  nudge.changes[0].name = "floor";
+  nudge.changes[0].material.friction = {0.3};
+  call<rigid_body_sim::EditBodies>("edit_bodies", nudge);
+  EXPECT_TRUE(stays([&] { return y.text() == "7"; }));
+  QTest::keyClick(&y, Qt::Key_Escape);
+
   select({"crate"});
   ASSERT_TRUE(shows("Mass", "125"));
   const double before = body("ball").description.mass;
@@ -429,6 +464,20 @@ TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
   select({"crate"});
   EXPECT_TRUE(shows("Mass", "125"));
   EXPECT_EQ(note(), "");
+
+  // Another scene has a body of the same number.
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "12");
+  rigid_body_sim::LoadScene::Request other;
+  other.name = "tower";
+  call<rigid_body_sim::LoadScene>("load_scene", other);
+  ASSERT_TRUE(waitFor([this] { return rows().contains("box_1"); }));
+  const std::string hash = call<rigid_body_sim::ListBodies>("list_bodies").hash;
+  EXPECT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  QTest::keyClicks(&line, "3");
+  QTest::keyClick(&line, Qt::Key_Return);
+  EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
 }
 
 // The field with the focus would enter it into a client that is gone.
