@@ -87,8 +87,8 @@ AccuracyStudy measureAccuracy(const World& world, const AccuracyOptions& options
 /// The cheapest settings with a mean error of at most `max_error`, m/s, where an upper bound counts as the
 /// error. Null where there are none. The pointer is into `study`.
 const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error);
-/// The most accurate settings with a time of at most `max_step_ms`, ms a step. Of errors too small to be
-/// measured the cheaper settings win. Null where there are none. The pointer is into `study`.
+/// The most accurate settings with a time of at most `max_step_ms`, ms a step. Of errors within the
+/// uncertainty of the reference the cheaper settings win. Null where there are none. The pointer is into `study`.
 const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms);
 
 }  // namespace rbs

@@ -48,7 +48,7 @@ class SceneBar : public QWidget {
   QString scene_, file_;                 ///< name of the scene; file that holds it, empty: none
   QElapsedTimer since_file_;             ///< since `file_` was loaded or saved
   std::uint64_t world_ = 0, steps_ = 0;  ///< of the last status
-  std::string redo_;                     ///< likewise
+  std::string redo_;                     ///< edit that a redo would have made at the last status
   QStringList recent_;
 };
 

@@ -355,6 +355,10 @@ TEST(Choice, TakesTheCheapestThatIsGoodEnoughAndTheBestThatIsCheapEnough) {
   EXPECT_EQ(mostAccurateWithin(study, 10.0)->setting, Setting(Fidelity::Accurate))
       << "both are too small to be measured";
   EXPECT_EQ(mostAccurateWithin(study, 0.01), nullptr);
+  study.uncertainty.distance = 2e-5;
+  study.settings[2].error.distance = 1.2e-4, study.settings[3].error.distance = 6e-5;
+  EXPECT_EQ(mostAccurateWithin(study, 10.0)->setting, Setting(Fidelity::Reference))
+      << "not measured to a tenth, but known to be the better";
 }
 
 }  // namespace

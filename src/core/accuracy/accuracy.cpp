@@ -339,8 +339,9 @@ const SettingCost* cheapestWithin(const AccuracyStudy& study, double max_error) 
 }
 
 const SettingCost* mostAccurateWithin(const AccuracyStudy& study, double max_step_ms) {
-  // Errors too small to be measured are equally good, and the cheaper the better.
-  const double least = study.uncertainty.distance / kLargestUncertainty;
+  // A bound e + u of at most 2 u is that of an e within u, which may be no error at all. Such settings are
+  // equally good, and the cheaper the better.
+  const double least = 2.0 * study.uncertainty.distance;
   const auto rank = [&](const SettingCost& cost) {
     return std::pair(std::max(cost.error.distance, least), cost.step_ms);
   };
