@@ -19,7 +19,7 @@ struct Motion {
   const Inertia* top = nullptr;  ///< of a body whose angular velocity changes by itself; null: it is constant
 
   std::pair<Pose, Twist> stateAt(double t) const;
-  Pose at(double t) const { return stateAt(t).first; }
+  Pose at(double t) const { return t == t0 ? pose : stateAt(t).first; }
   Twist twistAt(double t) const { return stateAt(t).second; }
   /// How fast it turns at most, at any time.
   SpinBounds spinBounds() const;

@@ -13,9 +13,9 @@ namespace rbs {
 
 /// One point of a manifold.
 struct ManifoldPoint {
-  Vec3 p_W;                   ///< midway between the two surfaces
-  double separation;          ///< gap along the normal; negative is overlap
-  std::uint32_t feature = 0;  ///< same number for the same pair of features from step to step
+  Vec3 p_W;               ///< midway between the two surfaces
+  double separation;      ///< gap along the normal; negative is overlap
+  std::uint32_t feature;  ///< same number for the same pair of features from step to step
 };
 
 /// Points that share one normal.
@@ -24,7 +24,15 @@ struct Manifold {
 
   Vec3 n_W = Vec3::UnitZ();  ///< unit normal, from A to B; without points, an axis that was found to separate
   int size = 0;              ///< 0: no contact within the margin
-  std::array<ManifoldPoint, kPoints> points;
+  std::array<ManifoldPoint, kPoints> points;  ///< past `size` anything: most manifolds are of few points
+
+  Manifold() {}  // not "= default": the points would be cleared
+  Manifold(const Manifold& other) { *this = other; }
+  Manifold& operator=(const Manifold& other) {
+    n_W = other.n_W, size = other.size;
+    std::copy_n(other.points.begin(), size, points.begin());
+    return *this;
+  }
 
   void add(const Vec3& p_W, double separation, std::uint32_t feature) {
     if (size < kPoints) points[size++] = {p_W, separation, feature};

@@ -89,14 +89,6 @@ Index SolverContacts::slotOf(Index i) {
   return slots_[i];
 }
 
-// How far the surfaces can approach each other in what is left of the interval, m.
-double SolverContacts::approachIn(const SolverBlock& block, double left) const {
-  const SolverBody& i = bodies[block.i];
-  const SolverBody& j = bodies[block.j];
-  const Vec3 a = context_.step.load[j.body].a_W - context_.step.load[i.body].a_W;
-  return approach(left, j.v - i.v, block.reach_i * i.w.norm(), block.reach_j * j.w.norm(), a);
-}
-
 // Contacts with what no impulse moves come last. The last contact of a pass keeps what it asks for, and an earlier one
 // gives way to it: a body pressed against a wall by others is to stay before it, whatever that costs between the others.
 void SolverContacts::find(double now, double left, double h) {
@@ -177,8 +169,10 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.reach_j = reachOf(b, a, p_W, u_W, left);
   const double length = block.pair.length, room = kMargin * length;
   const Contact& contact = context_.scene.contacts.active[block.contact];
-  const double margin = searchMargin(contact, approachIn(block, left) + room),
-               in_sub_step = approachIn(block, h_);
+  const Vec3 a_W = context_.step.load[j.body].a_W - context_.step.load[i.body].a_W;
+  const double turning_i = block.reach_i * i.w.norm(), turning_j = block.reach_j * j.w.norm();
+  const auto approachIn = [&](double time) { return approach(time, u_W, turning_i, turning_j, a_W); };
+  const double margin = searchMargin(contact, approachIn(left) + room), in_sub_step = approachIn(h_);
   Manifold manifold =
       contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
                       margin, softLimits(context_.step, block.pair, h_), last, contact.axis);
@@ -214,7 +208,7 @@ bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const Traits &a = store.traits[i.body], &b = store.traits[j.body];
-  if (!(a.round || a.revolved || b.round || b.revolved)) return false;
+  if (!(a.round || a.revolved || b.round || b.revolved) || (a.round && b.round)) return false;
   const Vec3 spin_W = surfaceSpin(store, j.body, j.w) - surfaceSpin(store, i.body, i.w);
   return spin_W.norm() * left > kRoll &&
          context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
@@ -331,16 +325,20 @@ void SolverContacts::store(double h, double h_full) {
   for (const Edge& edge : batch_.edges)
     if (edge.kind == ConstraintKind::Contact) active[edge.of].beginSolve();
   for (const auto& [k, point] : opened_) active[k].addEarlier(point);
-  // Of the blocks of a part: what the islands that they are of must know, in the order of the blocks.
+  // Of the blocks of a part: what the islands that they are of must know, in the order of the blocks. At the exact
+  // settings the soft step stands in for solves that do not converge.
   using Residuals = std::vector<std::pair<Island*, IslandResiduals>>;
   std::vector<Residuals> parts(Workers::parts(blocks.size(), kBlocksOfAPart));
   context_.step.workers->share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
       storeBlock(blocks[k], h, rest);
       Island* const island = &context_.step.islands[islandOf(blocks[k])];
-      if (parts[part].empty() || parts[part].back().first != island)
-        parts[part].emplace_back(island, IslandResiduals());
-      residuals::add(parts[part].back().second, residualsOf(blocks[k]));
+      if (parts[part].empty() || parts[part].back().first != island) {
+        IslandResiduals& solved = parts[part].emplace_back(island, IslandResiduals()).second;
+        solved.method = "soft_step";
+        solved.converged = !context_.step.solver.exact;
+      }
+      addResiduals(blocks[k], parts[part].back().second);
     }
   });
   for (const Residuals& part : parts)
@@ -376,14 +374,11 @@ SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPo
   return solved;
 }
 
-// How far the points of a block are from the law of contact after the last sub-step. At the exact settings the
-// soft step stands in for solves that do not converge.
-IslandResiduals SolverContacts::residualsOf(const SolverBlock& block) const {
+// How far the points of a block are from the law of contact after the last sub-step.
+void SolverContacts::addResiduals(const SolverBlock& block, IslandResiduals& solved) const {
+  if (block.size == 0) return;
   const double gravity = context_.scene.gravity_W.norm();
   const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
-  IslandResiduals solved;
-  solved.method = "soft_step";
-  solved.converged = !context_.step.solver.exact;
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
     const Vec3 u = velocityAt(block, point);
@@ -401,7 +396,6 @@ IslandResiduals SolverContacts::residualsOf(const SolverBlock& block) const {
     solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
     solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
   }
-  return solved;
 }
 
 }  // namespace rbs

@@ -131,7 +131,6 @@ class SolverContacts {
  private:
   SolverBody makeBody(Index i) const;
   Index slotOf(Index i);
-  double approachIn(const SolverBlock& block, double left) const;
   void findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                   std::vector<SolverPoint>& to) const;
   LastNormal lastNormal(const SolverBlock& block) const;
@@ -145,7 +144,7 @@ class SolverContacts {
   static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
   SolvedPoint solvedPoint(const SolverBlock& block, const SolverPoint& point) const;
   void storeBlock(const SolverBlock& block, double h, double rest) const;
-  IslandResiduals residualsOf(const SolverBlock& block) const;
+  void addResiduals(const SolverBlock& block, IslandResiduals& solved) const;
 
   Context& context_;
   const IslandBatch& batch_;

@@ -35,10 +35,13 @@ double allowed(const Context& context, const SolverBody& s, double h) {
 bool isFaster(const Context& context, const SolverBody& s, double h) {
   if (s.inv_mass == 0.0) return false;
   const Vec3 dw = s.w - s.w_free, sum = s.w + s.w_free;
-  const double radius = context.scene.bodies.traits[s.body].bounding_radius, most = allowed(context, s, h);
+  const double radius = context.scene.bodies.traits[s.body].bounding_radius;
   const double along = 0.5 * (s.v.squaredNorm() - s.v_free.squaredNorm()) / s.inv_mass;
-  const double reach = 0.5 * radius * radius / s.inv_mass, left = most - along;
-  if (left >= 0.0 && reach * reach * dw.squaredNorm() * sum.squaredNorm() <= left * left) return false;
+  const double reach = 0.5 * radius * radius / s.inv_mass;
+  const double most_spin = reach * reach * dw.squaredNorm() * sum.squaredNorm();
+  if (along <= 0.0 && most_spin <= along * along) return false;
+  const double most = allowed(context, s, h), left = most - along;
+  if (left >= 0.0 && most_spin <= left * left) return false;
   const Quat q_BW = context.scene.bodies.pose[s.body].q_WB.conjugate();
   const Vec3& moments = context.scene.bodies.inertia[s.body].moments;
   return along + 0.5 * (q_BW * sum).dot(moments.cwiseProduct(q_BW * dw)) > most;

@@ -31,6 +31,12 @@ bool isWatched(const StepStore& step, const Island& island, double time) {
          std::any_of(island.bodies.begin(), island.bodies.end(), strays);
 }
 
+// In the order that a sweep leaves, neighbours stand far apart: queries would meet most groups of the tree.
+std::vector<Index> byPlace(std::vector<Index> order, const std::vector<Bounds>& bounds) {
+  sortByPlace(order, bounds);
+  return order;
+}
+
 // Goes through the impacts of a step in the order of their times.
 class ImpactLoop {
  public:
@@ -40,7 +46,8 @@ class ImpactLoop {
         contacts_(context.scene.contacts),
         found_(contacts_.active.size()),
         has_edge_(found_, 0),
-        tree_(context.scene.pair_search.order, step_.bounds),
+        order_(byPlace(context.scene.pair_search.order, step_.bounds)),
+        tree_(order_, step_.bounds),
         sets_(islands::candidateSets(context)) {
     // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
@@ -414,6 +421,7 @@ class ImpactLoop {
   Contacts& contacts_;
   std::size_t found_;           // pairs of the broad phase; later ones are not sorted
   std::vector<char> has_edge_;  // by contact: it is a constraint of the island of its bodies
+  std::vector<Index> order_;
   BoundsTree tree_;
   DisjointSets sets_;                      // of bodies that may meet
   std::vector<std::uint64_t> cut_budget_;  // by body: of its set, where it is the root

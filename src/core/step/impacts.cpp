@@ -105,16 +105,24 @@ bool isAlone(const Context& context, Index i) {
   return !step.supported[i] && (step.island[i] == kNone || !step.islands[step.island[i]].touching);
 }
 
-// How far two courses bring the surfaces together from a time until the end of the step at most, m.
-double approachOf(const Context& context, Index i, Index j, const Motion& course_i, const Motion& course_j,
-                  double from) {
-  const Traits &a = context.scene.bodies.traits[i], &b = context.scene.bodies.traits[j];
-  const double left = context.step.t1 - from;
-  const auto [X_i, twist_i] = course_i.stateAt(from);
-  const auto [X_j, twist_j] = course_j.stateAt(from);
-  const Vec3 p_W = X_i.p_WB - X_j.p_WB, u_W = twist_i.v_WB - twist_j.v_WB;
-  return approach(left, u_W, reachOf(a, b, p_W, u_W, left) * course_i.spinBounds().w,
-                  reachOf(b, a, p_W, u_W, left) * course_j.spinBounds().w, course_i.a_W - course_j.a_W);
+// A body on its course: where it is at a time.
+struct OnCourse {
+  OnCourse(const Context& context, Index i, double time)
+      : traits(context.scene.bodies.traits[i]), course(courseOf(context, i)) {
+    std::tie(pose, twist) = course.stateAt(time);
+  }
+  const Traits& traits;
+  const Motion course;
+  Pose pose;
+  Twist twist;
+};
+
+// How far two courses bring the surfaces together in `left` s at most, m.
+double approachOf(const OnCourse& a, const OnCourse& b, double left) {
+  const Vec3 p_W = a.pose.p_WB - b.pose.p_WB, u_W = a.twist.v_WB - b.twist.v_WB;
+  return approach(left, u_W, reachOf(a.traits, b.traits, p_W, u_W, left) * a.course.spinBounds().w,
+                  reachOf(b.traits, a.traits, p_W, u_W, left) * b.course.spinBounds().w,
+                  a.course.a_W - b.course.a_W);
 }
 
 }  // namespace
@@ -124,15 +132,14 @@ double approachOf(const Context& context, Index i, Index j, const Motion& course
 // touches: another corner may strike before the end of the step, and a contact would give that blow no
 // rebound.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis) {
-  const Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
-  const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
-  const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
-  const double near = approachOf(context, i, j, course_i, course_j, from) + marginOf(context, i, j);
-  if (!areWithin(a, course_i.at(from), b, course_j.at(from), near, axis)) return {};
+  const OnCourse a(context, i, from), b(context, j, from);
+  const Shape &shape_a = a.traits.shape, &shape_b = b.traits.shape;
+  const double near = approachOf(a, b, step.t1 - from) + marginOf(context, i, j);
+  if (!areWithin(shape_a, a.pose, shape_b, b.pose, near, axis)) return {};
   Prediction prediction;
-  const auto isSimple = [&](Index k) { return bodies.traits[k].round || bodies.traits[k].unbounded; };
-  const bool simple = isSimple(i) && isSimple(j);
+  const auto isSimple = [](const Traits& traits) { return traits.round || traits.unbounded; };
+  const bool simple = isSimple(a.traits) && isSimple(b.traits);
   const auto meetingAt = [&](double time) {
     prediction.queries += !simple;
     return Meeting(context, i, j, time, axis);
@@ -153,13 +160,14 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
       prediction.touches = false;
     }
   }
-  if (const auto time = timeOfImpact(a, course_i, b, course_j, from, step.t1, &prediction.queries)) {
+  if (const auto time =
+          timeOfImpact(shape_a, a.course, shape_b, b.course, from, step.t1, &prediction.queries)) {
     touchAt(meetingAt(*time), *time);
     return prediction;
   }
   // What overlaps touches, though nothing closes: contacts are to part it.
   prediction.touches =
-      gap(a, course_i.at(from), b, course_j.at(from)).distance < -kSunk * smallerLength(bodies, i, j);
+      gap(shape_a, a.pose, shape_b, b.pose).distance < -kSunk * smallerLength(context.scene.bodies, i, j);
   return prediction;
 }
 
