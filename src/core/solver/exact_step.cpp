@@ -38,6 +38,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace rbs::exact_step {
 
@@ -56,16 +58,18 @@ constexpr double kLeaning = 0.01;
 constexpr double kTurn = 0.2;
 constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
-// setting.
-constexpr double kLeftOverlap = 1e-6;
+// setting. Where the soft step would do as well, each has to leave less than the share kHelps of what the one before it
+// left: what stays is at points that the solve does not have.
+constexpr double kLeftOverlap = 1e-6, kHelps = 0.5;
 constexpr int kMostCorrections = 6;
 // A residual beyond this is no solution that is not quite converged, but none.
 constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same.
 constexpr double kJump = 0.5;
-// An overlap that grows by more than this share of the smaller length within a segment halves the segment, so
-// many times in a step.
-constexpr double kMostSunk = 2e-5;
+// An overlap that grows by more than this share of the smaller length within a segment halves the segment, down to
+// 2^-kMostHalvings of its length. Two segments in a row that are good double it again. The soft step leaves no less
+// than kSoftSunk, and at the settings that have it nothing is gained by more.
+constexpr double kMostSunk = 2e-5, kSoftSunk = 1e-3;
 // So does a gain of energy beyond this share.
 constexpr double kMostGained = 1e-4;
 constexpr int kMostHalvings = 8;
@@ -270,6 +274,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Segment segment;
+  double deepest = std::numeric_limits<double>::infinity();
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.points.size(); ++k)
       kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
@@ -284,7 +289,9 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters =
         curvatureMatters(kick.bodies, kick.points, held, start, segment.touching, tau, curvature);
-    const bool deep = segment.first.converged && deepestShare(segment.touching) > kLeftOverlap;
+    const double before = std::exchange(deepest, deepestShare(segment.touching));
+    const bool helps = !promoted_ || deepest < kHelps * before;
+    const bool deep = segment.first.converged && deepest > kLeftOverlap && helps;
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);
   }
@@ -398,6 +405,14 @@ void Stepper::addUnforeseen() {
   }
 }
 
+// After two good segments in a row: what asked for short ones, an impact or a rim that came round, is over as a rule.
+void Stepper::lengthen() {
+  if (halvings_ == kMostHalvings || ++good_ < 2) return;
+  good_ = 0;
+  ++halvings_;
+  longest_ *= 2.0;
+}
+
 // The next segment. It is halved while bodies end deeper in each other than they began, and while it gains energy: where contacts
 // run along round bodies faster than the corrections follow, they push too long or too hard.
 void Stepper::goOver() {
@@ -421,10 +436,13 @@ void Stepper::goOver() {
       cutAtStop(tau_, segment_);
     }
     addUnforeseen();
-    const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + kMostSunk;
+    const double most_sunk = promoted_ ? kSoftSunk : kMostSunk;
+    const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + most_sunk;
     const bool solved = segment_.first.converged && segment_.second.converged;
     const bool gains = solved && gainOf(start, led_before) > kMostGained;
-    if (!(sunk || gains) || halvings_ == 0 || budget_.isSpent()) return;
+    if (!(sunk || gains)) return lengthen();
+    good_ = 0;
+    if (halvings_ == 0 || budget_.isSpent()) return;
     touching_ = foreseen;
     stops_.resize(stops);
     longest_ = 0.5 * uncut;

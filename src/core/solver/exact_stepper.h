@@ -106,6 +106,7 @@ class Stepper : public InnerRows {
   void judgeSqueezing();
   void settle();
   void addUnforeseen();
+  void lengthen();
   void goOver();
   Segment attempt(double tau, Friction friction);
   Slip slipNow() const;
@@ -158,7 +159,7 @@ class Stepper : public InnerRows {
   std::vector<BodyMotion> start_;
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
-  int halvings_;                         // of it, left
+  int halvings_, good_ = 0;              // of it, left; and good ones since it was halved or lengthened
   Segment segment_;                      // this one
   Outcome outcome_ = Outcome::Done;
 };
