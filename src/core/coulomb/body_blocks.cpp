@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coulomb/body_blocks.h"
 
+#include "coulomb/block_products.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -15,35 +17,43 @@ namespace {
 constexpr std::int64_t kPointWork = 2000;
 
 // The inverse, by Gauss with partial pivoting; not finite where there is none. Eigen's own is made for large
-// matrices, and four times as dear. The order of the sums is the same: rows are solved for in groups of four
+// matrices, and many times as dear. The order of the sums is the same: rows are solved for in groups of four
 // and two.
-Mat6 inverseOf(Mat6 A) {
-  using Rows = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-  Rows X = Rows::Identity();
+RBS_INLINE Mat6 inverseOf(Mat6 A) {
+  using block::Column;
+  Column X[6];  // rows
+  for (int k = 0; k < 6; ++k) block::load(Mat6::Identity().eval().data() + 6 * k, X[k]);
+#pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     int pivot = k;
     for (int row = k + 1; row < 6; ++row)
       if (std::abs(A(row, k)) > std::abs(A(pivot, k))) pivot = row;
-    if (pivot != k) A.row(k).swap(A.row(pivot)), X.row(k).swap(X.row(pivot));
-    for (int row = k + 1; row < 6; ++row) A(row, k) /= A(k, k);
-    for (int column = k + 1; column < 6; ++column)
-      for (int row = k + 1; row < 6; ++row) A(row, column) -= A(row, k) * A(k, column);
+    if (pivot != k) A.row(k).swap(A.row(pivot)), std::swap(X[k], X[pivot]);
+    Column column, factors;
+    block::load(A.col(k).data(), column);
+    block::divideBelow(k, column, factors);
+    block::store(column, A.col(k).data());
+#pragma GCC unroll 6
+    for (int c = k + 1; c < 6; ++c) block::subtract(factors, A(k, c), A.col(c).data());
   }
   const auto takeOff = [&](int row, int first) {  // four unknowns at once
-    X.row(row) -= (A(row, first) * X.row(first) + A(row, first + 1) * X.row(first + 1) +
-                   A(row, first + 2) * X.row(first + 2) + A(row, first + 3) * X.row(first + 3))
-                      .eval();
+    Column sum;
+    block::times(X[first], A(row, first), sum);
+    for (int k = first + 1; k < first + 4; ++k) block::add(X[k], A(row, k), sum);
+    block::subtract(sum, 1.0, X[row]);
   };
   for (int k = 0; k < 3; ++k)
-    for (int row = k + 1; row < 4; ++row) X.row(row) -= A(row, k) * X.row(k);
+    for (int row = k + 1; row < 4; ++row) block::subtract(X[k], A(row, k), X[row]);
   takeOff(4, 0), takeOff(5, 0);
-  X.row(5) -= A(5, 4) * X.row(4);
+  block::subtract(X[4], A(5, 4), X[5]);
   for (int k = 5; k >= 0; --k) {
     if (k == 1) takeOff(0, 2), takeOff(1, 2);
-    X.row(k) *= 1.0 / A(k, k);
-    for (int row = k < 2 ? 0 : 2; row < k; ++row) X.row(row) -= A(row, k) * X.row(k);
+    block::times(X[k], 1.0 / A(k, k), X[k]);
+    for (int row = k < 2 ? 0 : 2; row < k; ++row) block::subtract(X[k], A(row, k), X[row]);
   }
-  return X;
+  Eigen::Matrix<double, 6, 6, Eigen::RowMajor> inverse;
+  for (int k = 0; k < 6; ++k) block::store(X[k], inverse.row(k).data());
+  return inverse;
 }
 
 }  // namespace
@@ -115,31 +125,25 @@ void BodyBlocks::order() {
   }
 }
 
-template <int kRows>
-void BodyBlocks::addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot) {
-  const auto add = [](Mat6& block, const Mat36& J, const Mat36& DJ) {
-    block.template bottomRows<kRows>().noalias() += J.rightCols<kRows>().transpose() * DJ;
-  };
-  if (rows.i != kNone) add(diagonal_[place_[rows.i]], rows.J_i, DJ_i);
-  if (rows.j != kNone) add(diagonal_[place_[rows.j]], rows.J_j, DJ_j);
+RBS_INLINE void BodyBlocks::addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j,
+                                      std::uint32_t slot) {
+  using block::addTransposed;
+  if (rows.i != kNone) addTransposed(rows.J_i, DJ_i, diagonal_[place_[rows.i]]);
+  if (rows.j != kNone) addTransposed(rows.J_j, DJ_j, diagonal_[place_[rows.j]]);
   if (rows.i == kNone || rows.j == kNone) return;
   const bool i_first = place_[rows.i] < place_[rows.j];
-  add(i_first ? lower_[slot] : upper_[slot], rows.J_j, DJ_i);
-  add(i_first ? upper_[slot] : lower_[slot], rows.J_i, DJ_j);
+  addTransposed(rows.J_j, DJ_i, i_first ? lower_[slot] : upper_[slot]);
+  addTransposed(rows.J_i, DJ_j, i_first ? upper_[slot] : lower_[slot]);
 }
 
-void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
+RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
   for (Mat6& block : diagonal_) block.setIdentity();
   for (Mat6& block : lower_) block.setZero();
   for (Mat6& block : upper_) block.setZero();
   const std::vector<Point>& points = system_.points();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    Mat36 DJ_i, DJ_j;
-    if (points[k].i != kNone) DJ_i.noalias() = D[k] * points[k].J_i;
-    if (points[k].j != kNone) DJ_j.noalias() = D[k] * points[k].J_j;
-    addBlocks<6>(points[k], DJ_i, DJ_j, slot_[k]);
+    addBlocks(points[k], D[k] * points[k].J_i, D[k] * points[k].J_j, slot_[k]);
   }
-  // A couple turns, no more: three rows of its blocks are zero.
   for (std::size_t k = 0; k < g.size(); ++k) {
     const Couple& couple = system_.couples()[k];
     Vec6 n_i = Vec6::Zero(), n_j = Vec6::Zero();
@@ -150,11 +154,11 @@ void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g
     Mat36 DJ_i = g[k] * n_i.transpose(), DJ_j = g[k] * n_j.transpose();
     DJ_i.rightCols<3>() += D[points.size() + k] * couple.J_i.rightCols<3>();
     DJ_j.rightCols<3>() += D[points.size() + k] * couple.J_j.rightCols<3>();
-    addBlocks<3>(couple, DJ_i, DJ_j, slot_[couple.first]);
+    addBlocks(couple, DJ_i, DJ_j, slot_[couple.first]);
   }
 }
 
-bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
+RBS_WIDE bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
   system_.spend(factor_work_);
   assemble(D, g);
   for (std::size_t k = 0; k < diagonal_.size(); ++k) {
@@ -162,34 +166,50 @@ bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) 
     if (!inverse.allFinite()) return false;
     diagonal_[k] = inverse;
     const std::uint32_t begin = begin_[k], end = begin_[k + 1];
-    for (std::uint32_t a = begin; a < end; ++a) lower_[a] = lower_[a] * inverse;
+    for (std::uint32_t a = begin; a < end; ++a) block::multiply(lower_[a], inverse);
     for (std::uint32_t a = begin; a < end; ++a) {
       const Index row = rows_[a];
-      diagonal_[row].noalias() -= lower_[a] * upper_[a];
+      block::Columns T_a, T_b;
+      block::load(lower_[a], T_a);
+      block::subtract(T_a, upper_[a], diagonal_[row]);
       std::uint32_t target = begin_[row];
       for (std::uint32_t b = a + 1; b < end; ++b) {
         while (rows_[target] != rows_[b]) ++target;
-        lower_[target].noalias() -= lower_[b] * upper_[a];
-        upper_[target].noalias() -= lower_[a] * upper_[b];
+        block::load(lower_[b], T_b);
+        block::subtract(T_b, upper_[a], lower_[target]);
+        block::subtract(T_a, upper_[b], upper_[target]);
       }
     }
   }
   return true;
 }
 
+// With x by place.
+RBS_WIDE void BodyBlocks::substitute(Velocities& x) const {
+  block::Columns columns;
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) {
+      block::load(lower_[a], columns);
+      block::subtract(columns, x.col(k).data(), x.col(rows_[a]).data());
+    }
+  }
+  for (std::size_t k = order_.size(); k-- > 0;) {
+    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) {
+      block::load(upper_[a], columns);
+      block::subtract(columns, x.col(rows_[a]).data(), x.col(k).data());
+    }
+    block::Column product;
+    block::load(diagonal_[k], columns);
+    block::times(columns, x.col(k).data(), product);
+    block::store(product, x.col(k).data());
+  }
+}
+
 Velocities BodyBlocks::solve(const Velocities& y) const {
   system_.spend(solve_work_);
   Velocities x(6, y.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) x.col(k) = y.col(order_[k]);
-  for (std::size_t k = 0; k < order_.size(); ++k) {
-    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a)
-      x.col(rows_[a]).noalias() -= lower_[a] * x.col(k);
-  }
-  for (std::size_t k = order_.size(); k-- > 0;) {
-    Vec6 sum = x.col(k);
-    for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) sum.noalias() -= upper_[a] * x.col(rows_[a]);
-    x.col(k).noalias() = diagonal_[k] * sum;
-  }
+  substitute(x);
   Velocities result(6, y.cols());
   for (std::size_t k = 0; k < order_.size(); ++k) result.col(order_[k]) = x.col(k);
   return result;

@@ -36,8 +36,8 @@ class BodyBlocks {
  private:
   void order();
   void assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
-  /// Adds J^T DJ. All but the last rows of J^T are zero.
-  template <int kRows>
+  void substitute(Velocities& x) const;
+  /// Adds J^T DJ.
   void addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot);
 
   const System& system_;

@@ -2,12 +2,10 @@
 // Four numbers at a time, and arithmetic on them, for the loops over contacts.
 #pragma once
 
+#include "base/wide.h"
 #include "solver/solver_contacts.h"
 
 #include <array>
-
-// GCC 12 takes a vector that is made of four numbers for one that is read before it is made.
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 namespace rbs {
 
@@ -20,17 +18,6 @@ inline constexpr int kLanes = 4;
 }  // namespace rbs
 
 namespace rbs::lanes {
-
-// All of these are part of the loops that call them: vectors are not passed about.
-#define RBS_INLINE [[gnu::always_inline]] inline
-// Compiled twice, for processors with AVX2 and without; which to take is found out when the program starts.
-// Both give the same bits: they differ in how many lanes an instruction has. Clang, which fuzzing uses, wants
-// such functions declared before they are called; it compiles them once.
-#if defined(__x86_64__) && !defined(__clang__)
-#define RBS_WIDE [[gnu::target_clones("avx2", "default")]]
-#else
-#define RBS_WIDE
-#endif
 
 RBS_INLINE void fill(Lanes& to, double value) {
   to = Lanes{value, value, value, value};
