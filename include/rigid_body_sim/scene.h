@@ -153,12 +153,12 @@ Fidelity fidelityNamed(const std::string& name);
 struct Setting {
   Fidelity preset = Fidelity::Interactive;  ///< quality level, which gives the numbers that are left empty
   std::uint32_t divisions = 1;              ///< equal solver steps that each step is divided into, 1 to 1000
-  /// Sub-steps (small steps) of the soft step in each division, 1 to 1000. Empty: 1 for preview, 8 for the
+  /// Sub-steps (small steps) of the soft step in each division, 1 to 1000. Empty: 4 for preview, 8 for the
   /// others. Islands in which bodies move or turn fast take more.
   std::optional<std::uint32_t> sub_steps;
   /// Residuals in impulse and velocity at which the exact step stops, 1e-15 to 0.1. They are fractions of the
   /// speed that the loads add in a division, or of the fastest closing speed where that is larger. Empty:
-  /// 1e-6 for accurate, and on to 1e-9 where that is quick; 1e-12 for reference; 1e-9 for the others.
+  /// 1e-6 for accurate, and on to 1e-9 where that is quick; 1e-12 for reference; 1e-9 for interactive.
   std::optional<double> tolerance;
   /// Wall time after the start of a step at which its exact solves end, ms, 1e-6 to 1e6. Empty: they take as
   /// long as they need. What is not solved by then keeps the best impulses found, and its IslandResiduals

@@ -193,7 +193,8 @@ int main(int argc, char** argv) {
   Request request;
   po::options_description options(
       "Lists the stages that a scene runs, the reason for each, and its cost.\n"
-      "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file");
+      "Usage: explain SCENE [OPTIONS]      SCENE: a name of the catalogue or a .yaml file\n"
+      "Exit codes: 0 done, 2 bad arguments or a bad scene, 130 interrupted");
   auto add = options.add_options();
   add("help", "print this");
   add("scene", po::value(&request.scene), "the same as SCENE");

@@ -54,7 +54,8 @@ def engine_words(options):
 
 
 def arguments(words):
-    parser = argparse.ArgumentParser(prog='sweep', description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog='sweep', description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('file', nargs='?', metavar='FILE', help='what to run (docs/batch.md)')
     parser.add_argument('--output', help='folder of the results (FILE without .yaml, with .sweep)')
     parser.add_argument('--resume', action='store_true', help='go on with what the folder holds; runs that crashed or exceeded '
