@@ -70,8 +70,14 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
   std::sort(dormant.begin(), dormant.end(), isBefore);
 }
 
+void Contacts::sortActive() {
+  const auto added = std::is_sorted_until(active.begin(), active.end(), isBefore);
+  std::sort(added, active.end(), isBefore);
+  std::inplace_merge(active.begin(), added, active.end(), isBefore);
+}
+
 void Contacts::endStep(const std::function<bool(const Contact&)>& rests) {
-  std::sort(active.begin(), active.end(), isBefore);
+  sortActive();
   for (Contact& contact : active) {
     if (!contact.solved && !contact.points.empty() && !rests(contact)) contact.points.clear();
     if (contact.points.empty()) contact.exact = false;

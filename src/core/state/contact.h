@@ -136,6 +136,8 @@ struct Contacts {
   Contact& dormantOf(const Bodies& bodies, Index i, Index j);
   /// Adds a pair to the active contacts, with what is known of it, and gives its place.
   Index add(const Bodies& bodies, Index i, Index j);
+  /// Sorts the active contacts: what add() has appended goes to its place. Costs little where that is nothing.
+  void sortActive();
   /// At the end of a step: sorts the contacts, and drops points that were not solved in it, but for those that `rests`.
   void endStep(const std::function<bool(const Contact&)>& rests);
   /// The place of a pair among the active contacts, the first `sorted` of which are sorted; kNone when it is

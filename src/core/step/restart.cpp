@@ -43,10 +43,6 @@ void sortIslands(StepStore& step) {
     for (const Index i : islands[k].bodies) step.island[i] = k;
 }
 
-bool isBefore(const Contact& a, const Contact& b) {
-  return a.key < b.key;
-}
-
 }  // namespace
 
 Restart::Restart(Context& context) : at_start_(*context.step.restart_stores) {
@@ -84,7 +80,7 @@ void Restart::restoreContacts(Context& context, const IndexPairs& missed, const 
     return begins(contact.key) && !isKnown(placeOf(contact.i, contact.j), contact.i, contact.j);
   };
   active.erase(std::remove_if(active.begin(), active.end(), isAdded), active.end());
-  std::sort(active.begin(), active.end(), isBefore);
+  contacts.sortActive();
 
   for (const auto& [i, j] : missed) {
     auto place = placeOf(i, j);
@@ -94,7 +90,7 @@ void Restart::restoreContacts(Context& context, const IndexPairs& missed, const 
     }
     place->state.miss();
   }
-  std::sort(active.begin(), active.end(), isBefore);
+  contacts.sortActive();
 
   for (std::vector<Contact>* list : {&active, &contacts.dormant})
     for (Contact& contact : *list)
