@@ -15,6 +15,7 @@ BodiesClient::BodiesClient() {
   constexpr int kWatchPeriod = 500;  // ms
   connect(&watchdog_, &QTimer::timeout, this, &BodiesClient::watch);
   watchdog_.start(kWatchPeriod);
+  connect(&hearing_, &Hearing::changed, this, &BodiesClient::heardChanged);
 }
 
 void BodiesClient::watch() {
@@ -26,6 +27,7 @@ void BodiesClient::watch() {
 
 void BodiesClient::follow(const QString& node) {
   node_ = node;
+  hearing_.forget();
   worker_ = std::make_unique<ServiceWorker>();
   connect(
       worker_.get(), &ServiceWorker::answered, this,
@@ -59,6 +61,7 @@ std::optional<BodyMotion> BodiesClient::motion(std::size_t index) const {
 }
 
 void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions) {
+  hearing_.hear();
   if (descriptions.version == descriptions_.version && descriptions.header.frame_id == frame() &&
       descriptions.bodies == bodies())
     return;  // sent again
@@ -110,6 +113,7 @@ void BodiesClient::receiveSelection(const rigid_body_sim::BodyNames& selection) 
 }
 
 void BodiesClient::receiveStatus(const rigid_body_sim::Status& status) {
+  hearing_.hear();
   setReplay(!status.recording.empty());
 }
 
@@ -127,6 +131,10 @@ void BodiesClient::select(const QStringList& names) {
 
 void BodiesClient::edit(const std::vector<rigid_body_sim::BodyChange>& changes, Answer answer) {
   using rigid_body_sim::EditBodies;
+  if (!hearing_.isHeard()) {
+    Q_EMIT reported(silence(), true);
+    return answer(silence());
+  }
   EditBodies::Request request;
   request.changes = changes;
   worker_->call<EditBodies>(
@@ -134,6 +142,7 @@ void BodiesClient::edit(const std::vector<rigid_body_sim::BodyChange>& changes, 
 }
 
 void BodiesClient::remove(const QStringList& names) {
+  if (!hearing_.isHeard()) return void(Q_EMIT reported(silence(), true));
   rigid_body_sim::NamedBodies::Request request;
   request.names = toStd(names);
   worker_->call<rigid_body_sim::NamedBodies>(inNode("delete_bodies"), request);
@@ -141,6 +150,7 @@ void BodiesClient::remove(const QStringList& names) {
 
 void BodiesClient::duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset) {
   using rigid_body_sim::DuplicateBodies;
+  if (!hearing_.isHeard()) return void(Q_EMIT reported(silence(), true));
   DuplicateBodies::Request request;
   request.names = toStd(names);
   request.count = count;

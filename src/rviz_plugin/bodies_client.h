@@ -2,6 +2,7 @@
 // BodiesClient: the bodies of one simulator, those that are selected, and the services that change them.
 #pragma once
 
+#include "hearing.h"
 #include "service_worker.h"
 
 #include <rigid_body_sim/BodyChange.h>
@@ -51,10 +52,13 @@ class BodiesClient : public QObject {
   std::optional<BodyMotion> motion(std::size_t index) const;
   /// Names in the order in which they were selected.
   const QStringList& selection() const { return selection_; }
+  /// That no simulator answers, in words.
+  QString silence() const { return QString("No simulator answers at '%1'.").arg(node_); }
   /// Whether a recording is replayed, of which nothing can be changed.
   bool isReplay() const { return is_replay_; }
 
   void select(const QStringList& names);
+  // What nobody sees happen is not to happen later, all at once: edits are refused while the simulator is silent.
   /// Gets why an edit was refused; an empty text where it was done.
   using Answer = std::function<void(const QString& refusal)>;
   void edit(const std::vector<rigid_body_sim::BodyChange>& changes, Answer answer);
@@ -67,6 +71,7 @@ class BodiesClient : public QObject {
   void motionChanged();
   void selectionChanged();
   void replayChanged();
+  void heardChanged(bool is_heard);
   /// Bodies have other names now, whoever gave them: new names by the last ones. bodiesChanged() follows.
   void renamed(const QHash<QString, QString>& new_names);
   /// A sentence for the user: an answer, a refusal, or that there is no answer.
@@ -86,6 +91,7 @@ class BodiesClient : public QObject {
 
   std::unique_ptr<ServiceWorker> worker_;  ///< made anew for each node: a call that hangs holds up no other
   QTimer watchdog_;
+  Hearing hearing_;
   ros::NodeHandle ros_;
   ros::Subscriber descriptions_topic_, states_topic_, selection_topic_, status_topic_;
   ros::Publisher select_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recorder.h"
 
-#include "silence.h"
-
 #include <algorithm>
 
 namespace rbs {
@@ -28,8 +26,7 @@ std::string curveName(const Quantity& quantity, std::size_t curve, const std::st
 }
 
 Recorder::Recorder() {
-  connect(&watchdog_, &QTimer::timeout, this, &Recorder::watch);
-  watchdog_.start(kWatchPeriod);
+  connect(&hearing_, &Hearing::changed, this, &Recorder::heardChanged);
 }
 
 void Recorder::follow(const QString& node) {
@@ -45,7 +42,7 @@ void Recorder::follow(const QString& node) {
   described_.reset();
   waiting_.reset();
   places_.clear();
-  setHeard(false);
+  hearing_.forget();
   is_followed_ = false;
   try {
     status_ = ros_.subscribe(inNode("status"), kStatusQueue, &Recorder::receive, this);
@@ -109,8 +106,7 @@ bool Recorder::mayHave(const std::string& body) const {
 }
 
 void Recorder::receive(const rigid_body_sim::Status& status) {
-  quiet_looks_ = 0;
-  setHeard(true);
+  hearing_.hear();
   step_ = status.step;
   const double stamp = status.header.stamp.toSec();
   if (stamp < stamp_) dropAfter(stamp);  // of a simulator that is no more
@@ -209,18 +205,6 @@ void Recorder::record(const Quantity& quantity, const std::string& body, double 
                       const Quantity::Values& values) {
   for (std::size_t k = 0; k < values.size(); ++k)
     history_.add(curveName(quantity, k, body), {time, values[k]});
-}
-
-// Silence is counted in looks, not in time: an RViz that takes seconds for a picture looks, and hears, as
-// seldom.
-void Recorder::watch() {
-  if (is_heard_ && ++quiet_looks_ > kSilence) setHeard(false);
-}
-
-void Recorder::setHeard(bool is_heard) {
-  if (is_heard == is_heard_) return;
-  is_heard_ = is_heard;
-  Q_EMIT heardChanged(is_heard);
 }
 
 }  // namespace rbs

@@ -2,6 +2,7 @@
 // Recorder: listens to one simulator and records the quantities that are plotted.
 #pragma once
 
+#include "hearing.h"
 #include "history.h"
 #include "physics_time.h"
 #include "quantities.h"
@@ -16,7 +17,6 @@
 #include <QObject>
 #include <QString>
 #include <QStringList>
-#include <QTimer>
 
 #include <deque>
 #include <map>
@@ -56,7 +56,7 @@ class Recorder : public QObject {
   QStringList bodies() const;  ///< names in the order of creation, as far as descriptions have come
   /// Whether the scene has a body of this name, or its bodies are not known yet.
   bool mayHave(const std::string& body) const;
-  bool isHeard() const { return is_heard_; }
+  bool isHeard() const { return hearing_.isHeard(); }
 
  Q_SIGNALS:
   void recorded();
@@ -87,8 +87,6 @@ class Recorder : public QObject {
   void dropAfter(double stamp);
   void flush(bool of_this_run);
   void record(const Quantity& quantity, const std::string& body, double time, const Quantity::Values& values);
-  void watch();
-  void setHeard(bool is_heard);
   std::string inNode(const char* topic) const { return node_.toStdString() + "/" + topic; }
 
   ros::NodeHandle ros_;
@@ -107,9 +105,7 @@ class Recorder : public QObject {
   rigid_body_sim::BodyDescriptionsConstPtr described_;  ///< null: none yet
   std::map<std::string, std::size_t> places_;           ///< of the bodies in the lists of states
   rigid_body_sim::BodyStatesConstPtr waiting_;          ///< for their descriptions; null: none are
-  QTimer watchdog_;
-  int quiet_looks_ = 0;  ///< since the last status
-  bool is_heard_ = false;
+  Hearing hearing_;
 };
 
 }  // namespace rbs

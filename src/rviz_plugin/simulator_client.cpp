@@ -2,7 +2,6 @@
 #include "simulator_client.h"
 
 #include "body_names.h"
-#include "silence.h"
 
 #include <rigid_body_sim/File.h>
 #include <rigid_body_sim/ListScenes.h>
@@ -30,8 +29,10 @@ constexpr double kPatience = 2.0;  // s without an answer, after which the user 
 }  // namespace
 
 SimulatorClient::SimulatorClient() {
+  constexpr int kWatchPeriod = 250;  // ms
   connect(&watchdog_, &QTimer::timeout, this, &SimulatorClient::watch);
   watchdog_.start(kWatchPeriod);
+  connect(&hearing_, &Hearing::changed, this, &SimulatorClient::takeHeard);
 }
 
 void SimulatorClient::follow(const QString& node) {
@@ -40,7 +41,7 @@ void SimulatorClient::follow(const QString& node) {
     *worker = std::make_unique<ServiceWorker>();
     connect(worker->get(), &ServiceWorker::answered, this, &SimulatorClient::reportAnswer);
   }
-  setHeard(false);
+  hearing_.forget();
   is_seeking_ = false;
   next_seek_.reset();
   selection_.clear();
@@ -63,10 +64,9 @@ void SimulatorClient::follow(const QString& node) {
 }
 
 void SimulatorClient::receive(const rigid_body_sim::Status& status) {
-  quiet_looks_ = 0;
   wind_ = status.wind;
   is_replay_ = !status.recording.empty();
-  setHeard(true);
+  hearing_.hear();
   Q_EMIT statusReceived(status);
 }
 
@@ -84,19 +84,14 @@ void SimulatorClient::receiveAnswer(const std_msgs::String& text) {
   Q_EMIT reported(QString::fromStdString(text.data), false);
 }
 
-// Silence is counted in looks, not in time: an RViz that takes seconds for a picture looks, and hears, as
-// seldom.
 void SimulatorClient::watch() {
-  if (is_heard_ && ++quiet_looks_ > kSilence) setHeard(false);
   if (!worker_) return;
   const QString service = worker_->overdue(kPatience);
   if (service.isEmpty()) return;
   Q_EMIT reported(QString("%1: no answer for %2 s").arg(service).arg(int(worker_->waited())), true);
 }
 
-void SimulatorClient::setHeard(bool is_heard) {
-  if (is_heard == is_heard_) return;
-  is_heard_ = is_heard;
+void SimulatorClient::takeHeard(bool is_heard) {
   if (!is_heard) {
     // What nobody sees happen is not to happen later, all at once.
     next_seek_.reset();

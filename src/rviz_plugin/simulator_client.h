@@ -2,6 +2,7 @@
 // SimulatorClient: the topics and services of one simulator, as the panel uses them.
 #pragma once
 
+#include "hearing.h"
 #include "service_worker.h"
 
 #include <rigid_body_sim/AccuracyStudy.h>
@@ -99,7 +100,7 @@ class SimulatorClient : public QObject {
   void receiveSelection(const rigid_body_sim::BodyNames& bodies);
   void receiveAnswer(const std_msgs::String& text);
   void watch();
-  void setHeard(bool is_heard);
+  void takeHeard(bool is_heard);
   void listScenes();
   void reportAnswer(const QString& service, bool success, const QString& message);
   template <class Service>
@@ -118,8 +119,7 @@ class SimulatorClient : public QObject {
   QString node_;
   QStringList selection_;
   QTimer watchdog_;
-  int quiet_looks_ = 0;  ///< since the last status
-  bool is_heard_ = false;
+  Hearing hearing_;
   bool wind_ = false;
   bool is_replay_ = false;
   bool is_seeking_ = false;

@@ -99,7 +99,8 @@ class Recording:
 
     def check(self):
         """Raises Failure unless it runs again to the same hashes."""
-        done = subprocess.run(['rosrun', 'rigid_body_sim', 'resimulate', self.bag], stdout=subprocess.PIPE,
+        program = roslib.packages.find_node('rigid_body_sim', 'resimulate')[0]
+        done = subprocess.run([program, self.bag], stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True, check=False)
         if done.returncode != 0:
             raise Failure('the recording does not run again: ' + done.stdout)

@@ -14,6 +14,7 @@ from xmlrpc.client import ServerProxy
 
 import rosbag
 import rosgraph
+import roslib.packages
 import rosnode
 import rospy
 import rostest
@@ -30,7 +31,8 @@ TOPICS = [COMMANDS, STATUS]
 
 def resimulate(bag, *options):
     """Its exit code and all that it prints."""
-    done = subprocess.run(['rosrun', 'rigid_body_sim', 'resimulate', bag, *options], stdout=subprocess.PIPE,
+    program = roslib.packages.find_node('rigid_body_sim', 'resimulate')[0]
+    done = subprocess.run([program, bag, *options], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, check=False)
     return done.returncode, done.stdout
 

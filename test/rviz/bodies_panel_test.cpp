@@ -480,6 +480,24 @@ TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
   EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
 }
 
+// Messages that are not taken are as good as none. What is done meanwhile is not done later, all at once.
+TEST_F(BodiesPanelTest, NothingIsDoneWhileTheSimulatorIsSilent) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  const std::string hash = call<rigid_body_sim::ListBodies>("list_bodies").hash;
+  const auto says = [this] { return panel_.findChild<ElidedText*>()->text(); };
+  QTest::qWait(4000);
+  EXPECT_EQ(says(), "No simulator answers at '/sim'.");
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_Delete);
+  enter("Mass", "7");
+  EXPECT_EQ(note(), "No simulator answers at '/sim'.");
+  EXPECT_TRUE(waitFor([&] { return says().isEmpty(); }));
+  EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
+  enter("Mass", "7");
+  EXPECT_TRUE(waitFor([] { return body("crate").description.mass == 7.0; }));
+}
+
 // The field with the focus would enter it into a client that is gone.
 TEST_F(BodiesPanelTest, WhatIsHalfTypedIsDroppedWithThePanel) {
   select({"crate"});
