@@ -54,8 +54,9 @@ constexpr double kLoneAim = 1e-12;
 constexpr double kStraight = 0.01;
 // Sine of the tilt from which a body stands on its rim.
 constexpr double kLeaning = 0.01;
-// |w| tau of a body that is not a ball, and the most segments of a step that it may ask for.
-constexpr double kTurn = 0.2;
+// |w| tau of a body that is not a ball, that of a sub-step of the soft step where there is one, and the most segments of a
+// step that it may ask for.
+constexpr double kTurn = 0.2, kSoftTurn = 0.5;
 constexpr int kMostSegments = 64;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
 // setting. Where the soft step would do as well, each has to leave less than the share kHelps of what the one before it
@@ -343,7 +344,8 @@ void Stepper::prepare() {
 void Stepper::limitSegment() {
   const double left = end_ - now_;
   const int most = std::max(1, static_cast<int>(kMostSegments * (left / step_.h())));
-  longest_ = std::min(longest_, left / std::clamp(std::ceil(turnsBy(left) / kTurn), 1.0, 1.0 * most));
+  const double segments = std::ceil(turnsBy(left) / (promoted_ ? kSoftTurn : kTurn));
+  longest_ = std::min(longest_, left / std::clamp(segments, 1.0, 1.0 * most));
 }
 
 // How far a body that is not a ball turns in some time at most, rad, or the point of a rim on which one stands goes round. That

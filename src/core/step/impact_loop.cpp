@@ -73,7 +73,10 @@ class ImpactLoop {
 
   void run() {
     takeAll();
-    if (!step_.solver.exact) return watchSeparated();
+    if (!step_.solver.exact) {
+      watchSeparated();
+      return promoteCrushing();
+    }
     while (context_.scene.effects[Effect::Restitution] && endsEarly()) takeAll();
   }
 
@@ -257,6 +260,7 @@ class ImpactLoop {
       ++islandOf(impact).deferred_impacts;
       if (brought == Brought::Expensive) leaveToRebounds(impact);
       connect(impact.i, impact.j);
+      for (const Index i : {impact.i, impact.j}) watchAround(i);
       return;
     }
     const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
@@ -271,7 +275,10 @@ class ImpactLoop {
     }
     ++islandOf(impact).impacts;
     step_.met.emplace_back(impact.i, impact.j);
-    if (outcome == impacts::Outcome::Stay) connect(impact.i, impact.j);
+    if (outcome == impacts::Outcome::Stay) {
+      connect(impact.i, impact.j);
+      for (const Index i : {impact.i, impact.j}) watchAround(i);
+    }
     const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
@@ -349,6 +356,30 @@ class ImpactLoop {
       const Index i = contact.i, j = contact.j;
       if (contact.state.isSeparated() && touches[sets_.root(movedOf(i, j))]) connect(i, j, false);
     }
+  }
+
+  // The same at once for what a body may be pushed against by a new contact: a light one that rattles between two others leaves
+  // the one in the moment in which the other stays on it.
+  void watchAround(Index i) {
+    if (step_.solver.exact || !tree_.holds(i)) return;
+    std::vector<Index> others = tree_.of(i);
+    const std::vector<Index>& planes = context_.scene.lists.planes;
+    others.insert(others.end(), planes.begin(), planes.end());
+    for (const Index j : others) {
+      const auto [a, b] = std::minmax(i, j);
+      const Index contact = contacts_.find(a, b, found_);
+      const bool is_left = contact == kNone
+                               ? meetings_.count({a, b}) > 0  // too far apart when the step began
+                               : contacts_.active[contact].state.isSeparated();
+      if (is_left) connect(a, b, false);
+    }
+  }
+
+  // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
+  void promoteCrushing() {
+    for (Island& island : step_.islands)
+      if (!island.exact && !island.cut_short && !island.flies() && isCrushing(context_, island))
+        island.exact = true;
   }
 
   // The place of a contact; it is added where it is not there.
