@@ -29,10 +29,11 @@ SceneDef sliding(SceneDef scene) {
   return scene;
 }
 
+// They rock for some seconds, too fast at times.
 TEST(ChoiceOfSolver, StacksOfSixBecomeExact) {
   for (const int boxes : {2, 5, 6, 7}) {
     World world(ordered(sliding(stack(boxes))));
-    EXPECT_EQ(isExact(world, 60), boxes >= 6) << boxes;
+    EXPECT_EQ(isExact(world, 300), boxes >= 6) << boxes;
   }
 }
 
