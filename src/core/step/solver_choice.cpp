@@ -40,8 +40,8 @@ struct Stiffness {
 };
 constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 160, 2.0, 1e-4};
 
-// The most pairs of an island that is exact for the forces in it; and the speed up to which it is calm, share of g h: blocks
-// that are let go a little above each other fall for a step, and the soft step makes them faster still.
+// The most pairs of an island that is exact for the forces in it; and the speed up to which so small a tower is calm, share of
+// g h: blocks that are let go a little above each other fall for a step, and the soft step makes them faster still.
 constexpr std::size_t kFewPairs = 30;
 constexpr double kFewCalm = 3.0;
 // Two bodies lean on each other where friction is more than this share of the normal force; one of them may
@@ -173,7 +173,11 @@ bool isPromoted(const Context& context, const Island& island) {
   if (forces.crushes) return true;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
   if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return true;
-  if (!isCalm(context, island, (few ? kFewCalm : bounds.speed) * fall)) return false;
+  const auto isTall = [&] {
+    return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
+  };
+  if (!isCalm(context, island, bounds.speed * fall))
+    return few && isCalm(context, island, kFewCalm * fall) && isTall();
   if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return true;
 
   double mass_ratio = 1.0, slenderness = 1.0;
@@ -184,8 +188,7 @@ bool isPromoted(const Context& context, const Island& island) {
     for (const Traits* t : {&a, &b})
       if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
   }
-  return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness ||
-         (touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height);
+  return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
 }
 
 }  // namespace
