@@ -207,6 +207,7 @@ bool isCrushing(const Context& context, const Island& island) {
     return false;
   const Bodies& bodies = context.scene.bodies;
   const double h = context.step.h() / settings.sub_steps;
+  // Or has rebounded in this step: what rattles touches as good as all the time.
   const auto touches = [&](const Edge& edge) {
     if (edge.kind != ConstraintKind::Contact) return false;
     const Contact& contact = context.scene.contacts.active[edge.of];
