@@ -21,8 +21,9 @@ constexpr std::int64_t kPointWork = 2000;
 // and two.
 RBS_INLINE Mat6 inverseOf(Mat6 A) {
   using block::Column;
+  const Mat6 identity = Mat6::Identity();
   Column X[6];  // rows
-  for (int k = 0; k < 6; ++k) block::load(Mat6::Identity().eval().data() + 6 * k, X[k]);
+  for (int k = 0; k < 6; ++k) block::load(identity.col(k).data(), X[k]);
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     int pivot = k;

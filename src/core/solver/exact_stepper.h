@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make
-// up the way; exact_kicks.cpp has the impulses of a segment, exact_stops.cpp where a segment ends early, and
-// exact_squeeze.cpp what bodies do that are squeezed.
+// up the way; exact_segments.cpp has how long they are, exact_kicks.cpp the impulses of one, exact_stops.cpp where one ends
+// early, and exact_squeeze.cpp what bodies do that are squeezed.
 #pragma once
 
 #include "base/tolerances.h"
@@ -53,6 +53,8 @@ class Stepper : public InnerRows {
   bool isOnItsWay() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
 
  private:
+  static constexpr int kMostHalvings = 8;  // of a segment
+
   // How fast closed points slide, and couples turn, in their frames; zero where they do not.
   struct Slip {
     std::vector<Vec2> points;
@@ -159,7 +161,8 @@ class Stepper : public InnerRows {
   std::vector<BodyMotion> start_;
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
-  int halvings_, good_ = 0;              // of it, left; and good ones since it was halved or lengthened
+  int halvings_ = kMostHalvings;         // of it, left
+  int good_ = 0;                         // good ones since it was halved or lengthened
   Segment segment_;                      // this one
   Outcome outcome_ = Outcome::Done;
 };

@@ -75,7 +75,9 @@ class ImpactLoop {
     takeAll();
     if (!step_.solver.exact) {
       watchSeparated();
-      return promoteCrushing();
+      // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
+      for (Island& island : step_.islands) promoteCrushed(island);
+      return;
     }
     while (context_.scene.effects[Effect::Restitution] && endsEarly()) takeAll();
   }
@@ -259,8 +261,7 @@ class ImpactLoop {
     if (brought == Brought::Expensive || isCollapsing(impact) || isPushedTogether(impact.i, impact.j)) {
       ++islandOf(impact).deferred_impacts;
       if (brought == Brought::Expensive) leaveToRebounds(impact);
-      connect(impact.i, impact.j);
-      for (const Index i : {impact.i, impact.j}) watchAround(i);
+      leaveToContacts(impact.i, impact.j);
       return;
     }
     const impacts::Outcome outcome = impacts::resolve(context_, contactOf(impact), impact.time);
@@ -275,10 +276,7 @@ class ImpactLoop {
     }
     ++islandOf(impact).impacts;
     step_.met.emplace_back(impact.i, impact.j);
-    if (outcome == impacts::Outcome::Stay) {
-      connect(impact.i, impact.j);
-      for (const Index i : {impact.i, impact.j}) watchAround(i);
-    }
+    if (outcome == impacts::Outcome::Stay) leaveToContacts(impact.i, impact.j);
     const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
@@ -331,7 +329,6 @@ class ImpactLoop {
       if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time)) step_.late.emplace_back(i, j);
       island.edges.push_back(islands::edgeOf(contacts_, contact));
     }
-    if (touches && !island.cut_short && isCrushing(context_, island)) island.exact = true;
   }
 
   // A pair without a pending impact: the contact solver's business if they touch or their courses are not
@@ -358,8 +355,14 @@ class ImpactLoop {
     }
   }
 
-  // The same at once for what a body may be pushed against by a new contact: a light one that rattles between two others leaves
-  // the one in the moment in which the other stays on it.
+  // A pair that touches. What a new contact may push the two against is looked at with it: a light body that rattles between two
+  // others leaves the one in the moment in which the other stays on it.
+  void leaveToContacts(Index i, Index j) {
+    connect(i, j);
+    for (const Index k : {i, j}) watchAround(k);
+    promoteCrushed(*islandOf(movedOf(i, j)));
+  }
+
   void watchAround(Index i) {
     if (step_.solver.exact || !tree_.holds(i)) return;
     std::vector<Index> others = tree_.of(i);
@@ -375,11 +378,8 @@ class ImpactLoop {
     }
   }
 
-  // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
-  void promoteCrushing() {
-    for (Island& island : step_.islands)
-      if (!island.exact && !island.cut_short && !island.flies() && isCrushing(context_, island))
-        island.exact = true;
+  void promoteCrushed(Island& island) {
+    if (!island.cut_short && !island.flies() && isCrushing(context_, island)) island.exact = true;
   }
 
   // The place of a contact; it is added where it is not there.
@@ -437,7 +437,7 @@ class ImpactLoop {
   void overBudget(const PendingImpact& impact) {
     for (Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island) advanceTo(context_, *island, impact.time);
-    connect(impact.i, impact.j);
+    leaveToContacts(impact.i, impact.j);
     if (warned_.insert(sets_.root(movedOf(impact.i, impact.j))).second) {
       islandOf(impact).warnings.push_back(
           {"impact_budget", "too many impacts in one step, the first left over between bodies '" +
