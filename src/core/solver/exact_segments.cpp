@@ -21,6 +21,8 @@ constexpr int kMostSegments = 64;
 constexpr double kMostSunk = 2e-5, kSoftSunk = 1e-3;
 // So does a gain of energy beyond this share.
 constexpr double kMostGained = 1e-4;
+// Of the margin at which pairs are looked at: where to stop widening it.
+constexpr double kFarthest = 256.0;
 
 }  // namespace
 

@@ -66,8 +66,6 @@ constexpr double kJump = 0.5;
 constexpr double kRunsAway = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
-// Of the margin at which pairs are looked at: where to stop widening it.
-constexpr double kFarthest = 256.0;
 
 std::vector<Index> contactsOf(const std::vector<Edge>& edges) {
   std::vector<Index> contacts;
