@@ -7,10 +7,13 @@
 
 namespace rbs {
 
+double spinEnergy(const Context& context, const SolverBody& s, const Vec3& w_W) {
+  const Vec3 w_B = context.scene.bodies.pose[s.body].q_WB.conjugate() * w_W;
+  return 0.5 * w_B.dot(context.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B));
+}
+
 double kineticEnergy(const Context& context, const SolverBody& s) {
-  const Vec3 w_B = context.scene.bodies.pose[s.body].q_WB.conjugate() * s.w;
-  return 0.5 * (s.v.squaredNorm() / s.inv_mass +
-                w_B.dot(context.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B)));
+  return 0.5 * s.v.squaredNorm() / s.inv_mass + spinEnergy(context, s, s.w);
 }
 
 double loadWork(const Context& context, const SolverBody& s) {

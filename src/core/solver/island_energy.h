@@ -10,6 +10,8 @@ namespace rbs {
 
 /// Kinetic energy of a body as the solver moves it, J.
 double kineticEnergy(const Context& context, const SolverBody& s);
+/// Kinetic energy of the same body that only turns, at w_W (rad/s), J.
+double spinEnergy(const Context& context, const SolverBody& s, const Vec3& w_W);
 /// Work of its load since the start of the soft step, J.
 double loadWork(const Context& context, const SolverBody& s);
 

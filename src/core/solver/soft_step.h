@@ -45,6 +45,7 @@
 #include "solver/energy_limit.h"
 #include "solver/inner_step.h"
 #include "solver/restitution.h"
+#include "solver/rolling_energy.h"
 #include "solver/warm_start.h"
 
 #include <algorithm>
@@ -103,6 +104,7 @@ class SoftStep : public InnerRows {
     lanes_.take();
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
     energy_.find(context_, contacts_, too_fast_);
+    rolling_.find(context_, contacts_);
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.begin(context_, contacts_);
   }
@@ -139,6 +141,7 @@ class SoftStep : public InnerRows {
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.apply(context_, contacts_);
     energy_.apply(context_, contacts_);
+    rolling_.apply(context_, contacts_);
   }
   void store() { contacts_.store(h_, h_full_); }
 
@@ -162,6 +165,7 @@ class SoftStep : public InnerRows {
   ContactLanes lanes_;
   std::tuple<Kinds...> kinds_;
   EnergyLimit energy_;
+  RollingEnergy rolling_;
   Restitution restitution_;
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now

@@ -103,6 +103,10 @@ class SolverContacts {
     }
     return u;
   }
+  /// The impulse of a point on j since the start, N s.
+  static Vec3 impulseOf(const SolverBlock& block, const SolverPoint& point) {
+    return point.earlier_W + point.sum_n * block.n + inPlane(block, point.sum_t);
+  }
   /// The moment of a unit of normal impulse on a body at r from its centre, m: none about an axis of revolution.
   static Vec3 normalMoment(const SolverBody& s, const Vec3& r, const Vec3& n_W) {
     return r.cross(n_W) - momentAbout(s.axis_W, r, n_W) * s.axis_W;
