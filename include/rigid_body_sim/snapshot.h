@@ -83,7 +83,8 @@ struct Warning {
   /// Limits::max_spin. "impact_budget": too many impacts in a step. "overlap": bodies overlap deeply after an
   /// edit. "unsolved": no contact forces obey Coulomb's law; soft contacts take their place. "solve_budget":
   /// the exact solves of an island take more work than a step may, and it ends by the best impulses found, or
-  /// by soft contacts. The work is counted and not timed, so equal worlds stay equal.
+  /// by soft contacts. The work is counted and not timed, so equal worlds stay equal. "missed_contact": at the exact
+  /// settings, contacts push a body into or through another, however often the step is taken.
   std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
 };

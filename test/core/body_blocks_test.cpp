@@ -32,7 +32,7 @@ class Numbers {
   std::uniform_real_distribution<double> unit_{-1.0, 1.0};
 };
 
-// The rows of J of a point or couple, six columns a body.
+// The rows of J of a point or torque, six columns a body.
 Dense rowsOf(const Rows& rows, Eigen::Index bodies) {
   Dense J = Dense::Zero(3, 6 * bodies);
   if (rows.i != kNone) J.middleCols<6>(6 * rows.i) = rows.J_i;
@@ -40,7 +40,7 @@ Dense rowsOf(const Rows& rows, Eigen::Index bodies) {
   return J;
 }
 
-// 1 + J^T D J, by its definition: a couple has a column g by the sum of the normal rows of its points, weighed with theirs.
+// 1 + J^T D J, by its definition: a torque has a column g by the sum of the normal rows of its points, weighed with theirs.
 Dense denseOf(const System& system, const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
   const Eigen::Index bodies = system.free().cols();
   Dense A = Dense::Identity(6 * bodies, 6 * bodies);
@@ -48,8 +48,8 @@ Dense denseOf(const System& system, const std::vector<Mat3>& D, const std::vecto
     const Dense J = rowsOf(system.rows(k), bodies);
     A += J.transpose() * D[k] * J;
     if (k < system.points().size()) continue;
-    const Couple& couple = system.couples()[k - system.points().size()];
-    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p)
+    const TorqueRows& torque = system.torques()[k - system.points().size()];
+    for (std::size_t p = torque.first; p < torque.first + torque.size; ++p)
       A += J.transpose() * g[k - system.points().size()] * D[p](2, 2) *
            rowsOf(system.points()[p], bodies).row(2);
   }
@@ -66,7 +66,7 @@ void expectDense(const Scene& scene, double skew) {
     D.push_back(root * root.transpose() + Mat3::Identity() + skew * number.matrix<Mat3>());
   }
   std::vector<Vec3> g;
-  for (std::size_t k = 0; k < system.couples().size(); ++k) g.push_back(0.2 * number.matrix<Vec3>());
+  for (std::size_t k = 0; k < system.torques().size(); ++k) g.push_back(0.2 * number.matrix<Vec3>());
   BodyBlocks blocks(system);
   ASSERT_TRUE(blocks.factor(D, g));
   const Velocities y = Velocities::NullaryExpr(6, system.free().cols(), [&] { return number(); });
@@ -95,16 +95,16 @@ TEST(BodyBlocks, SolveAsADenseMatrixDoes) {
   expectDense(cardHouse(3), 0.3);
 }
 
-TEST(BodyBlocks, HaveTheBlocksOfCouples) {
+TEST(BodyBlocks, HaveTheBlocksOfTorques) {
   Scene scene = heap(8);
   for (std::size_t k = 0; k < scene.problem.points.size(); k += 2) {
     const CoulombPoint& point = scene.problem.points[k];
-    CoulombCouple couple;
-    couple.i = point.i, couple.j = point.j;
-    couple.frame = point.frame;
-    couple.first = static_cast<Index>(k), couple.size = 1;
-    couple.radius = 0.1, couple.roll = 0.2, couple.spin = 0.3;
-    scene.problem.couples.push_back(couple);
+    TorqueConstraint torque;
+    torque.i = point.i, torque.j = point.j;
+    torque.frame = point.frame;
+    torque.first = static_cast<Index>(k), torque.size = 1;
+    torque.radius = 0.1, torque.roll = 0.2, torque.spin = 0.3;
+    scene.problem.torques.push_back(torque);
   }
   expectDense(scene, 0.3);
 }

@@ -114,7 +114,7 @@ void solveFriction(SolverContacts& contacts, const SolverBlock& block, bool agai
 void passInOrder(SolverContacts& contacts, bool soft) {
   std::vector<bool> slides(contacts.points.size());
   for (const SolverBlock& block : contacts.blocks) {
-    if (block.rough) solveFriction(contacts, block, false, slides);
+    if (block.has_friction) solveFriction(contacts, block, false, slides);
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts.points[k];
       if (!soft && point.l_n == 0.0) continue;
@@ -130,7 +130,7 @@ void passInOrder(SolverContacts& contacts, bool soft) {
       push(contacts, block, point, (l_n - point.l_n) * block.n);
       point.l_n = l_n;
     }
-    if (block.rough && !soft) solveFriction(contacts, block, true, slides);
+    if (block.has_friction && !soft) solveFriction(contacts, block, true, slides);
   }
 }
 

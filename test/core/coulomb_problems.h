@@ -231,22 +231,22 @@ inline Scene rubble(int side, double mu, double ratio, double speed, unsigned se
   return scene;
 }
 
-/// A couple for each pair: all neighbouring points of the same two sides.
+/// A torque for each pair: all neighbouring points of the same two sides.
 /// @param radius R, m
 inline void resistTurning(Scene& scene, double roll, double spin, double radius) {
   const std::vector<CoulombPoint>& points = scene.problem.points;
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (k > 0 && points[k].i == points[k - 1].i && points[k].j == points[k - 1].j) {
-      ++scene.problem.couples.back().size;
+      ++scene.problem.torques.back().size;
       continue;
     }
-    CoulombCouple couple;
-    couple.i = points[k].i, couple.j = points[k].j;
-    couple.first = static_cast<Index>(k), couple.size = 1;
-    couple.frame = points[k].frame;
-    couple.radius = radius;
-    couple.roll = roll, couple.spin = spin;
-    scene.problem.couples.push_back(couple);
+    TorqueConstraint torque;
+    torque.i = points[k].i, torque.j = points[k].j;
+    torque.first = static_cast<Index>(k), torque.size = 1;
+    torque.frame = points[k].frame;
+    torque.radius = radius;
+    torque.roll = roll, torque.spin = spin;
+    scene.problem.torques.push_back(torque);
   }
 }
 

@@ -25,12 +25,12 @@ double totalMass(const CoulombProblem& problem) {
   return mass;
 }
 
-/// J v + drive, by definition.
+/// J v + bias, by definition.
 Vec3 relativeVelocity(const CoulombProblem& problem, const CoulombPoint& point) {
   Vec3 u_W = Vec3::Zero();
   if (point.j != kNone) u_W += problem.bodies[point.j].v + problem.bodies[point.j].w.cross(point.r_j);
   if (point.i != kNone) u_W -= problem.bodies[point.i].v + problem.bodies[point.i].w.cross(point.r_i);
-  return point.frame.transpose() * u_W + point.drive;
+  return point.frame.transpose() * u_W + point.bias;
 }
 
 double smallestMass(const CoulombProblem& problem, const CoulombPoint& point) {
@@ -280,8 +280,7 @@ TEST(Coulomb, ASpinningBoxIsSlowedByTheFrictionAtItsCorners) {
 TEST(Coulomb, ABeltCarriesABoxAsFarAsFrictionGoes) {
   for (const double belt : {0.01, 5.0}) {
     Scene scene = slope(0.0, 0.5);
-    for (CoulombPoint& point : scene.problem.points)
-      point.drive = -point.frame.transpose() * Vec3(belt, 0, 0);
+    for (CoulombPoint& point : scene.problem.points) point.bias = -point.frame.transpose() * Vec3(belt, 0, 0);
     solveAndExpectLaw(scene.problem);
     EXPECT_NEAR(scene.problem.bodies[0].v.x(), std::min(belt, 0.5 * kGravity * kStep), 1e-11);
   }
@@ -289,11 +288,11 @@ TEST(Coulomb, ABeltCarriesABoxAsFarAsFrictionGoes) {
 
 TEST(Coulomb, AnOpenGapMayCloseAndNoMore) {
   Scene scene = grid(2);
-  for (CoulombPoint& point : scene.problem.points) point.drive[2] = 0.01;
+  for (CoulombPoint& point : scene.problem.points) point.bias[2] = 0.01;
   solveAndExpectLaw(scene.problem);
   EXPECT_NEAR(scene.problem.bodies[0].v.z(), -0.01, 1e-12);
   Scene far = grid(2);
-  for (CoulombPoint& point : far.problem.points) point.drive[2] = 1.0;
+  for (CoulombPoint& point : far.problem.points) point.bias[2] = 1.0;
   const CoulombResult result = solveAndExpectLaw(far.problem);
   EXPECT_EQ(result.iterations, 0);
   EXPECT_NEAR(far.problem.bodies[0].v.z(), -kGravity * kStep, 1e-14);
@@ -312,7 +311,7 @@ TEST(Coulomb, WhatIsSqueezedIsHeldByTheForceAtWhichItsSidesGiveWay) {
       point.r_j = {0.5 * side, 0.0, 0.0};
       point.frame << Vec3::UnitY(), Vec3(-side * Vec3::UnitX()).cross(Vec3::UnitY()), -side * Vec3::UnitX();
       point.mu = mu;
-      point.drive = {0.0, 0.0, -closing};
+      point.bias = {0.0, 0.0, -closing};
       point.give = give;
       scene.problem.points.push_back(point);
     }
@@ -373,7 +372,7 @@ TEST(Coulomb, WithoutGravityImpactsAreMeasuredByTheMotion) {
     for (CoulombBody& body : scene.problem.bodies) body.v.setZero();
     scene.problem.bodies[0].v.x() = speed;
     // The first strikes the second with restitution 0.5; the third lies against it and must not be entered.
-    scene.touch(0, 1, {0.5, 0, 0}, Vec3::UnitX(), 0.3).drive[2] = -0.5 * speed;
+    scene.touch(0, 1, {0.5, 0, 0}, Vec3::UnitX(), 0.3).bias[2] = -0.5 * speed;
     scene.touch(1, 2, {1.5, 0, 0}, Vec3::UnitX(), 0.3);
     solveAndExpectLaw(scene.problem);
     // u_n = v_2 - v_1 - 0.5 speed = 0 at the first, v_3 = v_2 at the second, momentum.
@@ -742,7 +741,7 @@ TEST(Coulomb, UnitsDoNotMatter) {
           for (CoulombPoint& point : scaled.points) {
             point.r_i *= length;
             point.r_j *= length;
-            point.drive *= speed;
+            point.bias *= speed;
           }
           const CoulombResult result = solveCoulomb(scaled, kTolerance);
           EXPECT_TRUE(result.converged);

@@ -99,6 +99,38 @@ TEST_P(Restarts, ConcernNoBodiesThatAreFar) {
   }
 }
 
+// Impacts far away are none of its business either, at any setting. While they were at the fast ones, pairs whose
+// predicted motions do not meet came to the solver in each step with an impact anywhere.
+TEST(Impacts, ConcernNoBodiesThatAreFar) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef heap = onFloor(1.0 / 60.0, 0.5);
+    heap.fidelity = fidelity;
+    for (int k = 0; k < 8; ++k)
+      heap.bodies.push_back(box("box_" + std::to_string(k), {0.2, 0.2, 0.2}, Vec3(0.0, 0.0, 0.1 + 0.2 * k)));
+    // They fall beside an edge of the tower and beside each other: bounds overlap, and nothing touches.
+    for (int k = 0; k < 3; ++k)
+      heap.bodies.push_back(
+          ball("ball_" + std::to_string(k), 0.1, Vec3(0.18 + 0.15 * k, 0.18 + 0.15 * k, 3.0)));
+    SceneDef both = heap;
+    for (int k = 0; k < 10; ++k)
+      for (const double side : {-1.0, 1.0}) {
+        both.bodies.push_back(ball("far_" + std::to_string(2 * k + (side > 0.0)), 0.1,
+                                   Vec3(50.0 + side * (0.15 + 0.1 * k), 2.0 * k, 2.0)));
+        both.bodies.back().twist.v_WB.x() = -side;
+      }
+    World alone(heap), together(both);
+    std::uint32_t far = 0;
+    for (int k = 0; k < 40; ++k) {
+      const std::uint32_t own = alone.step().impacts;
+      far += together.step().impacts - own;
+      expectEqual(alone, together,
+                  std::string(", ") + fidelityName(fidelity) + ", step " + std::to_string(k));
+      if (testing::Test::HasFailure()) return;
+    }
+    EXPECT_GE(far, 10u) << fidelityName(fidelity);
+  }
+}
+
 // Of two rows, one begins again more often than the other, or alone. Counts, impulses and warnings are those of
 // both.
 TEST_P(Restarts, OfSeveralGroupsAreIndependent) {

@@ -55,6 +55,31 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
+// A sleeper may have a kinematic body at rest beside it, which is nobody's to solve. What falls onto that body is
+// looked at with what is around it.
+TEST(Sleep, GoesOnBesideAKinematicBodyThatSomethingStrikes) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double restitution : {0.0, 0.5}) {
+      SceneDef scene = crates(true);
+      scene.fidelity = fidelity;
+      scene.bodies.push_back(box("wall", {0.4, 2.0, 0.4}, {5.403, 0.0, 0.2}));
+      scene.bodies.back().kind = BodyKind::Kinematic;
+      const double lands = fidelity == Fidelity::Preview ? 15.0 : 4.0;
+      for (int k = 0; k < 3; ++k) {
+        const double height = 0.5 + 0.5 * kGravity * lands * lands + 0.5 * k;
+        scene.bodies.push_back(ball("falling_" + std::to_string(k), 0.1, {5.403, 0.5 * (k - 1), height}));
+        scene.bodies.back().material.restitution = restitution;
+      }
+      World world(scene);
+      advance(world, lands - 0.1);
+      ASSERT_EQ(asleep(world), 4u) << fidelityName(fidelity);
+      const Vec3 before = stateOf(world, "apart").pose.p_WB;
+      advance(world, 0.4);
+      EXPECT_GT(stateOf(world, "falling_0").twist.v_WB.z(), -10.0) << "it has not landed";
+      EXPECT_EQ(stateOf(world, "apart").pose.p_WB, before) << fidelityName(fidelity);
+    }
+}
+
 // The wind changes with time: what it does not move now it may move later.
 TEST(Sleep, WhatStandsInTheWindStaysAwake) {
   for (const bool wind : {false, true}) {

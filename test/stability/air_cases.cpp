@@ -174,7 +174,7 @@ std::vector<Case> airCases() {
        "Runge-Kutta in long double at tiny steps. The order is measured from 60 to 120 Hz.",
        gust},
       {"A73", "A box in the wind",
-       "Neither a box square to the wind nor one that does not turn nor a ball feels a couple; the box gains "
+       "Neither a box square to the wind nor one that does not turn nor a ball feels a torque; the box gains "
        "10 − 10/(1 + 10 k "
        "h) m/s in a step of 10 m/s wind. Still air slows a spin. A scene without air is bit for bit one "
        "without drag.",

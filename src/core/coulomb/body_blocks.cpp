@@ -146,16 +146,16 @@ RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector
     addBlocks(points[k], D[k] * points[k].J_i, D[k] * points[k].J_j, slot_[k]);
   }
   for (std::size_t k = 0; k < g.size(); ++k) {
-    const Couple& couple = system_.couples()[k];
+    const TorqueRows& torque = system_.torques()[k];
     Vec6 n_i = Vec6::Zero(), n_j = Vec6::Zero();
-    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) {
+    for (std::size_t p = torque.first; p < torque.first + torque.size; ++p) {
       n_i += D[p](2, 2) * points[p].J_i.row(2).transpose();
       n_j += D[p](2, 2) * points[p].J_j.row(2).transpose();
     }
     Mat36 DJ_i = g[k] * n_i.transpose(), DJ_j = g[k] * n_j.transpose();
-    DJ_i.rightCols<3>() += D[points.size() + k] * couple.J_i.rightCols<3>();
-    DJ_j.rightCols<3>() += D[points.size() + k] * couple.J_j.rightCols<3>();
-    addBlocks(couple, DJ_i, DJ_j, slot_[couple.first]);
+    DJ_i.rightCols<3>() += D[points.size() + k] * torque.J_i.rightCols<3>();
+    DJ_j.rightCols<3>() += D[points.size() + k] * torque.J_j.rightCols<3>();
+    addBlocks(torque, DJ_i, DJ_j, slot_[torque.first]);
   }
 }
 

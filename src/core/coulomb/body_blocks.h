@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
 //
-// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A couple has
+// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A torque has
 // one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
 // already.
 //
@@ -27,7 +27,7 @@ class BodyBlocks {
  public:
   explicit BodyBlocks(const System& system);
 
-  /// Factors 1 + J^T D J, D by column of impulses, with g by couple. False where a block on the diagonal is
+  /// Factors 1 + J^T D J, D by column of impulses, with g by torque. False where a block on the diagonal is
   /// singular or not finite. What it costs is taken from the budget of the system, and so is that of solve().
   bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
   /// (1 + J^T D J)^-1 y, from the factors.

@@ -22,16 +22,16 @@ CentralPath::Place& CentralPath::Place::add(double part, const Place& direction)
     points[k].u_n += part * other.u_n;
     points[k].sliding.add(part, other.sliding);
   }
-  for (std::size_t k = 0; k < couples.size(); ++k) {
-    couples[k].rolling.add(part, direction.couples[k].rolling);
-    couples[k].spinning.add(part, direction.couples[k].spinning);
+  for (std::size_t k = 0; k < torques.size(); ++k) {
+    torques[k].rolling.add(part, direction.torques[k].rolling);
+    torques[k].spinning.add(part, direction.torques[k].spinning);
   }
   return *this;
 }
 
-double CentralPath::Place::normalSum(const Couple& couple) const {
+double CentralPath::Place::normalSum(const TorqueRows& torque) const {
   double sum = 0.0;
-  for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) sum += points[p].r_n;
+  for (std::size_t p = torque.first; p < torque.first + torque.size; ++p) sum += points[p].r_n;
   return sum;
 }
 
@@ -55,15 +55,15 @@ CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(sys
     place.points.push_back({r_n, u_n, barrier.start(r_n, u_n)});
     count_ += barrier.isBall() ? 2 : 1;
   }
-  for (const Couple& couple : system.couples()) {
-    const double n = place.normalSum(couple), speed = start * start / n;
-    const CoupleBarriers& barriers = couples_.emplace_back(
-        CoupleBarriers{FrictionBarrier<2>(couple.rolling), FrictionBarrier<1>(couple.spinning)});
-    place.couples.push_back({barriers.rolling.start(n, speed), barriers.spinning.start(n, speed)});
+  for (const TorqueRows& torque : system.torques()) {
+    const double n = place.normalSum(torque), speed = start * start / n;
+    const TorqueBarriers& barriers = torques_.emplace_back(
+        TorqueBarriers{FrictionBarrier<2>(torque.rolling), FrictionBarrier<1>(torque.spinning)});
+    place.torques.push_back({barriers.rolling.start(n, speed), barriers.spinning.start(n, speed)});
     count_ += barriers.rolling.isBall() + barriers.spinning.isBall();
   }
   D_.resize(system.columns());
-  g_.resize(couples_.size());
+  g_.resize(torques_.size());
   off_.resize(3, system.columns());
 }
 
@@ -74,11 +74,11 @@ Impulses CentralPath::impulses() const {
     const PointPairs& pairs = place.points[k];
     r.col(k) << sliding_[k].impulse(pairs.sliding, pairs.r_n), pairs.r_n;
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const CouplePairs& pairs = place.couples[k];
-    const double n = place.normalSum(system_.couples()[k]);
-    r.col(points + k) << couples_[k].rolling.impulse(pairs.rolling, n),
-        couples_[k].spinning.impulse(pairs.spinning, n);
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorquePairs& pairs = place.torques[k];
+    const double n = place.normalSum(system_.torques()[k]);
+    r.col(points + k) << torques_[k].rolling.impulse(pairs.rolling, n),
+        torques_[k].spinning.impulse(pairs.spinning, n);
   }
   return r;
 }
@@ -87,7 +87,7 @@ double CentralPath::meanProduct() const {
   double sum = 0.0;
   for (const PointPairs& pairs : place.points)
     sum += pairs.r_n * pairs.u_n + pairs.sliding.b.dot(pairs.sliding.h);
-  for (const CouplePairs& pairs : place.couples)
+  for (const TorquePairs& pairs : place.torques)
     sum += pairs.rolling.b.dot(pairs.rolling.h) + pairs.spinning.b.dot(pairs.spinning.h);
   return sum / count_;
 }
@@ -110,10 +110,10 @@ bool CentralPath::linearise() {
     D.topLeftCorner<2, 2>() = sliding.stiffness();
     D.topRightCorner<2, 1>() = sliding.byNormal(D(2, 2));
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const CouplePairs& pairs = place.couples[k];
-    auto& [rolling, spinning] = couples_[k];
-    const Vec3 u = system_.velocity(system_.couples()[k], place.y);
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorquePairs& pairs = place.torques[k];
+    auto& [rolling, spinning] = torques_[k];
+    const Vec3 u = system_.velocity(system_.torques()[k], place.y);
     auto off = off_.col(points + k);
     if (rolling.isBall()) off.head<2>() = pairs.rolling.h.head<2>() - u.head<2>();
     if (spinning.isBall()) off[2] = pairs.spinning.h[0] - u[2];
@@ -136,7 +136,7 @@ double CentralPath::distance(double t, double share) const {
     worst = std::max(worst, std::abs(pairs.r_n * pairs.u_n / t - 1.0));
     worst = std::max(worst, sliding_[k].distance(t));
   }
-  for (const CoupleBarriers& barriers : couples_)
+  for (const TorqueBarriers& barriers : torques_)
     worst = std::max({worst, barriers.rolling.distance(t), barriers.spinning.distance(t)});
   for (Eigen::Index k = 0; k < off_.cols(); ++k)
     worst = std::max(worst, (off_.col(k) - share * first_off_.col(k)).norm());
@@ -153,10 +153,10 @@ bool CentralPath::step(double t, double share, const Place* earlier, Place& dire
     if (before) product -= before->r_n * before->u_n;
     wanted.points.push_back({product, sliding_[k].towards(t, before ? &before->sliding : nullptr)});
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const CouplePairs* before = earlier ? &earlier->couples[k] : nullptr;
-    wanted.couples.push_back({couples_[k].rolling.towards(t, before ? &before->rolling : nullptr),
-                              couples_[k].spinning.towards(t, before ? &before->spinning : nullptr)});
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorquePairs* before = earlier ? &earlier->torques[k] : nullptr;
+    wanted.torques.push_back({torques_[k].rolling.towards(t, before ? &before->rolling : nullptr),
+                              torques_[k].spinning.towards(t, before ? &before->spinning : nullptr)});
   }
   return solve(wanted, direction);
 }
@@ -165,8 +165,8 @@ bool CentralPath::tangent(double t, double share, Place& direction) const {
   Wanted wanted{{}, {}, share * first_off_, share * first_away_};
   wanted.points.reserve(place.points.size());
   for (const FrictionBarrier<2>& sliding : sliding_) wanted.points.push_back({t, sliding.alongPath(t)});
-  for (const CoupleBarriers& barriers : couples_)
-    wanted.couples.push_back({barriers.rolling.alongPath(t), barriers.spinning.alongPath(t)});
+  for (const TorqueBarriers& barriers : torques_)
+    wanted.torques.push_back({barriers.rolling.alongPath(t), barriers.spinning.alongPath(t)});
   return solve(wanted, direction);
 }
 
@@ -177,10 +177,10 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
     const double e_n = wanted.points[k].product / place.points[k].u_n;
     e.col(k) << sliding_[k].constant(wanted.points[k].sliding, e_n), e_n;
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const double e_n = System::normalSum(system_.couples()[k], e);
-    e.col(points + k) << couples_[k].rolling.constant(wanted.couples[k].rolling, e_n),
-        couples_[k].spinning.constant(wanted.couples[k].spinning, e_n);
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const double e_n = System::normalSum(system_.torques()[k], e);
+    e.col(points + k) << torques_[k].rolling.constant(wanted.torques[k].rolling, e_n),
+        torques_[k].spinning.constant(wanted.torques[k].spinning, e_n);
   }
   Velocities right = wanted.away;
   system_.push(e + respond(wanted.off), right);
@@ -190,7 +190,7 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   if (!(residual(right, direction.y).norm() <= kSolved * right.norm())) return false;
 
   direction.points.resize(points);
-  direction.couples.resize(couples_.size());
+  direction.torques.resize(torques_.size());
   for (std::size_t k = 0; k < points; ++k) {
     const Vec3 du = System::changed(system_.points()[k], Vec3::Zero(), direction.y) + wanted.off.col(k);
     PointPairs& d = direction.points[k];
@@ -198,23 +198,23 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
     d.r_n = (wanted.points[k].product - place.points[k].r_n * d.u_n) / place.points[k].u_n;
     d.sliding = sliding_[k].change(wanted.points[k].sliding, du.head<2>(), d.r_n);
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const Couple& couple = system_.couples()[k];
-    const Vec3 du = System::changed(couple, Vec3::Zero(), direction.y) + wanted.off.col(points + k);
-    const double dn = direction.normalSum(couple);
-    direction.couples[k] = {couples_[k].rolling.change(wanted.couples[k].rolling, du.head<2>(), dn),
-                            couples_[k].spinning.change(wanted.couples[k].spinning, du.tail<1>(), dn)};
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorqueRows& torque = system_.torques()[k];
+    const Vec3 du = System::changed(torque, Vec3::Zero(), direction.y) + wanted.off.col(points + k);
+    const double dn = direction.normalSum(torque);
+    direction.torques[k] = {torques_[k].rolling.change(wanted.torques[k].rolling, du.head<2>(), dn),
+                            torques_[k].spinning.change(wanted.torques[k].spinning, du.tail<1>(), dn)};
   }
   return true;
 }
 
 Impulses CentralPath::respond(Impulses du) const {
   const std::size_t points = place.points.size();
-  // Couples first: they need the changes of their points' velocities.
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const Couple& couple = system_.couples()[k];
+  // Torques first: they need the changes of their points' velocities.
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorqueRows& torque = system_.torques()[k];
     double dn = 0.0;
-    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) dn -= D_[p](2, 2) * du(2, p);
+    for (std::size_t p = torque.first; p < torque.first + torque.size; ++p) dn -= D_[p](2, 2) * du(2, p);
     du.col(points + k) = (dn * g_[k] - D_[points + k] * du.col(points + k)).eval();
   }
   for (std::size_t k = 0; k < points; ++k) du.col(k) = -(D_[k] * du.col(k)).eval();
@@ -238,10 +238,10 @@ double CentralPath::room(const Place& direction) const {
     t = std::min(t, std::min(roomWithin(pairs.r_n, d.r_n), roomWithin(pairs.u_n, d.u_n)));
     if (sliding_[k].isBall()) t = std::min(t, pairs.sliding.room(d.sliding));
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const CouplePairs &pairs = place.couples[k], &d = direction.couples[k];
-    if (couples_[k].rolling.isBall()) t = std::min(t, pairs.rolling.room(d.rolling));
-    if (couples_[k].spinning.isBall()) t = std::min(t, pairs.spinning.room(d.spinning));
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorquePairs &pairs = place.torques[k], &d = direction.torques[k];
+    if (torques_[k].rolling.isBall()) t = std::min(t, pairs.rolling.room(d.rolling));
+    if (torques_[k].spinning.isBall()) t = std::min(t, pairs.spinning.room(d.spinning));
   }
   return t;
 }
@@ -249,17 +249,17 @@ double CentralPath::room(const Place& direction) const {
 Eigen::VectorXd CentralPath::relative(const Place& direction) const {
   const Eigen::Index points = static_cast<Eigen::Index>(place.points.size());
   Eigen::VectorXd fractions =
-      Eigen::VectorXd::Zero(8 * points + 10 * static_cast<Eigen::Index>(couples_.size()));
+      Eigen::VectorXd::Zero(8 * points + 10 * static_cast<Eigen::Index>(torques_.size()));
   for (Eigen::Index k = 0; k < points; ++k) {
     const PointPairs &pairs = place.points[k], &d = direction.points[k];
     fractions.segment<2>(8 * k) << d.r_n / pairs.r_n, d.u_n / pairs.u_n;
     if (sliding_[k].isBall()) fractions.segment<6>(8 * k + 2) = pairs.sliding.relative(d.sliding);
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const CouplePairs &pairs = place.couples[k], &d = direction.couples[k];
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorquePairs &pairs = place.torques[k], &d = direction.torques[k];
     auto part = fractions.segment<10>(8 * points + 10 * static_cast<Eigen::Index>(k));
-    if (couples_[k].rolling.isBall()) part.head<6>() = pairs.rolling.relative(d.rolling);
-    if (couples_[k].spinning.isBall()) part.tail<4>() = pairs.spinning.relative(d.spinning);
+    if (torques_[k].rolling.isBall()) part.head<6>() = pairs.rolling.relative(d.rolling);
+    if (torques_[k].spinning.isBall()) part.tail<4>() = pairs.spinning.relative(d.spinning);
   }
   return fractions;
 }

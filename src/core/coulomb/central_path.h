@@ -5,20 +5,20 @@
 // Coulomb's law of a point in two complementary pairs, the impulse and the speed along the normal and, where
 // there is friction, the two vectors of its barrier (friction_barrier.h):
 //   r_n >= 0,  u_n >= 0,  r_n u_n = 0;   b = (r_T, mu r_n),  h = (u_T, a),  b o h = 0.
-// De Saxce's shift is eliminated with the free speed a: what couples the pairs is that mu r_n is both the
-// limit of friction and the first impulse, and that stays within Newton's matrix below. A couple has the
+// De Saxce's shift is eliminated with the free speed a: what ties the pairs is that mu r_n is both the
+// limit of friction and the first impulse, and that stays within Newton's matrix below. A torque has the
 // second pair alone, once for rolling and once for spinning, with the sum N of the normal impulses of its
 // points for r_n. Where a factor of friction is 0, or the direction of slip is prescribed, there is no pair.
 //
 // A point of the path has all products equal to t e, and a share of the errors
-//   off = u - J y - drive,   away = y - y_free - J^T r
+//   off = u - J y - bias,   away = y - y_free - J^T r
 // that the start has. The start is on it, at share 1; the solution at t = 0 and share 0. Since the problem is
 // not monotone, the path may turn back at some t on its way.
 //
 // Newton's step (du, dr, dy, and so on), with a wanted change c of r_n u_n, is
 //   dr_n = (c - r_n du_n)/u_n
 // and that of the barriers, so that dr = e - D du at each point, D having the column of dr_n/du_n also in its
-// tangential rows: it is not symmetric. At a couple it is e - D du + g dN. Wanted changes of off and away
+// tangential rows: it is not symmetric. At a torque it is e - D du + g dN. Wanted changes of off and away
 // make du = J dy + d(off) and
 //   (1 + J^T D J) dy = d(away) + J^T (e - D d(off)),
 // in which dN stands for what it is at its points. D grows without bound where a product goes to 0, and the
@@ -39,7 +39,7 @@ class CentralPath {
     double r_n, u_n;
     ConePair<2> sliding;
   };
-  struct CouplePairs {
+  struct TorquePairs {
     ConePair<2> rolling;
     ConePair<1> spinning;
   };
@@ -47,10 +47,10 @@ class CentralPath {
   struct Place {
     Velocities y;
     std::vector<PointPairs> points;
-    std::vector<CouplePairs> couples;
+    std::vector<TorquePairs> torques;
     Place& add(double part, const Place& direction);
-    /// The sum of the normal impulses of a couple's points.
-    double normalSum(const Couple& couple) const;
+    /// The sum of the normal impulses of a torque's points.
+    double normalSum(const TorqueRows& torque) const;
   };
 
   CentralPath(const System& system, BodyBlocks& matrix);
@@ -74,29 +74,29 @@ class CentralPath {
   Eigen::VectorXd relative(const Place& direction) const;
 
  private:
-  struct CoupleBarriers {
+  struct TorqueBarriers {
     FrictionBarrier<2> rolling;
     FrictionBarrier<1> spinning;
   };
-  /// The wanted changes of the pairs of a point, c and q, and of a couple.
+  /// The wanted changes of the pairs of a point, c and q, and of a torque.
   struct PointWanted {
     double product;
     Vec3 sliding;
   };
-  struct CoupleWanted {
+  struct TorqueWanted {
     Vec3 rolling;
     Vec2 spinning;
   };
   /// What a step is to change.
   struct Wanted {
     std::vector<PointWanted> points;
-    std::vector<CoupleWanted> couples;
+    std::vector<TorqueWanted> torques;
     Impulses off;
     Velocities away;
   };
 
   bool solve(const Wanted& wanted, Place& direction) const;
-  /// -D du, and at couples + g dN.
+  /// -D du, and at torques + g dN.
   Impulses respond(Impulses du) const;
   Velocities residual(const Velocities& right, const Velocities& dy) const;
 
@@ -104,9 +104,9 @@ class CentralPath {
   BodyBlocks& matrix_;
   int count_ = 0;                            // of pairs
   std::vector<FrictionBarrier<2>> sliding_;  // by point
-  std::vector<CoupleBarriers> couples_;
+  std::vector<TorqueBarriers> torques_;
   std::vector<Mat3> D_;  // by column of impulses
-  std::vector<Vec3> g_;  // by couple
+  std::vector<Vec3> g_;  // by torque
   Impulses off_, first_off_;
   Velocities away_, first_away_;
 };

@@ -14,16 +14,16 @@ using namespace coulomb;
 
 namespace {
 
-// A guess may miss the aim by so much, or rounding would unsettle rest.
+// A warm start may miss the wanted tolerance by so much, or rounding would unsettle rest.
 constexpr double kWarmStart = 10.0;
 // A residual from which Newton's method needs no better start.
 constexpr double kNearlySolved = 1e-3;
-// A guess that misses by more than this is worth a try of Newton's method with so many points at most: with more, some change
+// A warm start that misses by more than this is worth a try of Newton's method with so many points at most: with more, some change
 // their state whatever the method does.
 constexpr double kWorthATry = 2e-2;
 constexpr std::size_t kFewPoints = 8;
 
-// How fast the points close, m/s; infinite where a guess tells of an impulse, or a velocity is not finite.
+// How fast the points close, m/s; infinite where a warm start tells of an impulse, or a velocity is not finite.
 double closingWithoutImpulses(const CoulombProblem& problem) {
   double fastest = 0.0;
   for (const CoulombPoint& point : problem.points) {
@@ -34,7 +34,7 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
       return n_W.dot(problem.bodies[body].v + w.cross(arm)) -
              momentAbout(point.axis_W, arm, n_W) * point.axis_W.dot(w);
     };
-    const double u_n = speedOf(point.j, point.r_j) - speedOf(point.i, point.r_i) + point.drive[2];
+    const double u_n = speedOf(point.j, point.r_j) - speedOf(point.i, point.r_i) + point.bias[2];
     if (!std::isfinite(u_n)) return std::numeric_limits<double>::infinity();
     fastest = std::max(fastest, -u_n);
   }
@@ -45,15 +45,15 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 struct Case {
   const System& system;
   BodyBlocks& matrix;
-  double tolerance, aim, needed;
+  double tolerance, wanted, needed;
   Answer best;
-  bool is_warm = !best.r.isZero(0.0);  // the guess tells something
+  bool is_warm = !best.r.isZero(0.0);  // the warm start tells something
   bool slips = false;                  // somewhere the direction is prescribed
   std::size_t size = system.points().size();
   bool is_large = size > 4000;
   bool wants_every_digit = tolerance < 1e-9;
-  // A little more than asked, so that the same impulses pass as the guess of the next step.
-  double target = 0.1 * aim;
+  // A little more than asked, so that the same impulses pass as the warm start of the next step.
+  double target = 0.1 * wanted;
   double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
 
   Answer cold() const {
@@ -105,11 +105,11 @@ constexpr Attempt kAttempts[] = {
     // Loads that changed in size only.
     {CoulombSolver::Newton, newtonFromGuess,
      [](const Case& at) { return at.is_warm && (at.size <= kFewPoints || at.best.within(kWorthATry)); },
-     &Case::aim, &Case::target, 8, 0},
-    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::aim,
+     &Case::wanted, &Case::target, 8, 0},
+    {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::wanted,
      &Case::target, 100, 10},
     {CoulombSolver::Newton, newtonFromRest, [](const Case& at) { return at.system.free().cols() <= 4; },
-     &Case::aim, &Case::target, 20, 0},
+     &Case::wanted, &Case::target, 20, 0},
     {CoulombSolver::Admm, admmFromRest, [](const Case& at) { return at.is_large; }, &Case::tolerance,
      &Case::rough, 100, 10},
     {CoulombSolver::InteriorPoint, interior, [](const Case& at) { return at.wants_every_digit; },
@@ -119,10 +119,10 @@ constexpr Attempt kAttempts[] = {
      20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::needed,
      &Case::target, 30, 0},
-    // Heaps in motion, and couples: the proximal steps are slow but sure, and the central path would begin anew.
+    // Heaps in motion, and torques: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,
      [](const Case& at) {
-       return !at.slips && (at.best.within(kNearlySolved) || !at.system.couples().empty());
+       return !at.slips && (at.best.within(kNearlySolved) || !at.system.torques().empty());
      },
      &Case::needed, &Case::target, 400, 0},
     // The central path may turn back where the interior point gets stuck.
@@ -148,23 +148,23 @@ constexpr Attempt kAttempts[] = {
 
 }  // namespace
 
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim, double needed) {
-  const double near = std::min(tolerance, kWarmStart * aim);
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wanted, double needed) {
+  const double near = std::min(tolerance, kWarmStart * wanted);
   const double closing = closingWithoutImpulses(problem) / problem.speed_unit;
   if (closing <= near) {
-    for (CoulombCouple& couple : problem.couples) couple.impulse.setZero();
+    for (TorqueConstraint& torque : problem.torques) torque.impulse.setZero();
     return {CoulombSolver::WarmStart, 0, closing, 0.0, 0.0, true};
   }
   const System system(problem);
-  const Impulses guess = system.guess(problem);
+  const Impulses start = system.warmStart(problem);
   const Residuals of_guess = near < kEveryDigit
-                                 ? system.residuals(guess)
-                                 : system.residuals(guess, system.relativeVelocitiesAbout(guess));
+                                 ? system.residuals(start)
+                                 : system.residuals(start, system.relativeVelocitiesAbout(start));
   CoulombResult result{CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, false};
-  Answer best{guess, of_guess, 0};
+  Answer best{start, of_guess, 0};
   if (!best.within(near)) {
     BodyBlocks matrix(system);
-    Case at{system, matrix, tolerance, aim, needed, std::move(best)};
+    Case at{system, matrix, tolerance, wanted, needed, std::move(best)};
     at.slips = std::any_of(system.points().begin(), system.points().end(),
                            [](const Point& point) { return point.sliding.slips; });
     const auto consider = [&](CoulombSolver solver, const Answer& answer) {
@@ -178,7 +178,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim
         if (at.best.within(at.*attempt.enough) || !attempt.applies(at)) break;
         const Answer answer = attempt.solve(at, at.*attempt.tolerance, attempt.cap);
         consider(attempt.solver, answer);
-        if (attempt.finish > 0 && !at.best.within(aim))
+        if (attempt.finish > 0 && !at.best.within(wanted))
           consider(attempt.solver, newton(system, matrix, answer, 1e3, at.target, attempt.finish, tolerance));
       }
     }

@@ -10,8 +10,8 @@ enum class CoulombSolver { WarmStart, GaussSeidel, Newton, InteriorPoint, Admm }
 
 struct CoulombResult {
   CoulombSolver solver;  ///< whose impulses these are
-  int iterations;  ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the guess passed
-  /// How far the answer is from the laws of coulomb_problem.h, the worst over points and couples, in impulse
+  int iterations;  ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the warm start passed
+  /// How far the answer is from the laws of coulomb_problem.h, the worst over points and torques, in impulse
   /// and in velocity, as a fraction of their units. Measured on the impulses alone: velocities are recomputed
   /// from them.
   double signorini, coulomb, dissipation;
@@ -24,12 +24,12 @@ struct CoulombResult {
 /// residuals reached, never by time. Velocities are those of the impulses returned, also where nothing
 /// converged: then it is the iterate with the smallest residuals.
 /// @param tolerance of the residuals, a fraction of the units, > 0
-/// @param aim a smaller tolerance, for which only a few iterations more are made
+/// @param wanted a smaller tolerance, for which only a few iterations more are made
 /// @param needed a larger tolerance: within it the answer has converged, and the last resorts, which take ten times as long,
 /// are not tried
-CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim, double needed);
-inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double aim) {
-  return solveCoulomb(problem, tolerance, aim, tolerance);
+CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wanted, double needed);
+inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wanted) {
+  return solveCoulomb(problem, tolerance, wanted, tolerance);
 }
 inline CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance) {
   return solveCoulomb(problem, tolerance, tolerance);

@@ -4,13 +4,13 @@
 //
 // De Saxce (1992): with the shift s = mu |u_T| n, Coulomb's law is K* containing u + s, K containing r, and
 // r.(u + s) = 0, where K is the cone |r_T| <= mu r_n and K* its dual. For a given s that is a convex problem:
-// the least |y - y_free|^2/2 with w = J y + drive + s in K*, and r its multiplier. With rho > 0, a step is
-//   (1 + J^T rho J) y = y_free + J^T (r + rho (w - drive - s))
-//   v = a (J y + drive + s) + (1 - a) w
+// the least |y - y_free|^2/2 with w = J y + bias + s in K*, and r its multiplier. With rho > 0, a step is
+//   (1 + J^T rho J) y = y_free + J^T (r + rho (w - bias - s))
+//   v = a (J y + bias + s) + (1 - a) w
 //   r' = P_K(r - rho v),   w' = v + (r' - r)/rho,
 // a = 1.6 being over-relaxation, and s is taken anew from y. The matrix changes with rho only, and rho only
-// where the residuals of the two equations, J y + drive + s - w and rho (w' - w), are far from equal (Boyd et
-// al. 2011, 3.4.1). A couple has for K its disc of rolling and its interval of spinning under the normal
+// where the residuals of the two equations, J y + bias + s - w and rho (w' - w), are far from equal (Boyd et
+// al. 2011, 3.4.1). A torque has for K its disc of rolling and its interval of spinning under the normal
 // impulses that its points have just got, and no shift. That it converges for Coulomb's problem, where s and
 // these bounds move, is not a theorem.
 #include "coulomb/coulomb_solvers.h"
@@ -43,14 +43,14 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     const Vec3 v = w.col(k) + s[k];
     w.col(k) = v + nearestOnCone(points[k].sliding, -v);
   }
-  // Points come first, so that couples find their new normal impulses.
+  // Points come first, so that torques find their new normal impulses.
   const auto nearest = [&](std::size_t k, const Vec3& x) {
     if (k < points.size()) return nearestOnCone(points[k].sliding, x);
-    const Couple& couple = system.couples()[k - points.size()];
-    return System::nearest(couple, x, System::normalSum(couple, r));
+    const TorqueRows& torque = system.torques()[k - points.size()];
+    return System::nearest(torque, x, System::normalSum(torque, r));
   };
   std::vector<Mat3> D(columns);
-  const std::vector<Vec3> g(system.couples().size(), Vec3::Zero());
+  const std::vector<Vec3> g(system.torques().size(), Vec3::Zero());
   double rho = 1.0;  // in units of 1/response
   const auto factor = [&] {
     for (std::size_t k = 0; k < columns; ++k) D[k] = rho / system.rows(k).response * Mat3::Identity();
@@ -62,7 +62,7 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     Velocities right = system.free();
     for (std::size_t k = 0; k < columns; ++k) {
       const Rows& rows = system.rows(k);
-      const Vec3 wanted = w.col(k) - rows.drive - s[k];
+      const Vec3 wanted = w.col(k) - rows.bias - s[k];
       System::push(rows, r.col(k) + rho / rows.response * wanted, right);
     }
     const Velocities y = matrix.solve(right);

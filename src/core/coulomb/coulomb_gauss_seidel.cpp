@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 4;
 constexpr int kLeastSweeps = 10;  // also where time is over
-// Multiplications by point or couple in a sweep, with its residuals.
+// Multiplications by point or torque in a sweep, with its residuals.
 constexpr std::int64_t kSweepWork = 500;
 
 // The impulse of one point, W being its own block of J J^T and q its velocity without an impulse of its own.
@@ -26,17 +26,17 @@ Vec3 solvePoint(const Point& point, const Mat3& W, const Vec3& q) {
   return -q[2] / response * along;
 }
 
-// A step towards the law of one couple under the normal impulses of its points: its own block is nearly a
+// A step towards the law of one torque under the normal impulses of its points: its own block is nearly a
 // multiple of the identity.
-Vec3 improveCouple(const Couple& couple, const Vec3& old, const Vec3& u, const Impulses& r) {
-  const double most = 3.0 * couple.response;  // more than the largest eigenvalue
-  return System::nearest(couple, old - u / most, System::normalSum(couple, r));
+Vec3 improveTorque(const TorqueRows& torque, const Vec3& old, const Vec3& u, const Impulses& r) {
+  const double most = 3.0 * torque.response;  // more than the largest eigenvalue
+  return System::nearest(torque, old - u / most, System::normalSum(torque, r));
 }
 
 }  // namespace
 
 bool separable(const System& system) {
-  if (system.points().size() > kMostPoints || !system.couples().empty()) return false;
+  if (system.points().size() > kMostPoints || !system.torques().empty()) return false;
   const Index bodies = static_cast<Index>(system.free().cols());
   std::vector<Index> group(bodies + 1);  // the last: all that impulses do not move
   std::iota(group.begin(), group.end(), 0);
@@ -66,11 +66,11 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
       answer.r.col(k) = solvePoint(points[k], W[k], q);
       System::push(points[k], answer.r.col(k) - old, y);
     }
-    for (std::size_t k = 0; k < system.couples().size(); ++k) {
-      const Couple& couple = system.couples()[k];
+    for (std::size_t k = 0; k < system.torques().size(); ++k) {
+      const TorqueRows& torque = system.torques()[k];
       const Vec3 old = answer.r.col(points.size() + k);
-      answer.r.col(points.size() + k) = improveCouple(couple, old, system.velocity(couple, y), answer.r);
-      System::push(couple, answer.r.col(points.size() + k) - old, y);
+      answer.r.col(points.size() + k) = improveTorque(torque, old, system.velocity(torque, y), answer.r);
+      System::push(torque, answer.r.col(points.size() + k) - old, y);
     }
     answer.residuals = system.residuals(answer.r);
     if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isBudgetSpent())) break;

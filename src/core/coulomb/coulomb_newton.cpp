@@ -18,7 +18,7 @@
 // where they are slow. Newton's steps want it small as long as points still change their state: a round that
 // ends in steps cut short has asked for too much, and from then on it grows with more care.
 //
-// A couple's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
+// A torque's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
 // block, the column g of it by N, and N changes by -D_nn J_n of each of its points.
 //
 // u_r is summed in long double. It is all that rho multiplies which is not itself as small as the error, so
@@ -51,15 +51,15 @@ class Round {
     Velocities x, F;
     Impulses d;
     std::vector<Mat3> D;  // by column
-    std::vector<Vec3> g;  // by couple
+    std::vector<Vec3> g;  // by torque
     double norm;          // of F
   };
 
   State at(const Velocities& x, double stiffness) const {
     const std::vector<Point>& points = system_.points();
-    const std::vector<Couple>& couples = system_.couples();
+    const std::vector<TorqueRows>& torques = system_.torques();
     State state{
-        x, x, Impulses(3, r_.cols()), std::vector<Mat3>(r_.cols()), std::vector<Vec3>(couples.size()), 0.0};
+        x, x, Impulses(3, r_.cols()), std::vector<Mat3>(r_.cols()), std::vector<Vec3>(torques.size()), 0.0};
     for (std::size_t k = 0; k < points.size(); ++k) {
       Vec3 d;
       step(points[k], r_.col(k), System::changed(points[k], u_r_.col(k), x), stiffness / points[k].response,
@@ -67,14 +67,14 @@ class Round {
       state.d.col(k) = d;
       System::push(points[k], -d, state.F);
     }
-    for (std::size_t c = 0; c < couples.size(); ++c) {
+    for (std::size_t c = 0; c < torques.size(); ++c) {
       const std::size_t k = points.size() + c;
-      const double n = System::normalSum(couples[c], r_) + System::normalSum(couples[c], state.d);
+      const double n = System::normalSum(torques[c], r_) + System::normalSum(torques[c], state.d);
       Vec3 d;
-      step(couples[c], r_.col(k), System::changed(couples[c], u_r_.col(k), x), n,
-           stiffness / couples[c].response, d, state.D[k], state.g[c]);
+      step(torques[c], r_.col(k), System::changed(torques[c], u_r_.col(k), x), n,
+           stiffness / torques[c].response, d, state.D[k], state.g[c]);
       state.d.col(k) = d;
-      System::push(couples[c], -d, state.F);
+      System::push(torques[c], -d, state.F);
     }
     state.norm = state.F.norm();
     return state;
@@ -96,16 +96,16 @@ class Round {
     D(2, 2) = rho;
   }
 
-  // d, D and g of one couple.
-  static void step(const Couple& couple, const Vec3& r, const Vec3& u, double n, double rho, Vec3& d, Mat3& D,
-                   Vec3& g) {
+  // d, D and g of one torque.
+  static void step(const TorqueRows& torque, const Vec3& r, const Vec3& u, double n, double rho, Vec3& d,
+                   Mat3& D, Vec3& g) {
     D.setZero();
-    const auto rolling = couple.rolling.step(r.head<2>(), u.head<2>(), rho, n);
-    const auto spinning = couple.spinning.step(r.tail<1>(), u.tail<1>(), rho, n);
+    const auto rolling = torque.rolling.step(r.head<2>(), u.head<2>(), rho, n);
+    const auto spinning = torque.spinning.step(r.tail<1>(), u.tail<1>(), rho, n);
     d << rolling.d, spinning.d;
     D.topLeftCorner<2, 2>() = rolling.by_u;
     D.bottomRightCorner<1, 1>() = spinning.by_u;
-    g << couple.rolling.factor * rolling.by_N, couple.spinning.factor * spinning.by_N;
+    g << torque.rolling.factor * rolling.by_N, torque.spinning.factor * spinning.by_N;
   }
 
   const System& system_;

@@ -2,16 +2,16 @@
 // The exact velocity-level Coulomb problem of one island of bodies.
 //
 // Impulses r at the contact points change the velocities of the bodies, v = v_free + M^-1 J^T r, so that at
-// each point the relative velocity u = J v + drive and the impulse keep
+// each point the relative velocity u = J v + bias and the impulse keep
 //   0 <= r_n,  0 <= u_n,  r_n u_n = 0                              (Signorini)
 //   |r_T| <= mu r_n                                                (Coulomb's cone, circular)
 //   u_T = -a r_T,  a >= 0,  a (mu r_n - |r_T|) = 0                 (friction dissipates all it can).
-// A point may give way, u_n = (J v + drive)_n + give r_n: what is squeezed between sides that no impulse moves has
+// A point may give way, u_n = (J v + bias)_n + give r_n: what is squeezed between sides that no impulse moves has
 // no other solution.
 // Nothing else is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
 //
 // A pair may also resist rolling and spinning. With the sum N of the normal impulses of its points, the
-// couple L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
+// torque L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
 //   |L_T| <= c R N,  against w_T;   |L_n| <= s R N,  against w_n
 // in the same sense: each does what ends the turning, or dissipates all it can.
 #pragma once
@@ -41,9 +41,9 @@ struct CoulombPoint {
   Vec3 r_i, r_j;  ///< from the centres to the point, m, in W; not read for a side that is kNone
   Mat3 frame;     ///< orthonormal columns t1, t2, n in W; n points from i to j
   double mu;      ///< >= 0
-  /// In the frame, added to the velocity of j against i, m/s: the velocity of a side that is led, the speed
+  /// In the frame, added to the velocity of j against i, m/s: the velocity of a kinematic side, the speed
   /// at which an open gap may close (+gap/h along n), restitution.
-  Vec3 drive{0.0, 0.0, 0.0};
+  Vec3 bias{0.0, 0.0, 0.0};
   /// Of revolution, of the only body of the point, of length 1: no normal impulse has a moment about it, though the point may
   /// be one of a few that stand for a rim. Zero: there is none, or two bodies, of which the angular momentum is to stay.
   Vec3 axis_W{0.0, 0.0, 0.0};
@@ -52,25 +52,25 @@ struct CoulombPoint {
   /// Of length 1: the point is known to slide this way in (t1, t2), and friction is -mu r_n slide whatever
   /// u_T is. Zero: Coulomb's law decides.
   Eigen::Vector2d slide{0.0, 0.0};
-  /// In the frame, on j (and the opposite on i), N s. In: a guess, zero for none; one that is not finite
+  /// In the frame, on j (and the opposite on i), N s. In: a warm start, zero for none; one that is not finite
   /// counts as none. Out: the solution.
   Vec3 impulse{0.0, 0.0, 0.0};
 };
 
 /// What a pair resists turning with.
-struct CoulombCouple {
+struct TorqueConstraint {
   Index i, j;         ///< as in CoulombPoint
   Index first, size;  ///< its points, in CoulombProblem::points
   Mat3 frame;         ///< from it to W: n is the axis of spinning, t1 and t2 those of rolling
   double radius;      ///< R, m, > 0
   double roll, spin;  ///< c and s, >= 0
   /// In the frame, R times the angular velocity that sides add which impulses do not move, m/s.
-  Vec3 drive{0.0, 0.0, 0.0};
+  Vec3 bias{0.0, 0.0, 0.0};
   /// The pair is known to roll about this axis in (t1, t2), of length 1, and to spin this way, 1 or -1. Zero:
   /// the law decides.
   Eigen::Vector2d rolls{0.0, 0.0};
   double spins = 0.0;
-  /// In the frame, L/R on j, N s. In: a guess. Out: the solution.
+  /// In the frame, L/R on j, N s. In: a warm start. Out: the solution.
   Vec3 impulse{0.0, 0.0, 0.0};
 };
 
@@ -89,7 +89,7 @@ struct CoulombProblem {
   /// impulse is the mass of all bodies times this.
   double speed_unit;
   SolveBudget* budget = nullptr;  ///< null: the solvers end when they are done
-  std::vector<CoulombCouple> couples{};
+  std::vector<TorqueConstraint> torques{};
 };
 
 }  // namespace rbs

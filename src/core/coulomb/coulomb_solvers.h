@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The solvers of the Coulomb problem, each from a start to the best impulses it finds. All of them solve
-// problems with couples and with prescribed slip.
+// problems with torques and with prescribed slip.
 #pragma once
 
 #include "coulomb/body_blocks.h"
@@ -8,7 +8,7 @@
 
 namespace rbs::coulomb {
 
-/// A tolerance below which the rounding of double shows: in the residuals of a guess, and in Newton's steps, which it cuts
+/// A tolerance below which the rounding of double shows: in the residuals of a warm start, and in Newton's steps, which it cuts
 /// short while they still find the answer.
 inline constexpr double kEveryDigit = 1e-10;
 

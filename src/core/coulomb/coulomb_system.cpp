@@ -61,14 +61,14 @@ System::System(const CoulombProblem& problem) {
         L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
     if (!body.turns) free_.col(k).tail<3>().setZero();
   }
-  // The spin of a body that does not turn is part of what drives its points.
+  // The spin of a body that does not turn is part of what biases its points.
   const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
-                              Vec3& drive) {
+                              Vec3& bias) {
     const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
     Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), point.frame, moments, total_mass);
     if (!turns_[body]) {
       J.rightCols<3>().setZero();
-      drive += sign * (moments.transpose() * problem.bodies[body].w);
+      bias += sign * (moments.transpose() * problem.bodies[body].w);
     }
     return J;
   };
@@ -79,10 +79,10 @@ System::System(const CoulombProblem& problem) {
     point.i = given.i, point.j = given.j;
     point.J_i.setZero();
     point.J_j.setZero();
-    point.drive = given.drive;
-    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given, -1.0, point.drive);
-    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given, 1.0, point.drive);
-    point.drive /= speed_;
+    point.bias = given.bias;
+    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given, -1.0, point.bias);
+    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given, 1.0, point.bias);
+    point.bias /= speed_;
     // A side gives way like a body of mass 1/give that moves along n alone.
     if (gives(given)) {
       (given.i == kNone ? point.i : point.j) = pad++;
@@ -92,25 +92,25 @@ System::System(const CoulombProblem& problem) {
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
     points_.push_back(point);
   }
-  for (const CoulombCouple& given : problem.couples) {
-    Couple couple;
-    couple.i = given.i, couple.j = given.j;
-    couple.first = given.first, couple.size = given.size;
-    couple.drive = given.drive;
+  for (const TorqueConstraint& given : problem.torques) {
+    TorqueRows torque;
+    torque.i = given.i, torque.j = given.j;
+    torque.first = given.first, torque.size = given.size;
+    torque.bias = given.bias;
     const auto turningOf = [&](Index body, double sign) -> Mat36 {
       if (body == kNone) return Mat36::Zero();
       if (turns_[body])
         return sign * turning(roots_[body].matrixLLT(), given.frame, given.radius, total_mass);
-      couple.drive += sign * given.radius * (given.frame.transpose() * problem.bodies[body].w);
+      torque.bias += sign * given.radius * (given.frame.transpose() * problem.bodies[body].w);
       return Mat36::Zero();
     };
-    couple.J_i = turningOf(given.i, -1.0);
-    couple.J_j = turningOf(given.j, 1.0);
-    couple.drive /= speed_;
-    couple.rolling = {given.roll, given.rolls};
-    couple.spinning = {given.spin, FrictionSet<1>::Vec(given.spins)};
-    couple.response = (couple.J_i.squaredNorm() + couple.J_j.squaredNorm()) / 3.0;
-    couples_.push_back(couple);
+    torque.J_i = turningOf(given.i, -1.0);
+    torque.J_j = turningOf(given.j, 1.0);
+    torque.bias /= speed_;
+    torque.rolling = {given.roll, given.rolls};
+    torque.spinning = {given.spin, FrictionSet<1>::Vec(given.spins)};
+    torque.response = (torque.J_i.squaredNorm() + torque.J_j.squaredNorm()) / 3.0;
+    torques_.push_back(torque);
   }
 }
 
@@ -127,7 +127,7 @@ Impulses System::velocitiesSummedIn(const Impulses& r) const {
   Impulses u(3, columns());
   for (std::size_t k = 0; k < columns(); ++k) {
     const Rows& point = rows(k);
-    Eigen::Matrix<Scalar, 3, 1> sum = point.drive.cast<Scalar>();
+    Eigen::Matrix<Scalar, 3, 1> sum = point.bias.cast<Scalar>();
     if (point.i != kNone) sum.noalias() += point.J_i.cast<Scalar>() * y.col(point.i);
     if (point.j != kNone) sum.noalias() += point.J_j.cast<Scalar>() * y.col(point.j);
     u.col(k) = sum.template cast<double>();
@@ -145,7 +145,7 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 //   dissipation  |response r_T - P(response r_T - u_T)|, P onto the disc of radius response mu r_n.
 // Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
 // the same in speed, and both are within what is returned. The third is zero where and only where friction
-// lies on the cone against sliding, or sliding is zero, given the second. A couple has the last two, of its
+// lies on the cone against sliding, or sliding is zero, given the second. A torque has the last two, of its
 // rolling and of its spinning, whichever is worse.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
@@ -171,7 +171,7 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     worst.signorini = std::max(worst.signorini, signorini);
     worst.coulomb = std::max(worst.coulomb, coulomb);
     worst.dissipation = std::max(worst.dissipation, dissipation);
-    double floor = push.norm() + of.drive.norm();
+    double floor = push.norm() + of.bias.norm();
     if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
     if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
     const double forgiven = std::min(kEpsilon * floor, kMostForgiven);
@@ -196,31 +196,31 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     }
     count(point, push, signorini, coulomb, dissipation);
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const Couple& couple = couples_[k];
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorqueRows& torque = torques_[k];
     double n = 0.0;
-    for (std::size_t p = couple.first; p < couple.first + couple.size; ++p) n += std::max(r(2, p), 0.0);
-    n *= couple.response;
-    const Vec3 push = couple.response * r.col(points_.size() + k);
-    const double coulomb = std::max({0.0, push.head<2>().norm() - couple.rolling.factor * n,
-                                     std::abs(push[2]) - couple.spinning.factor * n});
-    const Vec3 target = nearest(couple, push - velocity.col(points_.size() + k), n);
-    count(couple, push, 0.0, coulomb, (push - target).norm());
+    for (std::size_t p = torque.first; p < torque.first + torque.size; ++p) n += std::max(r(2, p), 0.0);
+    n *= torque.response;
+    const Vec3 push = torque.response * r.col(points_.size() + k);
+    const double coulomb = std::max({0.0, push.head<2>().norm() - torque.rolling.factor * n,
+                                     std::abs(push[2]) - torque.spinning.factor * n});
+    const Vec3 target = nearest(torque, push - velocity.col(points_.size() + k), n);
+    count(torque, push, 0.0, coulomb, (push - target).norm());
   }
   return worst;
 }
 
-Impulses System::guess(const CoulombProblem& problem) const {
+Impulses System::warmStart(const CoulombProblem& problem) const {
   Impulses r(3, columns());
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Vec3 given = problem.points[k].impulse / impulse_;
     r.col(k) = given.allFinite() ? nearestOnCone(points_[k].sliding, given) : Vec3::Zero();
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    const Couple& couple = couples_[k];
-    const Vec3 given = problem.couples[k].impulse / impulse_;
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorqueRows& torque = torques_[k];
+    const Vec3 given = problem.torques[k].impulse / impulse_;
     r.col(points_.size() + k) =
-        given.allFinite() ? nearest(couple, given, normalSum(couple, r)) : Vec3::Zero();
+        given.allFinite() ? nearest(torque, given, normalSum(torque, r)) : Vec3::Zero();
   }
   return r;
 }
@@ -240,12 +240,12 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
     if (point.i != kNone) apply(point.i, point.r_i, -1.0);
     if (point.j != kNone) apply(point.j, point.r_j, 1.0);
   }
-  for (std::size_t k = 0; k < couples_.size(); ++k) {
-    CoulombCouple& couple = problem.couples[k];
-    couple.impulse = impulse_ * r.col(points_.size() + k);
-    const Vec3 turn_W = couple.radius * (couple.frame * couple.impulse);
-    if (couple.i != kNone && turns_[couple.i]) problem.bodies[couple.i].w -= roots_[couple.i].solve(turn_W);
-    if (couple.j != kNone && turns_[couple.j]) problem.bodies[couple.j].w += roots_[couple.j].solve(turn_W);
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    TorqueConstraint& torque = problem.torques[k];
+    torque.impulse = impulse_ * r.col(points_.size() + k);
+    const Vec3 turn_W = torque.radius * (torque.frame * torque.impulse);
+    if (torque.i != kNone && turns_[torque.i]) problem.bodies[torque.i].w -= roots_[torque.i].solve(turn_W);
+    if (torque.j != kNone && turns_[torque.j]) problem.bodies[torque.j].w += roots_[torque.j].solve(turn_W);
   }
 }
 

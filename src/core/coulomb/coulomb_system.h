@@ -4,7 +4,7 @@
 // Mass is measured in the mass of all bodies, speed in CoulombProblem::speed_unit. A body moves by
 // y = (sqrt(m) v, L^T w), where m is its mass and L L^T its inertia, so that the mass matrix is the identity,
 // the norm of y is that of kinetic energy, and no length is needed as a unit:
-//   y = y_free + J^T r,   u = J y + drive.
+//   y = y_free + J^T r,   u = J y + bias.
 #pragma once
 
 #include "coulomb/coulomb_problem.h"
@@ -20,15 +20,15 @@ using Vec2 = Eigen::Vector2d;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Mat36 = Eigen::Matrix<double, 3, 6>;
-using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point, then one a couple: two
+using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point, then one a torque: two
                                                               ///< tangents and the normal
 using Velocities = Eigen::Matrix<double, 6, Eigen::Dynamic>;  ///< y, a column a body
 
-/// The rows of J of a point or a couple.
+/// The rows of J of a point or a torque.
 struct Rows {
   Index i, j;      ///< bodies; kNone: a side that impulses do not move
   Mat36 J_i, J_j;  ///< u changes by J_i y_i + J_j y_j; zero where there is no body
-  Vec3 drive;
+  Vec3 bias;
   double response;  ///< mean eigenvalue of their own block of J J^T: speed for an impulse
 };
 
@@ -37,7 +37,7 @@ struct Point : Rows {
 };
 
 /// Its velocity is that of turning times its length, so that it has the units of a point.
-struct Couple : Rows {
+struct TorqueRows : Rows {
   std::size_t first, size;  ///< its points
   FrictionSet<2> rolling;   ///< under the sum of their normal impulses
   FrictionSet<1> spinning;  ///< under the same sum
@@ -56,11 +56,11 @@ class System {
   explicit System(const CoulombProblem& problem);
 
   const std::vector<Point>& points() const { return points_; }
-  const std::vector<Couple>& couples() const { return couples_; }
+  const std::vector<TorqueRows>& torques() const { return torques_; }
   const Velocities& free() const { return free_; }                          ///< y_free
-  std::size_t columns() const { return points_.size() + couples_.size(); }  ///< of impulses
+  std::size_t columns() const { return points_.size() + torques_.size(); }  ///< of impulses
   const Rows& rows(std::size_t k) const {                                   ///< of a column of impulses
-    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : couples_[k - points_.size()];
+    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : torques_[k - points_.size()];
   }
 
   /// u + J dy.
@@ -69,8 +69,8 @@ class System {
     if (rows.j != kNone) u.noalias() += rows.J_j * dy.col(rows.j);
     return u;
   }
-  Vec3 velocity(const Rows& rows, const Velocities& y) const { return changed(rows, rows.drive, y); }
-  /// Adds J^T r of one point or couple.
+  Vec3 velocity(const Rows& rows, const Velocities& y) const { return changed(rows, rows.bias, y); }
+  /// Adds J^T r of one point or torque.
   static void push(const Rows& rows, const Vec3& r, Velocities& y) {
     if (rows.i != kNone) y.col(rows.i).noalias() += rows.J_i.transpose() * r;
     if (rows.j != kNone) y.col(rows.j).noalias() += rows.J_j.transpose() * r;
@@ -87,14 +87,14 @@ class System {
   Residuals residuals(const Impulses& r, const Impulses& velocity) const;
   Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
 
-  /// The sum of the normal impulses of a couple's points.
-  static double normalSum(const Couple& couple, const Impulses& r) {
-    return r.row(2).segment(couple.first, couple.size).sum();
+  /// The sum of the normal impulses of a torque's points.
+  static double normalSum(const TorqueRows& torque, const Impulses& r) {
+    return r.row(2).segment(torque.first, torque.size).sum();
   }
-  /// The impulse of a couple that is nearest to x under the sum n of normal impulses.
-  static Vec3 nearest(const Couple& couple, const Vec3& x, double n) {
+  /// The impulse of a torque that is nearest to x under the sum n of normal impulses.
+  static Vec3 nearest(const TorqueRows& torque, const Vec3& x, double n) {
     Vec3 nearest;
-    nearest << couple.rolling.nearest(x.head<2>(), n), couple.spinning.nearest(x.tail<1>(), n);
+    nearest << torque.rolling.nearest(x.head<2>(), n), torque.spinning.nearest(x.tail<1>(), n);
     return nearest;
   }
 
@@ -105,7 +105,7 @@ class System {
     if (budget_) budget_->work -= work;
   }
 
-  Impulses guess(const CoulombProblem& problem) const;
+  Impulses warmStart(const CoulombProblem& problem) const;
   /// Writes impulses, and the velocities they make, with units.
   void store(const Impulses& r, CoulombProblem& problem) const;
 
@@ -117,7 +117,7 @@ class System {
   std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
   std::vector<bool> turns_;              // by body
   std::vector<Point> points_;
-  std::vector<Couple> couples_;
+  std::vector<TorqueRows> torques_;
   Velocities free_;
   SolveBudget* budget_;
 };

@@ -220,8 +220,8 @@ void run(Context& context) {
   }
 }
 
-std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
-                          double seconds) {
+std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
+                             double seconds) {
   constexpr double kStiff = 10.0;  // k |u| t from which implicit steps are better
   constexpr double kTolerance = 1e-14;
   const Traits& t = context.scene.bodies.traits[i];
@@ -232,7 +232,7 @@ std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, con
   const double k = dragOf(context.scene, i, medium);
   Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
   const double scale = u.norm() + seconds * b.norm();
-  if (scale == 0.0) return Course{p_WB + seconds * v_WB, v_WB};
+  if (scale == 0.0) return FlightEnd{p_WB + seconds * v_WB, v_WB};
   if (k * scale * seconds > kStiff) return {};
 
   // The method of Dormand and Prince; place is the integral of u with the same weights.
@@ -265,7 +265,7 @@ std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, con
     }
     h *= std::clamp(0.9 * std::pow(std::max(share, 1e-10), -0.2), 0.2, 5.0);
   }
-  return Course{p_WB + x + seconds * air, u + air};
+  return FlightEnd{p_WB + x + seconds * air, u + air};
 }
 
 }  // namespace drag

@@ -11,7 +11,7 @@
 namespace rbs {
 
 /// Of a centre of mass.
-struct Course {
+struct FlightEnd {
   Vec3 p_WB, v_WB;  ///< m, m/s
 };
 
@@ -33,11 +33,11 @@ void run(Context& context);
 /// Where body i of this step is and how fast, `seconds` on from (p_WB, v_WB), when nothing touches it. Empty
 /// for bodies that the air turns (boxes) and for those that feel no air, and where it stops them at once:
 /// there the mean acceleration in step.load says it.
-std::optional<Course> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
-                          double seconds);
+std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
+                             double seconds);
 }  // namespace drag
 
-/// Forces and couples that were asked for until a given time.
+/// Forces and torques that were asked for until a given time.
 namespace wrenches {
 Need need(const SceneAnalysis& analysis);
 void run(Context& context);

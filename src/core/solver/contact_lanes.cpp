@@ -32,7 +32,7 @@ void ContactLanes::schedule() {
     for (const Index body : {block.i, block.j})
       if (contacts_.bodies[body].inv_mass > 0.0) level_of_body[body] = level + 1;
     levels = std::max(levels, level + 1);
-    key[k] = (2 * level + (block.rough ? 0 : 1)) * kSizes +
+    key[k] = (2 * level + (block.has_friction ? 0 : 1)) * kSizes +
              static_cast<Index>(kSizes - std::min(block.size, kSizes));
   }
   first.assign(2 * kSizes * levels + 1, 0);
@@ -67,7 +67,7 @@ void ContactLanes::append(std::size_t bundle, Index which) {
     fresh.block.fill(kNone);
     fresh.i.fill(&nobody_);
     fresh.j.fill(&nobody_);
-    fresh.rough = block.rough;
+    fresh.has_friction = block.has_friction;
     fresh.normal = normal_.size();
     fresh.friction = friction_.size();
     bundles_.push_back(fresh);
@@ -78,12 +78,12 @@ void ContactLanes::append(std::size_t bundle, Index which) {
   places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin())};
   last.size = std::max(last.size, block.size);
   normal_.resize(last.normal + static_cast<std::size_t>(last.size));
-  if (last.rough) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
+  if (last.has_friction) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
 }
 
 // Whether a block may go beside those of a bundle: there is a lane, and no body that both would move.
 bool ContactLanes::accepts(const Bundle& bundle, const SolverBlock& block) const {
-  if (bundle.block.back() != kNone || bundle.rough != block.rough) return false;
+  if (bundle.block.back() != kNone || bundle.has_friction != block.has_friction) return false;
   for (const Index body : {block.i, block.j}) {
     const SolverBody* s = &contacts_.bodies[body];
     if (s->inv_mass == 0.0) continue;
@@ -137,7 +137,7 @@ void ContactLanes::takeBlock(Place place) {
       row.open[lane] = point.open;
       row.impulse[lane] = point.l_n;
       row.sum[lane] = point.sum_n;
-      if (!bundle.rough) continue;
+      if (!bundle.has_friction) continue;
       FrictionRow& friction = friction_[bundle.friction + k];
       friction.impulse1[lane] = point.l_t[0], friction.impulse2[lane] = point.l_t[1];
       friction.sum1[lane] = point.sum_t[0], friction.sum2[lane] = point.sum_t[1];
@@ -148,7 +148,7 @@ void ContactLanes::takeBlock(Place place) {
     set(row.arm_i, lane, Vec3::Zero());
     set(row.arm_j, lane, Vec3::Zero());
     row.gap[lane] = row.open[lane] = row.impulse[lane] = row.sum[lane] = 0.0;
-    if (!bundle.rough) continue;
+    if (!bundle.has_friction) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
     friction.impulse1[lane] = friction.impulse2[lane] = friction.sum1[lane] = friction.sum2[lane] = 0.0;
   }
@@ -189,13 +189,13 @@ void ContactLanes::refresh(double now, double left) {
 // The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay as they are.
 RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
   const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
-    cross(d, row.arm_i, turning.lever);
-    cross(row.arm_j, d, turning.lever + 3);
+    cross(d, row.arm_i, turning.jacobian);
+    cross(row.arm_j, d, turning.jacobian + 3);
   };
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     setLever(row.turning, bundle.n, row);
-    if (!bundle.rough) continue;
+    if (!bundle.has_friction) continue;
     setLever(friction_[bundle.friction + k].turning1, bundle.t1, row);
     setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
   }
@@ -209,17 +209,17 @@ RBS_WIDE void ContactLanes::leaveAxesOut(const Bundle& bundle) {
   Lanes axis_i[3], axis_j[3];
   gather(bundle.i, &SolverBody::axis_W, axis_i);
   gather(bundle.j, &SolverBody::axis_W, axis_j);
-  const auto leaveOut = [](const Lanes* axis, Lanes* lever) {
+  const auto leaveOut = [](const Lanes* axis, Lanes* jacobian) {
     Lanes along;
-    dot(axis, lever, along);
-    for (int c = 0; c < 3; ++c) lever[c] -= along * axis[c];
+    dot(axis, jacobian, along);
+    for (int c = 0; c < 3; ++c) jacobian[c] -= along * axis[c];
   };
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
-    cross(bundle.n, row.arm_i, row.turning.lever);
-    cross(row.arm_j, bundle.n, row.turning.lever + 3);
-    leaveOut(axis_i, row.turning.lever);
-    leaveOut(axis_j, row.turning.lever + 3);
+    cross(bundle.n, row.arm_i, row.turning.jacobian);
+    cross(row.arm_j, bundle.n, row.turning.jacobian + 3);
+    leaveOut(axis_i, row.turning.jacobian);
+    leaveOut(axis_j, row.turning.jacobian + 3);
   }
 }
 
@@ -237,13 +237,13 @@ RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
   }
   const auto setTurn = [&](Turning& turning) {  // the matrices are symmetric
     for (int c = 0; c < 3; ++c) {
-      dot(inv_i + 3 * c, turning.lever, turning.turn[c]);
-      dot(inv_j + 3 * c, turning.lever + 3, turning.turn[3 + c]);
+      dot(inv_i + 3 * c, turning.jacobian, turning.inv_inertia_jacobian[c]);
+      dot(inv_j + 3 * c, turning.jacobian + 3, turning.inv_inertia_jacobian[3 + c]);
     }
   };
   for (int k = 0; k < bundle.size; ++k) {
     setTurn(normal_[bundle.normal + k].turning);
-    if (!bundle.rough) continue;
+    if (!bundle.has_friction) continue;
     setTurn(friction_[bundle.friction + k].turning1);
     setTurn(friction_[bundle.friction + k].turning2);
   }
@@ -258,7 +258,7 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bo
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     Lanes response;
-    add6(inv_mass, row.turning.lever, row.turning.turn, response);
+    add6(inv_mass, row.turning.jacobian, row.turning.inv_inertia_jacobian, response);
     Lanes present;
     for (int lane = 0; lane < kLanes; ++lane)
       present[lane] =
@@ -267,12 +267,12 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bo
       to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to;
     };
     set(row.mass, 1.0 / response);
-    if (!bundle.rough) continue;
+    if (!bundle.has_friction) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
     Lanes s11, s12, s22;
-    add6(inv_mass, friction.turning1.lever, friction.turning1.turn, s11);
-    add6(Lanes{}, friction.turning1.lever, friction.turning2.turn, s12);
-    add6(inv_mass, friction.turning2.lever, friction.turning2.turn, s22);
+    add6(inv_mass, friction.turning1.jacobian, friction.turning1.inv_inertia_jacobian, s11);
+    add6(Lanes{}, friction.turning1.jacobian, friction.turning2.inv_inertia_jacobian, s12);
+    add6(inv_mass, friction.turning2.jacobian, friction.turning2.inv_inertia_jacobian, s22);
     const Lanes determinant = s11 * s22 - s12 * s12, half_trace = 0.5 * (s11 + s22);
     Lanes root = half_trace * half_trace - determinant;
     for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(std::max(root[lane], 0.0));
@@ -290,7 +290,7 @@ void ContactLanes::scaleImpulses(const std::function<double(const SolverBlock&)>
       const double factor = share(contacts_.blocks[bundle.block[lane]]);
       for (int k = 0; k < bundle.size; ++k) {
         normal_[bundle.normal + k].impulse[lane] *= factor;
-        if (!bundle.rough) continue;
+        if (!bundle.has_friction) continue;
         friction_[bundle.friction + k].impulse1[lane] *= factor;
         friction_[bundle.friction + k].impulse2[lane] *= factor;
       }
@@ -315,7 +315,7 @@ void ContactLanes::giveBackBlock(Index which) {
     point.open = row.open[lane];
     point.l_n = row.impulse[lane];
     point.sum_n = row.sum[lane];
-    if (!bundle.rough) continue;
+    if (!bundle.has_friction) continue;
     const FrictionRow& friction = friction_[bundle.friction + k];
     point.mass_t << friction.mass11[lane], friction.mass12[lane], friction.mass12[lane],
         friction.mass22[lane];

@@ -18,7 +18,7 @@
 
 namespace rbs {
 
-/// A soft constraint as an impulse solver writes it (soft_step.cpp).
+/// A soft constraint as an impulse solver writes it (soft_step.h).
 struct Softness {
   double bias, mass, impulse;  // b, a, c
 };
@@ -27,8 +27,9 @@ class ContactLanes {
   /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others. Along a normal
   /// both are without their parts along an axis of revolution.
   struct Turning {
-    Lanes lever[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
-    Lanes turn[6];   // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
+    Lanes jacobian[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
+    Lanes inv_inertia_jacobian
+        [6];  // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
   };
   /// Along the normal. Mass, arms and impulse are zero in lanes without such a point: nothing happens there.
   struct NormalRow {
@@ -54,7 +55,7 @@ class ContactLanes {
     Lanes mu, push, inv_mass_i, inv_mass_j;
     int size;
     std::size_t normal, friction;  // its first rows
-    bool rough;
+    bool has_friction;
   };
 
   /// Where the points of a block are.
@@ -130,7 +131,7 @@ class ContactLanes {
   void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
   /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
   void forBundles(const std::function<void(std::size_t begin, std::size_t end)>& body);
-  template <Pass kPass, bool kRough>
+  template <Pass kPass, bool kFriction>
   void solveBundles(const Softness& soft, double h);
   void follow(std::size_t begin, std::size_t end);
 

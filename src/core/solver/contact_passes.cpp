@@ -20,13 +20,14 @@ RBS_WIDE void ContactLanes::warmStart() {
     for (int k = 0; k < bundle.size; ++k) {
       const NormalRow& row = normal_[bundle.normal + k];
       along_n += row.impulse;
-      for (int c = 0; c < 6; ++c) w[c] += row.impulse * row.turning.turn[c];
-      if (!built::friction || !bundle.rough) continue;
+      for (int c = 0; c < 6; ++c) w[c] += row.impulse * row.turning.inv_inertia_jacobian[c];
+      if (!built::friction || !bundle.has_friction) continue;
       const FrictionRow& friction = friction_[bundle.friction + k];
       along_t1 += friction.impulse1;
       along_t2 += friction.impulse2;
       for (int c = 0; c < 6; ++c)
-        w[c] += friction.impulse1 * friction.turning1.turn[c] + friction.impulse2 * friction.turning2.turn[c];
+        w[c] += friction.impulse1 * friction.turning1.inv_inertia_jacobian[c] +
+                friction.impulse2 * friction.turning2.inv_inertia_jacobian[c];
     }
     Lanes v[6];
     gather(bundle.i, &SolverBody::v, v);
@@ -46,7 +47,7 @@ RBS_WIDE void ContactLanes::warmStart() {
 // Along the normal and the tangents the linear velocities of a pair change by (1/m_i + 1/m_j) times the
 // impulses, for all of its points: within a bundle it is enough to keep what they are against each other in
 // that frame.
-template <ContactLanes::Pass kPass, bool kRough>
+template <ContactLanes::Pass kPass, bool kFriction>
 RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
   Lanes zero, per_second, bias, soft_mass, soft_impulse;
   fill(zero, 0.0);
@@ -76,8 +77,8 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
         const LaneMask pushes = limit > zero || row.impulse1 != zero || row.impulse2 != zero;
         if (again && !any(row.slides & pushes)) continue;
         Lanes slip1, slip2;
-        add6(u1, row.turning1.lever, w, slip1);
-        add6(u2, row.turning2.lever, w, slip2);
+        add6(u1, row.turning1.jacobian, w, slip1);
+        add6(u2, row.turning2.jacobian, w, slip2);
         Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
         Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
         const LaneMask slides = l1 * l1 + l2 * l2 > limit * limit;
@@ -102,11 +103,13 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
         u2 += inv_mass * change2;
         along1 += change1;
         along2 += change2;
-        for (int c = 0; c < 6; ++c) w[c] += change1 * row.turning1.turn[c] + change2 * row.turning2.turn[c];
+        for (int c = 0; c < 6; ++c)
+          w[c] +=
+              change1 * row.turning1.inv_inertia_jacobian[c] + change2 * row.turning2.inv_inertia_jacobian[c];
       }
       for (int c = 0; c < 3; ++c) total[c] += along1 * bundle.t1[c] + along2 * bundle.t2[c];
     };
-    if (kRough && bundle.rough) solveFriction(false);
+    if (kFriction && bundle.has_friction) solveFriction(false);
 
     Lanes u_n, along_n = zero;
     dot(bundle.n, apart, u_n);
@@ -125,17 +128,17 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
         mass = row.impulse == zero ? zero : row.mass;
         at_rest = row.impulse - mass * (open ? per_second * row.open : zero);
       }
-      add6(u_n, row.turning.lever, w, speed);
+      add6(u_n, row.turning.jacobian, w, speed);
       Lanes l_n = at_rest - mass * speed;
       l_n = l_n > zero ? l_n : zero;
       const Lanes change = l_n - row.impulse;
       row.impulse = l_n;
       u_n += inv_mass * change;
       along_n += change;
-      for (int c = 0; c < 6; ++c) w[c] += change * row.turning.turn[c];
+      for (int c = 0; c < 6; ++c) w[c] += change * row.turning.inv_inertia_jacobian[c];
     }
     for (int c = 0; c < 3; ++c) total[c] += along_n * bundle.n[c];
-    if (kPass == Pass::Relax && kRough && bundle.rough) solveFriction(true);
+    if (kPass == Pass::Relax && kFriction && bundle.has_friction) solveFriction(true);
     for (int c = 0; c < 3; ++c) {
       v[c] -= bundle.inv_mass_i * total[c];
       v[3 + c] += bundle.inv_mass_j * total[c];
@@ -149,11 +152,13 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
 
 // Without friction not a test of it is left in the loop.
 void ContactLanes::solve(Pass pass, const Softness& soft, double h) {
-  const bool rough = built::friction && !friction_.empty();
+  const bool has_friction = built::friction && !friction_.empty();
   if (pass == Pass::Soft)
-    rough ? solveBundles<Pass::Soft, built::friction>(soft, h) : solveBundles<Pass::Soft, false>(soft, h);
+    has_friction ? solveBundles<Pass::Soft, built::friction>(soft, h)
+                 : solveBundles<Pass::Soft, false>(soft, h);
   else
-    rough ? solveBundles<Pass::Relax, built::friction>(soft, h) : solveBundles<Pass::Relax, false>(soft, h);
+    has_friction ? solveBundles<Pass::Relax, built::friction>(soft, h)
+                 : solveBundles<Pass::Relax, false>(soft, h);
 }
 
 RBS_WIDE void ContactLanes::addUp() {

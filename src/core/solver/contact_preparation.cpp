@@ -58,19 +58,21 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
   return {std::min(sunk, kMostFlush * pair.length), kSoftRest * pair.load * step.h(), kSoftClosing};
 }
 
-Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
-                         const Motion& course_j, double from, double until, double margin,
+Manifold contactManifold(const Bodies& bodies, Index i, const Motion& trajectory_i, Index j,
+                         const Motion& trajectory_j, double from, double until, double margin,
                          const LastingLimits& limits, const LastNormal& last, SeparatingAxis& axis) {
   const Traits &a = bodies.traits[i], &b = bodies.traits[j];
   const bool bounded = !a.unbounded && !b.unbounded;
   // Only what has faces and an end has joints.
-  Manifold manifold = bounded && (a.edged || b.edged)
-                          ? lastingManifold(a.shape, course_i, b.shape, course_j, from, until, margin, limits,
-                                            last.loaded ? last.n_W : Vec3::Zero(), axis)
-                          : collide(a.shape, course_i.at(from), b.shape, course_j.at(from), margin, axis);
+  Manifold manifold =
+      bounded && (a.edged || b.edged)
+          ? lastingManifold(a.shape, trajectory_i, b.shape, trajectory_j, from, until, margin, limits,
+                            last.loaded ? last.n_W : Vec3::Zero(), axis)
+          : collide(a.shape, trajectory_i.at(from), b.shape, trajectory_j.at(from), margin, axis);
   const bool turned = manifold.size > 0 && bounded && last.n_W.dot(manifold.n_W) < 0.0;
   if (turned && leastSeparation(manifold) < -kDeepSide * std::min(a.length, b.length))
-    manifold = manifoldOnSide(last.n_W, a.shape, course_i.at(from), b.shape, course_j.at(from), margin);
+    manifold =
+        manifoldOnSide(last.n_W, a.shape, trajectory_i.at(from), b.shape, trajectory_j.at(from), margin);
   return manifold;
 }
 

@@ -55,10 +55,10 @@ LastingLimits softLimits(const StepStore& step, const PairConstants& pair, doubl
 /// Within which the points of a contact are looked for, m: `margin`, or any distance where it was missed before.
 double searchMargin(const Contact& contact, double margin);
 
-/// The points of two bodies on their courses for the time until `until` (s), as lastingManifold() finds them; but on
+/// The points of two bodies on their trajectories for the time until `until` (s), as lastingManifold() finds them; but on
 /// the side of their last normal where they overlap deeply and the nearest way out leads to another.
-Manifold contactManifold(const Bodies& bodies, Index i, const Motion& course_i, Index j,
-                         const Motion& course_j, double from, double until, double margin,
+Manifold contactManifold(const Bodies& bodies, Index i, const Motion& trajectory_i, Index j,
+                         const Motion& trajectory_j, double from, double until, double margin,
                          const LastingLimits& limits, const LastNormal& last, SeparatingAxis& axis);
 
 }  // namespace rbs

@@ -3,10 +3,26 @@
 
 #include "base/tolerances.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 
 namespace rbs {
+
+namespace {
+
+// The projection on the span of directions of which m is the sum of d d^T. Two that are at an angle below 1e-3 are one.
+Mat3 projectionOn(const Mat3& m) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(m);
+  Mat3 projection = Mat3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (axes.eigenvalues()[k] > 1e-6 * axes.eigenvalues()[2])
+      projection += axes.eigenvectors().col(k) * axes.eigenvectors().col(k).transpose();
+  return projection;
+}
+
+}  // namespace
 
 void EnergyLimit::find(const Context& context, const SolverContacts& contacts, bool all) {
   const StepStore& step = context.step;
@@ -21,14 +37,24 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
   for (const SolverBody& s : contacts.bodies)
     if (s.inv_mass > 0.0 && step.isCrowded(s.body)) found.push_back(step.island[s.body]);
   islands_.begin(context, contacts, std::move(found));
+  pushed_.assign(islands_.size(), Mat3::Zero());
+  for (const SolverBlock& block : contacts.blocks) {
+    const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
+    if (i.inv_mass > 0.0 && j.inv_mass > 0.0) continue;
+    const Index k = islands_.placeOf(context, i.inv_mass > 0.0 ? i : j);
+    if (k != kNone)
+      pushed_[k] += block.pair.mu > 0.0 ? Mat3(Mat3::Identity()) : Mat3(block.n * block.n.transpose());
+  }
+  for (Mat3& directions : pushed_)
+    if (!directions.isZero(0.0)) directions = projectionOn(directions);
 }
 
-// Takes the energy from the motions about the common centre first, which keeps the momentum.
 void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const {
   if (islands_.empty()) return;
   struct Sum {
     double mass = 0.0, energy = 0.0, given = 0.0, share = 1.0, rest = 1.0;
-    Vec3 momentum = Vec3::Zero(), common = Vec3::Zero();
+    Vec3 momentum = Vec3::Zero(), common = Vec3::Zero(),
+         kept = Vec3::Zero();  // of common: what nothing outside pushes
   };
   std::vector<Sum> sums(islands_.size());
   for (Index k = 0; k < islands_.size(); ++k) sums[k].given = islands_[k].energy;
@@ -49,13 +75,18 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     sum.common = sum.momentum / sum.mass;
     const double together = 0.5 * sum.mass * sum.common.squaredNorm(), apart = sum.energy - together;
     sum.share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
-    sum.rest = together > most ? std::sqrt(most / together) : 1.0;
+    const Vec3 pushed = pushed_[k] * sum.common;
+    sum.kept = sum.common - pushed;
+    const double left = most - 0.5 * sum.mass * sum.kept.squaredNorm(),
+                 push = 0.5 * sum.mass * pushed.squaredNorm();
+    sum.rest = push > left ? std::sqrt(std::max(left, 0.0) / push) : 1.0;
   }
   if (!some) return;
   for (SolverBody& s : contacts.bodies) {
     const Index k = islands_.placeOf(context, s);
     if (k == kNone || (sums[k].share == 1.0 && sums[k].rest == 1.0)) continue;
-    s.v = sums[k].rest * sums[k].common + sums[k].share * (s.v - sums[k].common);
+    const Sum& sum = sums[k];
+    s.v = sum.kept + sum.rest * (sum.common - sum.kept) + sum.share * (s.v - sum.common);
     if (!s.inv_inertia_W.isZero(0.0)) s.w *= sums[k].share;  // nothing changes the spin of others
   }
 }

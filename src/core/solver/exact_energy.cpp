@@ -33,15 +33,15 @@ double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
 }
 
 // The work that kinematic bodies have done by the impulses of these points, J.
-double Stepper::workByLed(const Touching& touching, const PointsOfContacts& opened) const {
+double Stepper::workByKinematic(const Touching& touching, const PointsOfContacts& opened) const {
   const Bodies& bodies = context_.scene.bodies;
   double work = 0.0;
   const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
     const Contact& contact = context_.scene.contacts.active[k];
-    for (const auto& [led, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
-      if (!bodies.traits[led].is_kinematic()) continue;
-      const Twist& twist = bodies.twist[led];
-      const Vec3 r = p_W - step_.poseAt(bodies, led, now_).p_WB;
+    for (const auto& [kinematic, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
+      if (!bodies.traits[kinematic].is_kinematic()) continue;
+      const Twist& twist = bodies.twist[kinematic];
+      const Vec3 r = p_W - step_.poseAt(bodies, kinematic, now_).p_WB;
       work += sign * impulse_W.dot(twist.v_WB + twist.w_WB.cross(r));
     }
   };
@@ -64,8 +64,9 @@ double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
 // What a segment has gained beyond twice of what it was given, as a share of its kinetic energy, of what it was given, and of
 // the energy of a fall for one step; negative where it has lost. Twice, since the work of a body that turns is known to the
 // first power of the length alone.
-double Stepper::gainOf(const std::vector<BodyMotion>& start, double led_before) const {
-  const double by_led = workByLed(segment_.touching, opened_) + workByLed({}, segment_.opened) - led_before;
+double Stepper::gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const {
+  const double by_led =
+      workByKinematic(segment_.touching, opened_) + workByKinematic({}, segment_.opened) - kinematic_before;
   const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
   const double unit = kineticOf(start) + given + fall;

@@ -18,7 +18,7 @@ namespace rbs::exact_step {
 namespace {
 
 // Shares of the smaller length of a pair. An overlap beyond kOverlap is taken away, if it is more than what
-// kicks leave that are right to ten times the aim; curvature beyond kCurved is given back to the first kick.
+// kicks leave that are right to ten times the wanted tolerance; curvature beyond kCurved is given back to the first kick.
 constexpr double kOverlap = 1e-11, kCurved = 1e-10;
 // The least that is asked of a solve, however short the drift or small the overlap that it is about.
 constexpr double kCoarsest = 1e-6;
@@ -83,13 +83,13 @@ double fastestOf(const CoulombProblem& problem) {
 //
 // What the solve before a drift of `tau` leaves grows to a gap of tau times that. It need be no less than kCurved: the
 // curvature is not known to more digits, and in what is beyond them four corners of a face ask for what no motion of it has.
-CoulombResult Stepper::solve(CoulombProblem& problem, double tau) const {
+CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
   problem.speed_unit = std::max(island_.loadSpeed(), kNoClosing * fastestOf(problem));
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
   if (!(problem.speed_unit > 0.0)) {
     for (CoulombPoint& law : problem.points) law.impulse.setZero();
-    for (CoulombCouple& law : problem.couples) law.impulse.setZero();
+    for (TorqueConstraint& law : problem.torques) law.impulse.setZero();
     return {CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, true};
   }
   double needed = tolerance_;
@@ -98,20 +98,20 @@ CoulombResult Stepper::solve(CoulombProblem& problem, double tau) const {
     for (const TouchingPoint& point : touching_.points) length = std::min(length, point.length);
     needed = std::max(needed, std::min(kCurved * length / (tau * problem.speed_unit), kCoarsest));
   }
-  const CoulombResult result = solveInBudget(problem, tolerance_, aim_, needed);
+  const CoulombResult result = solveInBudget(problem, tolerance_, wanted_tolerance_, needed);
   island().residuals.iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }
 
 // A solve that does not converge leaves three quarters of the budget to the others; fourteen of them spend
 // all.
-CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double aim,
+CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double wanted,
                                      double needed) const {
   const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);
   const SolveBudget part{std::min(budget_.work, most), budget_.until};
   SolveBudget left = part;
   problem.budget = &left;
-  const CoulombResult result = solveCoulomb(problem, tolerance, aim, needed);
+  const CoulombResult result = solveCoulomb(problem, tolerance, wanted, needed);
   budget_.work -= part.work - left.work;
   if (!result.converged && left.work <= 0) island().cut_short = true;
   return result;
@@ -134,7 +134,7 @@ void Stepper::addResiduals(const CoulombResult& result) {
 // grow without end.
 bool Stepper::isWayOut(const CoulombProblem& problem) const {
   double asked = 0.0;
-  for (const CoulombPoint& law : problem.points) asked += std::max(-law.drive[2], 0.0);
+  for (const CoulombPoint& law : problem.points) asked += std::max(-law.bias[2], 0.0);
   const std::vector<Traits>& traits = context_.scene.bodies.traits;
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
@@ -147,18 +147,18 @@ bool Stepper::isWayOut(const CoulombProblem& problem) const {
 // By a displacement d: M d = J^T l, 0 <= l, 0 <= J d + gap, their product zero. The same law, without
 // friction and with lengths for velocities. What the shift by l n at a point makes of the angular momentum of
 // the two bodies, l n x (v_j - v_i), they give back by their spin.
-bool Stepper::takeOverlapsAway() {
+bool Stepper::correctOverlaps() {
   squeezed_.clear();
-  const double left_by_kicks = 10.0 * aim_ * island_.loadSpeed() * step_.h();
+  const double left_by_kicks = 10.0 * wanted_tolerance_ * island_.loadSpeed() * step_.h();
   CoulombProblem problem{island_.bodies(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
-    law.drive = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
+    law.bias = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
     if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
-      problem.speed_unit = std::max(problem.speed_unit, -law.drive[2]);
+      problem.speed_unit = std::max(problem.speed_unit, -law.bias[2]);
   }
   if (problem.speed_unit == 0.0) return false;
   const bool yields = letYield(problem);
@@ -170,29 +170,42 @@ bool Stepper::takeOverlapsAway() {
     solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
   }
   if (!findSqueezed(problem)) giveUp(Outcome::NoSolution);
-  if (!isOnItsWay() || !isWayOut(problem)) return false;
+  if (!hasNotFailed() || !isWayOut(problem)) return false;
   leaveSqueezed(problem);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
   const CoulombBodies before = bodies;
+  // The projection on the spins that contacts with such friction can change.
+  const auto turnable = [&](Index slot, double mu) -> Mat3 {
+    const Index body = island_.indices()[slot];
+    if (mu > 0.0) return Mat3::Identity();
+    if (context_.scene.bodies.traits[body].round) return Mat3::Zero();
+    const Vec3 axis_W = context_.scene.bodies.axis_W(body);
+    return Mat3::Identity() - axis_W * axis_W.transpose();
+  };
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
     const CoulombPoint& law = problem.points[k];
-    // What nothing but friction could turn is not turned for the sake of rounding.
-    if (law.i == kNone || law.j == kNone || touching_.law[k].mu == 0.0) continue;
+    if (law.i == kNone || law.j == kNone) continue;
     const Vec3 shift_W = law.impulse[2] * law.frame.col(2);
     const Vec3 slip_W = before[law.j].v - before[law.i].v, half_W = 0.5 * shift_W.cross(slip_W);
     CoulombBody &i = bodies[law.i], &j = bodies[law.j];
-    const Vec3 turn_i_W = i.inertia_W.llt().solve(half_W), turn_j_W = j.inertia_W.llt().solve(half_W);
-    // In halves, unless that takes more energy than the two have against each other: then by one turn of both, which takes
-    // the least. A ball of 5 mm got 1e6 rad/s by its half.
     const double most = slip_W.squaredNorm() / (1.0 / i.mass + 1.0 / j.mass);
-    const bool shared = half_W.dot(turn_i_W) + half_W.dot(turn_j_W) > most;
-    Vec3 both_W = shared ? Vec3((i.inertia_W + j.inertia_W).llt().solve(2.0 * half_W)) : Vec3::Zero();
+    if (touching_.law[k].mu > 0.0) {
+      const Vec3 turn_i_W = i.inertia_W.llt().solve(half_W), turn_j_W = j.inertia_W.llt().solve(half_W);
+      if (half_W.dot(turn_i_W) + half_W.dot(turn_j_W) <= most) {
+        i.w -= turn_i_W, j.w -= turn_j_W;
+        continue;
+      }
+    }
+    // In halves, unless that takes more energy than the two have against each other, or friction would have to turn them: then by
+    // one turn of both, which takes the least. A ball of 5 mm got 1e6 rad/s by its half.
+    const Mat3 P_i = turnable(law.i, touching_.law[k].mu), P_j = turnable(law.j, touching_.law[k].mu);
+    const Mat3 inertia_W = P_i * i.inertia_W * P_i + P_j * j.inertia_W * P_j;
+    Vec3 turn_W = inertia_W.completeOrthogonalDecomposition().solve(2.0 * half_W);
     // Two small ones between two heavy ones do not have so much either, and take what they have.
-    const double taken = 2.0 * half_W.dot(both_W);
-    if (taken > most) both_W *= std::sqrt(most / taken);
-    i.w -= shared ? both_W : turn_i_W;
-    j.w -= shared ? both_W : turn_j_W;
+    const double taken = 2.0 * half_W.dot(turn_W);
+    if (taken > most) turn_W *= std::sqrt(most / taken);
+    i.w -= P_i * turn_W, j.w -= P_j * turn_W;
   }
   island_.setTwists(bodies);
   return true;
@@ -216,20 +229,20 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
     giveWay(point, seconds > 0.0 ? 2.0 * seconds : end_ - now_, seconds == 0.0, problem.points.back());
   }
   std::vector<std::size_t> borne;
-  for (std::size_t k = 0; k < touching.couples.size(); ++k) {
-    const TouchingCouple& couple = touching.couples[k];
+  for (std::size_t k = 0; k < touching.torques.size(); ++k) {
+    const TouchingTorque& torque = touching.torques[k];
     const auto place = [&](Index point) {
       return static_cast<Index>(std::lower_bound(closed.begin(), closed.end(), point) - closed.begin());
     };
-    CoulombCouple law = couple.law;
-    law.first = place(couple.law.first);
-    law.size = place(couple.law.first + couple.law.size) - law.first;
+    TorqueConstraint law = torque.law;
+    law.first = place(torque.law.first);
+    law.size = place(torque.law.first + torque.law.size) - law.first;
     if (law.size == 0) continue;
-    law.impulse = seconds * (law.frame.transpose() * couple.force_W);
+    law.impulse = seconds * (law.frame.transpose() * torque.force_W);
     borne.push_back(k);
-    problem.couples.push_back(law);
+    problem.torques.push_back(law);
   }
-  CoulombResult result = solve(problem, 0.0);
+  CoulombResult result = solveKick(problem, 0.0);
   if (friction == Friction::Free) {
     // A point that would be driven back by its friction has stopped: there the law decides.
     for (bool fixed = true; fixed;) {
@@ -240,7 +253,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
         law.slide.setZero();
         fixed = true;
       }
-      for (CoulombCouple& law : problem.couples) {
+      for (TorqueConstraint& law : problem.torques) {
         const Vec3 u = turningAt(problem.bodies, law);
         if (!law.rolls.isZero(0.0) && !(result.converged && law.rolls.dot(u.head<2>()) >= 0.0))
           law.rolls.setZero(), fixed = true;
@@ -248,7 +261,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
       }
       if (!fixed) break;
       problem.bodies = bodies;
-      result = solve(problem, 0.0);
+      result = solveKick(problem, 0.0);
     }
   }
   bodies = problem.bodies;
@@ -257,11 +270,11 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
     law.impulse = problem.points[k].impulse, law.slide = problem.points[k].slide;
   }
   for (std::size_t k = 0; k < borne.size(); ++k)
-    touching.couples[borne[k]].law.impulse = problem.couples[k].impulse;
+    touching.torques[borne[k]].law.impulse = problem.torques[k].impulse;
   return result;
 }
 
-void Stepper::settle() {
+void Stepper::solveVelocities() {
   CoulombBodies after = island_.bodies();
   Touching touching = touching_;
   addResiduals(kickAtInstant(touching, after, 0.0, Friction::Free));
@@ -272,9 +285,9 @@ void Stepper::settle() {
 
 // What the drift has added to the gaps beyond tau u_n, and to the slip of points that were held at the start
 // beyond tau u_T; and whether that is more than the kick allowed for.
-bool Stepper::curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
-                               const std::vector<char>& held, const std::vector<BodyMotion>& start,
-                               const Touching& later, double tau, std::vector<Vec3>& curvature) const {
+bool Stepper::updateCurvature(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
+                              const std::vector<char>& held, const std::vector<BodyMotion>& start,
+                              const Touching& later, double tau, std::vector<Vec3>& curvature) const {
   bool matters = false;
   const std::vector<BodyMotion> end = island_.save();
   const CoulombBodies drifted = island_.bodies();
@@ -299,13 +312,13 @@ bool Stepper::curvatureMatters(const CoulombBodies& drifting, const std::vector<
 }
 
 // Whether impulses are nearly those of the forces expected.
-bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
-                         double seconds) const {
+bool Stepper::areAsExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
+                            double seconds) const {
   double change = 0.0;
   for (std::size_t k = 0; k < laws.size(); ++k)
     change =
         std::max(change, (laws[k].frame * laws[k].impulse - seconds * touching.points[k].force_W).norm());
-  return change <= kNoChange * aim_ * island_.mass() * island_.loadSpeed();
+  return change <= kNoChange * wanted_tolerance_ * island_.mass() * island_.loadSpeed();
 }
 
 // How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near
@@ -314,13 +327,13 @@ bool Stepper::asExpected(const Touching& touching, const std::vector<CoulombPoin
 // kick would overdo it, and the one after that undo it, for ever; were none, forces that are a little wrong
 // would have to be mended for ever. With u the velocities of the points that push, along their normals and,
 // where they stick, across, at the start of the kick, as guessed, and as solved, the forces are wrong by what
-// the guess did to them, and all is mended that the solve does to the guess:
+// the warm start did to them, and all is mended that the solve does to it:
 //   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
 double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
                              const std::vector<CoulombPoint>& laws, double seconds,
                              const CoulombBodies& start, const CoulombBodies& solved) const {
-  if (!asExpected(touching, laws, seconds)) return 1.0;
+  if (!areAsExpected(touching, laws, seconds)) return 1.0;
   if (result.solver == CoulombSolver::WarmStart) return 0.0;
   CoulombBodies guessed = solved;
   for (std::size_t k = 0; k < laws.size(); ++k)
@@ -339,8 +352,8 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
 }
 
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
-void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
-                            Segment& segment) const {
+void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
+                               Segment& segment) const {
   Touching& later = segment.touching;
   const CoulombBodies drifted = island_.bodies();
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
@@ -364,20 +377,20 @@ void Stepper::aimSecondKick(const CoulombProblem& kick, double lasting, double t
     later.law[m].slide = ahead.normalized();
     if (friction == Friction::KeepsDirection && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
   }
-  aimCouples(kick, drifted, tau, friction, later);
+  expectTorques(kick, drifted, tau, friction, later);
 }
 
-void Stepper::aimCouples(const CoulombProblem& kick, const CoulombBodies& drifted, double tau,
-                         Friction friction, Touching& later) const {
-  for (std::size_t k = 0; k < kick.couples.size(); ++k) {
-    const CoulombCouple& law = kick.couples[k];
-    const Index m = later.matching(touching_.couples[k]);
+void Stepper::expectTorques(const CoulombProblem& kick, const CoulombBodies& drifted, double tau,
+                            Friction friction, Touching& later) const {
+  for (std::size_t k = 0; k < kick.torques.size(); ++k) {
+    const TorqueConstraint& law = kick.torques[k];
+    const Index m = later.matching(touching_.torques[k]);
     if (m == kNone) continue;
-    later.couples[m].force_W = 2.0 / tau * (law.frame * law.impulse);
+    later.torques[m].force_W = 2.0 / tau * (law.frame * law.impulse);
     double n = 0.0;
     for (Index p = law.first; p < law.first + law.size; ++p) n += kick.points[p].impulse[2];
     if (!(n > 0.0)) continue;
-    CoulombCouple& aimed = later.couples[m].law;
+    TorqueConstraint& aimed = later.torques[m].law;
     const Vec3 u = turningOf(kick.bodies, law), ahead = turningAt(drifted, aimed);
     const bool keeps = friction == Friction::KeepsDirection;
     if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) aimed.rolls = ahead.head<2>().normalized();

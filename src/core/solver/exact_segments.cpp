@@ -70,21 +70,21 @@ void Stepper::lengthen() {
 
 // The next segment. It is halved while bodies end deeper in each other than they began, and while it gains energy: where contacts
 // run along round bodies faster than the corrections follow, they push too long or too hard.
-void Stepper::goOver() {
+void Stepper::findSegment() {
   const std::vector<BodyMotion> start = island_.save();
-  const double deepest = deepestShare(touching_), led_before = workByLed(touching_, opened_);
+  const double deepest = deepestShare(touching_), kinematic_before = workByKinematic(touching_, opened_);
   for (;; --halvings_) {
     const double left = end_ - now_;
     tau_ = left > 1.5 * longest_ ? longest_ : left;
-    segment_ = attempt(tau_, Friction::Free);
-    while (reach_ < kFarthest && segment_.first.converged && overlooked(segment_.touching)) {
-      lookFarther();
-      segment_ = attempt(tau_, Friction::Free);
+    segment_ = trySegment(tau_, Friction::Free);
+    while (reach_ < kFarthest && segment_.first.converged && hasMissedContact(segment_.touching)) {
+      widenMargin();
+      segment_ = trySegment(tau_, Friction::Free);
     }
     const Touching foreseen = touching_;
     const std::size_t stops = stops_.size();
     const double uncut = tau_;
-    const int points = static_cast<int>(touching_.points.size() + touching_.couples.size());
+    const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
     if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !budget_.isSpent()) {
       cuts_ -= points;
       stops_.push_back(segment_.slip_left.of);
@@ -94,7 +94,7 @@ void Stepper::goOver() {
     const double most_sunk = promoted_ ? kSoftSunk : kMostSunk;
     const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + most_sunk;
     const bool solved = segment_.first.converged && segment_.second.converged;
-    const bool gains = solved && gainOf(start, led_before) > kMostGained;
+    const bool gains = solved && gainOf(start, kinematic_before) > kMostGained;
     if (!(sunk || gains)) return lengthen();
     good_ = 0;
     if (halvings_ == 0 || budget_.isSpent()) return;

@@ -9,7 +9,7 @@
 //   k = m a / (kOwnWeight L).
 // The impulse of half a segment is that force at its end, r = tau/2 k (d - tau u_n), or
 //   u_n + g r - d / tau = 0,   g = 2 / (k tau^2),
-// which is what CoulombPoint takes: g for `give`, and -d / tau for a drive. In the kick at the end of the drift the same is a
+// which is what CoulombPoint takes: g for `give`, and -d / tau for a bias. In the kick at the end of the drift the same is a
 // spring with a strong damper. Only points on what forces do not move give way: what is between two bodies of a squeezed stack
 // follows from these.
 #include "solver/exact_stepper.h"
@@ -89,7 +89,7 @@ bool Stepper::isShort(const CoulombProblem& problem) const {
     double deepest = 0.0;
     for (const Index contact = touching_.points[k].contact;
          k < problem.points.size() && touching_.points[k].contact == contact; ++k)
-      deepest = std::max(deepest, -problem.points[k].drive[2]);
+      deepest = std::max(deepest, -problem.points[k].bias[2]);
     asked += deepest;
   }
   return std::all_of(problem.bodies.begin(), problem.bodies.end(),
@@ -105,7 +105,7 @@ bool Stepper::findSqueezed(const CoulombProblem& problem) {
   for (std::size_t k = 0; k < problem.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const CoulombPoint& law = problem.points[k];
-    if (law.give == 0.0 || law.give * law.impulse[2] < kUnfreed * -law.drive[2]) continue;
+    if (law.give == 0.0 || law.give * law.impulse[2] < kUnfreed * -law.bias[2]) continue;
     if (-point.gap > kMostSqueezed * point.length) return false;
     normals.push_back(pressingNormal(law));
     squeezed[bodyOf(law)] = true;
@@ -159,7 +159,7 @@ void Stepper::giveWay(const TouchingPoint& point, double tau, bool at_instant, C
   law.give = 2.0 / (stiffnessOf(point, law) * tau * tau);
   if (at_instant || point.gap >= 0.0) return;
   const double push = std::min(-point.gap / tau, point.push);
-  law.drive[2] -= push;
+  law.bias[2] -= push;
   if (law.impulse.isZero(0.0)) law.impulse[2] = push / law.give;
 }
 

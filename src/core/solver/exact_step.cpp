@@ -26,7 +26,7 @@
 // middle of the segment, where the point goes on sliding; so the scheme stays of second order where sliding
 // turns.
 //
-// What resists turning (CoulombCouple) is friction with torques for forces: all that is said of sliding holds
+// What resists turning (TorqueConstraint) is friction with torques for forces: all that is said of sliding holds
 // for rolling and spinning.
 //
 // Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
@@ -50,7 +50,7 @@ constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
 // rest to rounding needs no solve in the next step.
 constexpr double kLoneAim = 1e-12;
-// |w| tau of a body that is not a ball up to which a first guess leaves out the curvature of the motion.
+// |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
 // setting. Where the soft step would do as well, each has to leave less than the share kHelps of what the one before it
@@ -112,11 +112,12 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
     slots_.set(island_.indices()[k], static_cast<Index>(k));
   const SolverSettings& settings = context.step.solver;
   tolerance_ = settings.tolerance;
-  aim_ = island_.indices().size() == 1 ? std::min(settings.aim, kLoneAim) : settings.aim;
+  wanted_tolerance_ = island_.indices().size() == 1 ? std::min(settings.wanted_tolerance, kLoneAim)
+                                                    : settings.wanted_tolerance;
   corrections_ = std::max(settings.corrections, isCarriedRound(context, active_) ? 1 : 0);
   cuts_ = settings.cuts;
   promoted_ = settings.promotes;
-  slow_ = std::max(kSlip, kSlipOverAim * aim_) * island_.loadSpeed();
+  slow_ = std::max(kSlip, kSlipOverAim * wanted_tolerance_) * island_.loadSpeed();
 }
 
 Touching Stepper::find(double time, const LastNormals& last) {
@@ -129,13 +130,13 @@ Touching Stepper::find(double time, const LastNormals& last) {
 
 // Whether a pair overlaps after a drift that was too far apart before it to be looked at: others have pushed
 // it together.
-bool Stepper::overlooked(const Touching& later) const {
+bool Stepper::hasMissedContact(const Touching& later) const {
   return std::any_of(later.points.begin(), later.points.end(), [&](const TouchingPoint& point) {
     return point.gap < -kTouch * point.length && !touching_.has(point.contact);
   });
 }
 
-void Stepper::lookFarther() {
+void Stepper::widenMargin() {
   reach_ *= 4.0;
   const Touching before = std::move(touching_);
   touching_ = find(now_);
@@ -197,10 +198,12 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
     point.force_W.setZero(), point.impulse_W.setZero();
     // One place for both keeps the angular momentum of the two. But the two places part as the bodies slip, and without
-    // friction nothing may turn a ball.
-    const bool rough = law.mu > 0.0;
-    law.r_i = (rough ? point.p_W : p_i) - step_.poseAt(bodies, contact.i, now_).p_WB;
-    law.r_j = (rough ? point.p_W : p_j) - step_.poseAt(bodies, contact.j, now_).p_WB;
+    // friction nothing may turn a ball: there it is the place on the ball.
+    Vec3 at_W = point.p_W;
+    if (law.mu == 0.0 && bodies.traits[contact.i].round) at_W = p_i;
+    if (law.mu == 0.0 && bodies.traits[contact.j].round) at_W = p_j;
+    law.r_i = at_W - step_.poseAt(bodies, contact.i, now_).p_WB;
+    law.r_j = at_W - step_.poseAt(bodies, contact.j, now_).p_WB;
     if (law.i == kNone || law.j == kNone) law.axis_W = bodies.axis_W(law.i == kNone ? contact.j : contact.i);
     law.impulse.setZero(), law.slide.setZero();
     all->add(point, law);
@@ -214,7 +217,7 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
 // tolerance with the mean slip of a drift.
 std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
   std::vector<char> held(touching_.points.size());
-  if (!touching_.couples.empty()) return held;
+  if (!touching_.torques.empty()) return held;
   for (std::size_t k = 0; k < held.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
@@ -227,7 +230,7 @@ std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
-Stepper::Segment Stepper::attempt(double tau, Friction friction) {
+Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
   const Slip slip = slipNow();
   CoulombProblem kick{island_.bodies(), touching_.law, 0.0};
@@ -240,10 +243,10 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.points[k].force_W);
     if (keeps && !slip.points[k].isZero(0.0)) law.slide = slip.points[k].normalized();
   }
-  for (std::size_t k = 0; k < slip.couples.size(); ++k) {
-    CoulombCouple& law = kick.couples.emplace_back(touching_.couples[k].law);
-    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.couples[k].force_W);
-    const Vec3& u = slip.couples[k];
+  for (std::size_t k = 0; k < slip.torques.size(); ++k) {
+    TorqueConstraint& law = kick.torques.emplace_back(touching_.torques[k].law);
+    law.impulse = 0.5 * tau * (law.frame.transpose() * touching_.torques[k].force_W);
+    const Vec3& u = slip.torques[k];
     if (keeps && !u.head<2>().isZero(0.0)) law.rolls = u.head<2>().normalized();
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
@@ -254,7 +257,7 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     // The turn of a body tells most of it, where no others push it.
     island_.drift(bodies_at_start, tau);
     const Touching ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
-    curvatureMatters(bodies_at_start, kick.points, held, start, ahead, tau, curvature);
+    updateCurvature(bodies_at_start, kick.points, held, start, ahead, tau, curvature);
     island_.restore(start);
   }
 
@@ -262,18 +265,18 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   double deepest = std::numeric_limits<double>::infinity();
   for (int corrections = 0;; ++corrections) {
     for (std::size_t k = 0; k < slip.points.size(); ++k)
-      kick.points[k].drive = touching_.law[k].drive + curvature[k] / tau +
-                             Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
+      kick.points[k].bias = touching_.law[k].bias + curvature[k] / tau +
+                            Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
     for (std::size_t k = 0; k < slip.points.size(); ++k)
       giveWay(touching_.points[k], tau, false, kick.points[k]);
     kick.bodies = loaded;
-    segment.first = solve(kick, tau);
-    for (std::size_t k = 0; k < held.size() && touching_.couples.empty(); ++k)
+    segment.first = solveKick(kick, tau);
+    for (std::size_t k = 0; k < held.size() && touching_.torques.empty(); ++k)
       held[k] = held[k] || isWithinCone(kick.points[k].impulse, kick.points[k].mu);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters =
-        curvatureMatters(kick.bodies, kick.points, held, start, segment.touching, tau, curvature);
+        updateCurvature(kick.bodies, kick.points, held, start, segment.touching, tau, curvature);
     const double before = std::exchange(deepest, deepestShare(segment.touching));
     const bool helps = !promoted_ || deepest < kHelps * before;
     const bool deep = segment.first.converged && deepest > kLeftOverlap && helps;
@@ -282,9 +285,9 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
   }
 
   Touching& later = segment.touching;
-  aimSecondKick(kick,
-                lastingShare(segment.first, touching_, kick.points, 0.5 * tau, bodies_at_start, kick.bodies),
-                tau, friction, segment);
+  expectSecondKick(
+      kick, lastingShare(segment.first, touching_, kick.points, 0.5 * tau, bodies_at_start, kick.bodies), tau,
+      friction, segment);
   bodies_at_start = island_.bodies();
   CoulombBodies after = bodies_at_start;
   island_.addLoad(after, 0.5 * tau);
@@ -300,9 +303,9 @@ Stepper::Segment Stepper::attempt(double tau, Friction friction) {
     point.impulse_W += impulse_W;
     later.law[k].slide.setZero();
   }
-  for (std::size_t k = 0; k < later.couples.size(); ++k) {
-    CoulombCouple& law = later.couples[k].law;
-    later.couples[k].force_W = 2.0 / tau * (law.frame * aimed.couples[k].law.impulse);
+  for (std::size_t k = 0; k < later.torques.size(); ++k) {
+    TorqueConstraint& law = later.torques[k].law;
+    later.torques[k].force_W = 2.0 / tau * (law.frame * aimed.torques[k].law.impulse);
     law.rolls.setZero(), law.spins = 0.0;
   }
   if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
@@ -333,7 +336,7 @@ void Stepper::giveUp(Outcome why) {
 
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
-  if (!isOnItsWay() || end_ - now_ <= 1e-12 * step_.h()) return false;
+  if (!hasNotFailed() || end_ - now_ <= 1e-12 * step_.h()) return false;
   limitSegment();
   if (budget_.work > 0) return true;
   giveUp(Outcome::TooDear);
@@ -346,7 +349,7 @@ void Stepper::addUnforeseen() {
     std::optional<Touching> other = withUnforeseen(segment_, tau_);
     if (!other) return;
     std::swap(touching_, *other);
-    Segment next = attempt(tau_, Friction::Free);
+    Segment next = trySegment(tau_, Friction::Free);
     // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
     const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
     if (!next.first.converged || energyOf(next.end) > most) {
@@ -358,18 +361,18 @@ void Stepper::addUnforeseen() {
 }
 
 void Stepper::solve() {
-  if (takeOverlapsAway()) {
+  if (correctOverlaps()) {
     const Touching before = std::move(touching_);
     touching_ = find(now_);
     touching_.inherit(before, opened_);
   }
-  if (!isOnItsWay()) return;
+  if (!hasNotFailed()) return;
   const std::vector<BodyMotion> start = island_.save();
-  const double led_before = workByLed(touching_, opened_);
-  settle();
-  goOver();
+  const double kinematic_before = workByKinematic(touching_, opened_);
+  solveVelocities();
+  findSegment();
   const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
-  if (isOnItsWay() && gainOf(start, led_before) > kRunsAway) return giveUp(failure);
+  if (hasNotFailed() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
@@ -379,7 +382,7 @@ void Stepper::solve() {
 
 // Goes to where the segment ends.
 void Stepper::integrate() {
-  if (!isOnItsWay()) return;
+  if (!hasNotFailed()) return;
   island_.restore(segment_.end);
   touching_ = std::move(segment_.touching);
   opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
@@ -388,7 +391,7 @@ void Stepper::integrate() {
 }
 
 void Stepper::store() {
-  if (!isOnItsWay()) return;
+  if (!hasNotFailed()) return;
   storeTouching(touching_, opened_, active_, context_.scene.contacts);
   forgetSqueezed();
 }

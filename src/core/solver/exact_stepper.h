@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One island on its way through the exact step. The scheme is in exact_step.cpp, with the segments that make
-// up the way; exact_segments.cpp has how long they are, exact_kicks.cpp the impulses of one, exact_stops.cpp where one ends
-// early, and exact_squeeze.cpp what bodies do that are squeezed.
+// up the way; the files beside it have what stands below under their names.
 #pragma once
 
 #include "base/tolerances.h"
@@ -50,15 +49,15 @@ class Stepper : public InnerRows {
   void store();
   /// NoSolution and TooDear leave the island as it was.
   Outcome outcome() const { return outcome_; }
-  bool isOnItsWay() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
+  bool hasNotFailed() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
 
  private:
   static constexpr int kMostHalvings = 8;  // of a segment
 
-  // How fast closed points slide, and couples turn, in their frames; zero where they do not.
+  // How fast closed points slide, and torques turn, in their frames; zero where they do not.
   struct Slip {
     std::vector<Vec2> points;
-    std::vector<Vec3> couples;
+    std::vector<Vec3> torques;
   };
   // What may stop: the sliding of a point, or the turning of a pair.
   using Stop = std::pair<Index, std::optional<std::uint32_t>>;  // contact; feature of the point
@@ -72,31 +71,69 @@ class Stepper : public InnerRows {
   struct Segment {
     std::vector<BodyMotion> end;
     Touching touching;
-    PointsOfContacts opened;      // in its course
+    PointsOfContacts opened;      // in between
     CoulombResult first, second;  // of its kicks
     Left slip_left;
     double squeezing = 0.0;  // at its end: see squeezingOf()
   };
   enum class Friction { Free, KeepsDirection };
 
+  // A segment (exact_step.cpp). solve() corrects overlaps, makes the velocities of now obey the law, and finds a segment;
+  // integrate() goes to its end.
   Touching find(double time, const LastNormals& last = {});
-  bool overlooked(const Touching& later) const;
-  void lookFarther();
+  void widenMargin();
+  bool hasMissedContact(const Touching& later) const;
   double deepestShare(const Touching& touching) const;
+  std::vector<char> heldPoints(const CoulombBodies& bodies) const;
+  Segment trySegment(double tau, Friction friction);
+  // Points that a segment met and that were not known when it began.
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
   std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
-  double kineticOf(const std::vector<BodyMotion>& motions) const;
-  double energyOf(const std::vector<BodyMotion>& motions) const;
-  double workByLed(const Touching& touching, const PointsOfContacts& opened) const;
-  double workOfTorques(const std::vector<BodyMotion>& start) const;
-  double gainOf(const std::vector<BodyMotion>& start, double led_before) const;
+  void addUnforeseen();
   void giveUp(Outcome why);
-  bool takeOverlapsAway();
-  bool isShort(const CoulombProblem& problem) const;
+  Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
+
+  // How long a segment is (exact_segments.cpp).
+  double turnsBy(double seconds) const;
+  void limitSegment();
+  void lengthen();
+  void findSegment();
+
+  // Kicks (exact_kicks.cpp): Coulomb problems, what is expected of them, and what the drift between two of them curves.
+  CoulombResult solveKick(CoulombProblem& problem, double tau) const;
+  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double wanted, double needed) const;
+  CoulombResult kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
+                              Friction friction) const;
+  void solveVelocities();
+  bool updateCurvature(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
+                       const std::vector<char>& held, const std::vector<BodyMotion>& start,
+                       const Touching& later, double tau, std::vector<Vec3>& curvature) const;
+  bool areAsExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
+  double lastingShare(const CoulombResult& result, const Touching& touching,
+                      const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
+                      const CoulombBodies& solved) const;
+  void expectSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
+                        Segment& segment) const;
+  void expectTorques(const CoulombProblem& kick, const CoulombBodies& drifted, double tau, Friction friction,
+                     Touching& later) const;
+  void addResiduals(const CoulombResult& result);
+  // Overlaps, taken away by a displacement.
+  bool correctOverlaps();
+  bool isWayOut(const CoulombProblem& problem) const;
+
+  // Where sliding stops, a segment ends (exact_stops.cpp).
+  Slip slipNow() const;
+  Vec3 turningOf(const CoulombBodies& bodies, const TorqueConstraint& torque) const;
+  Left slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
+                Friction friction) const;
+  void cutAtStop(double& tau, Segment& segment);
+
+  // What no displacement frees gives way by its overlap (exact_squeeze.cpp).
   bool letYield(CoulombProblem& problem) const;
+  bool isShort(const CoulombProblem& problem) const;
   bool findSqueezed(const CoulombProblem& problem);
   void leaveSqueezed(CoulombProblem& problem) const;
   bool isSqueezed(const TouchingPoint& point) const;
@@ -106,39 +143,13 @@ class Stepper : public InnerRows {
   void forgetSqueezed() const;
   double squeezingOf(const Touching& touching, const CoulombBodies& bodies) const;
   void judgeSqueezing();
-  void settle();
-  void addUnforeseen();
-  void lengthen();
-  void goOver();
-  Segment attempt(double tau, Friction friction);
-  Slip slipNow() const;
-  Vec3 turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const;
-  bool asExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
-  bool curvatureMatters(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
-                        const std::vector<char>& held, const std::vector<BodyMotion>& start,
-                        const Touching& later, double tau, std::vector<Vec3>& curvature) const;
-  std::vector<char> heldPoints(const CoulombBodies& bodies) const;
-  double turnsBy(double seconds) const;
-  void limitSegment();
-  double lastingShare(const CoulombResult& result, const Touching& touching,
-                      const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
-                      const CoulombBodies& solved) const;
-  void aimSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
-                     Segment& segment) const;
-  void aimCouples(const CoulombProblem& kick, const CoulombBodies& drifted, double tau, Friction friction,
-                  Touching& later) const;
-  CoulombResult kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
-                              Friction friction) const;
-  Left slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
-                Friction friction) const;
-  void cutAtStop(double& tau, Segment& segment);
 
-  /// Before a drift of `tau`; 0: at an instant.
-  CoulombResult solve(CoulombProblem& problem, double tau) const;
-  Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
-  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double aim, double needed) const;
-  void addResiduals(const CoulombResult& result);
-  bool isWayOut(const CoulombProblem& problem) const;
+  // Energy that nothing has given (exact_energy.cpp).
+  double kineticOf(const std::vector<BodyMotion>& motions) const;
+  double energyOf(const std::vector<BodyMotion>& motions) const;
+  double workByKinematic(const Touching& touching, const PointsOfContacts& opened) const;
+  double workOfTorques(const std::vector<BodyMotion>& start) const;
+  double gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const;
 
   Context& context_;
   StepStore& step_;
@@ -150,7 +161,7 @@ class Stepper : public InnerRows {
   InnerClock& clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at
-  double tolerance_, aim_;
+  double tolerance_, wanted_tolerance_;
   int corrections_, cuts_;
   bool promoted_;                // by a setting that has another method for it
   double slow_;                  // a slip below is none

@@ -15,22 +15,22 @@ constexpr int kMostStops = 2;
 
 }  // namespace
 
-// What a couple resists of how its pair turns; zero where it does not turn, or nothing resists.
-Vec3 Stepper::turningOf(const CoulombBodies& bodies, const CoulombCouple& couple) const {
-  Vec3 u = turningAt(bodies, couple);
-  if (couple.roll == 0.0 || u.head<2>().norm() <= slow_) u.head<2>().setZero();
-  if (couple.spin == 0.0 || std::abs(u[2]) <= slow_) u[2] = 0.0;
+// What a torque resists of how its pair turns; zero where it does not turn, or nothing resists.
+Vec3 Stepper::turningOf(const CoulombBodies& bodies, const TorqueConstraint& torque) const {
+  Vec3 u = turningAt(bodies, torque);
+  if (torque.roll == 0.0 || u.head<2>().norm() <= slow_) u.head<2>().setZero();
+  if (torque.spin == 0.0 || std::abs(u[2]) <= slow_) u[2] = 0.0;
   return u;
 }
 
 Stepper::Slip Stepper::slipNow() const {
   const CoulombBodies now = island_.bodies();
   Slip slip{std::vector<Vec2>(touching_.points.size(), Vec2::Zero()), {}};
-  for (const TouchingCouple& couple : touching_.couples) {
+  for (const TouchingTorque& torque : touching_.torques) {
     bool closed = false;
-    for (Index k = couple.law.first; k < couple.law.first + couple.law.size; ++k)
+    for (Index k = torque.law.first; k < torque.law.first + torque.law.size; ++k)
       closed = closed || touching_.points[k].gap <= kTouch * touching_.points[k].length;
-    slip.couples.push_back(closed ? turningOf(now, couple.law) : Vec3(Vec3::Zero()));
+    slip.torques.push_back(closed ? turningOf(now, torque.law) : Vec3(Vec3::Zero()));
   }
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
@@ -49,16 +49,16 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const C
     if (share < least.share && std::count(stops_.begin(), stops_.end(), of) < kMostStops)
       least = {share, before_W.norm(), of};
   };
-  for (std::size_t k = 0; k < slip.couples.size(); ++k) {
-    const Index m = later.matching(touching_.couples[k]);
-    if (m == kNone || later.couples[m].force_W.isZero(0.0)) continue;
-    const Vec3 u = turningAt(bodies, later.couples[m].law), left_W = later.couples[m].law.frame * u;
-    const Mat3& frame = touching_.couples[k].law.frame;
+  for (std::size_t k = 0; k < slip.torques.size(); ++k) {
+    const Index m = later.matching(touching_.torques[k]);
+    if (m == kNone || later.torques[m].force_W.isZero(0.0)) continue;
+    const Vec3 u = turningAt(bodies, later.torques[m].law), left_W = later.torques[m].law.frame * u;
+    const Mat3& frame = touching_.torques[k].law.frame;
     const bool free = friction == Friction::Free;
-    if (!slip.couples[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
-      keeps(left_W, frame.leftCols<2>() * slip.couples[k].head<2>(), {touching_.couples[k].contact, {}});
-    if (slip.couples[k][2] != 0.0 && !(free && std::abs(u[2]) > slow_))
-      keeps(left_W, frame.col(2) * slip.couples[k][2], {touching_.couples[k].contact, {}});
+    if (!slip.torques[k].head<2>().isZero(0.0) && !(free && u.head<2>().norm() > slow_))
+      keeps(left_W, frame.leftCols<2>() * slip.torques[k].head<2>(), {touching_.torques[k].contact, {}});
+    if (slip.torques[k][2] != 0.0 && !(free && std::abs(u[2]) > slow_))
+      keeps(left_W, frame.col(2) * slip.torques[k][2], {touching_.torques[k].contact, {}});
   }
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     if (slip.points[k].isZero(0.0)) continue;
@@ -77,13 +77,15 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const C
 // from rest.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
   const auto none = [&](const Left& left) {
-    return std::abs(left.share) < 1e-13 || std::abs(left.share) * left.speed < aim_ * island_.loadSpeed();
+    return std::abs(left.share) < 1e-13 ||
+           std::abs(left.share) * left.speed < wanted_tolerance_ * island_.loadSpeed();
   };
-  double low = 0.0, f_low = 1.0, high = tau, f_high = attempt(tau, Friction::KeepsDirection).slip_left.share;
+  double low = 0.0, f_low = 1.0, high = tau,
+         f_high = trySegment(tau, Friction::KeepsDirection).slip_left.share;
   if (f_high >= 0.0) return;
   for (int k = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
     const double middle = (low * f_high - high * f_low) / (f_high - f_low);
-    const Left left = attempt(middle, Friction::KeepsDirection).slip_left;
+    const Left left = trySegment(middle, Friction::KeepsDirection).slip_left;
     const double f = left.share;
     if (none(left)) {
       low = high = middle;
@@ -94,7 +96,7 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
     }
   }
   tau = high;
-  segment = attempt(tau, Friction::Free);
+  segment = trySegment(tau, Friction::Free);
 }
 
 }  // namespace rbs::exact_step

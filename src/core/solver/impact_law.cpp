@@ -131,8 +131,8 @@ class Impact {
       Vec3 prescribed_W = Vec3::Zero();
       if (j == kNone) prescribed_W += velocityAt(b_.twist, c.r_b);
       if (i == kNone) prescribed_W -= velocityAt(a_.twist, c.r_a);
-      point.drive = frame_.transpose() * prescribed_W;
-      point.drive[2] += e * std::min(c.closing_in, 0.0);
+      point.bias = frame_.transpose() * prescribed_W;
+      point.bias[2] += e * std::min(c.closing_in, 0.0);
       problem.points.push_back(point);
     }
     solveCoulomb(problem, 1e-12);

@@ -19,7 +19,7 @@ struct ImpactSide {
   Vec3 axis_W = Vec3::Zero();
 };
 
-/// Largest speed at which a point of the manifold closes, m/s; <= 0 when none does.
+/// Largest speed at which a point of the manifold closes, m/s; 0 when none does.
 double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold);
 
 /// Changes both twists by the impulses of the impact.

@@ -2,6 +2,18 @@
 // THE inner step: what a method does with islands from t0 to t1, as rows in this order. Each method fills the
 // rows that it has work for (soft_step.h, exact_stepper.h, flight.cpp); the times of the report come from
 // running them.
+//
+//   row             flight       soft step                        exact step
+//   collide         -            contact points                   contact points
+//   prepare         -            effective masses, lanes          forces of the last step
+//   beginSubStep    -            points that have drifted         how long the next segment is
+//   addLoads        -            loads                            -
+//   warmStart       -            the last sub-step's impulses     -
+//   solve           -            one pass over the contacts       overlaps, both kicks, and the drift between them
+//   integrate       closed form  positions                        goes to the end of the segment
+//   relax           -            a pass without position errors   -
+//   rebound         -            restitution, bounds of energy    -
+//   store           -            velocities, points, impulses     points, impulses
 #pragma once
 
 #include "state/context.h"

@@ -20,14 +20,14 @@ Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law) {
   };
   add(law.j, law.r_j, 1.0);
   add(law.i, law.r_i, -1.0);
-  return law.frame.transpose() * u_W + law.drive - Vec3(0.0, 0.0, about_axis);
+  return law.frame.transpose() * u_W + law.bias - Vec3(0.0, 0.0, about_axis);
 }
 
-Vec3 turningAt(const CoulombBodies& bodies, const CoulombCouple& couple) {
+Vec3 turningAt(const CoulombBodies& bodies, const TorqueConstraint& torque) {
   Vec3 w_W = Vec3::Zero();
-  if (couple.j != kNone) w_W += bodies[couple.j].w;
-  if (couple.i != kNone) w_W -= bodies[couple.i].w;
-  return couple.radius * (couple.frame.transpose() * w_W) + couple.drive;
+  if (torque.j != kNone) w_W += bodies[torque.j].w;
+  if (torque.i != kNone) w_W -= bodies[torque.i].w;
+  return torque.radius * (torque.frame.transpose() * w_W) + torque.bias;
 }
 
 IslandMotion::IslandMotion(Context& context, std::vector<Index> bodies)

@@ -5,7 +5,8 @@
 // bodies turn or travel further in one than contact points found at its start can follow, up to 256. Where
 // even these are too few, no sub-step may add energy (energy_limit.h).
 // The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
-// its size; in between the gap s of a contact point follows the motion of its bodies. A sub-step
+// its size, or rolls on a round surface (SolverContacts::rolls); in between the gap s of a contact point follows the motion
+// of its bodies. A sub-step
 //   1. adds the loads to the velocities, and last sub-step's impulses, less where they would add much energy
 //      (warm_start.h);
 //   2. solves each contact once with a soft constraint that also closes the position error;
@@ -191,7 +192,7 @@ inline void SoftStep<Kinds...>::integrate() {
   Bodies& bodies = context_.scene.bodies;
   for (SolverBody& s : contacts_.bodies) {
     if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
-      s.moved += h_ * s.v;  // led bodies move on their own clock; here only the gaps follow them
+      s.moved += h_ * s.v;  // kinematic bodies move on their own clock; here only the gaps follow them
       s.turned += h_ * s.w;
       s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
       continue;

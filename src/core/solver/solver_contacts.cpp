@@ -128,7 +128,7 @@ void SolverContacts::find(double now, double left, double h) {
       SolverBlock& block = blocks[k];
       const Contact& contact = context_.scene.contacts.active[block.contact];
       block.pair = pairConstants(context_, contact.i, contact.j);
-      block.rough = block.pair.mu > 0.0 || friction_forced;
+      block.has_friction = block.pair.mu > 0.0 || friction_forced;
       findPoints(block, now, left, contact.lastNormal(block.pair.bears), to);
       for (int p = block.first; p < block.first + block.size; ++p) warmFromLastStep(block, h, to[p]);
     }
@@ -231,9 +231,10 @@ void SolverContacts::followArc(const SolverBlock& block, double now, std::vector
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const Bodies& store = context_.scene.bodies;
   const bool i_leads = i.inv_mass == 0.0;
-  const SolverBody &led = i_leads ? i : j, &other = i_leads ? j : i;
+  const SolverBody &kinematic = i_leads ? i : j, &other = i_leads ? j : i;
   const Vec3 apart_W = context_.step.poseAt(store, other.body, now).p_WB -
-                       context_.step.poseAt(store, led.body, now).p_WB + 0.5 * h_ * (other.v - led.v);
+                       context_.step.poseAt(store, kinematic.body, now).p_WB +
+                       0.5 * h_ * (other.v - kinematic.v);
   const Vec3 spin_W = surfaceSpin(store, other.body, other.w);
   for (int k = block.first; k < block.first + block.size; ++k) {
     SolverPoint& point = of[k];
@@ -249,8 +250,8 @@ void SolverContacts::followArc(Index block, double now) {
 void SolverContacts::warmFromLastStep(const SolverBlock& block, double h, SolverPoint& point) const {
   const SolvedPoint* last = context_.scene.contacts.active[block.contact].pointOf(point.feature);
   if (last == nullptr) return;
-  point.guess_n = last->normal;
-  point.guess_t_W = last->friction_W;
+  point.warm_n = last->normal;
+  point.warm_t_W = last->friction_W;
   point.l_n = last->normal * h;
   if (block.pair.mu > 0.0)
     point.l_t = h * Eigen::Vector2d(block.t1.dot(last->friction_W), block.t2.dot(last->friction_W));
@@ -266,7 +267,7 @@ void SolverContacts::warmFrom(const SolverBlock& block, const SolverBlock& old_b
       return {block.t1.dot(t_W), block.t2.dot(t_W)};
     };
     point.u_0 = old.u_0;
-    point.guess_n = old.guess_n, point.guess_t_W = old.guess_t_W;
+    point.warm_n = old.warm_n, point.warm_t_W = old.warm_t_W;
     point.l_n = old.l_n, point.l_t = turned(old.l_t);
     point.earlier_n = old.earlier_n + old.sum_n;
     point.earlier_W = old.earlier_W + old.sum_n * old_block.n + inPlane(old_block, old.sum_t);
@@ -314,7 +315,7 @@ void SolverContacts::refresh(Index which, double now, double left) {
 }
 
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
-// off, the guess it began with stands in for the rest: an impulse divided by a sliver of time is no force.
+// off, the warm start it began with stands in for the rest: an impulse divided by a sliver of time is no force.
 void SolverContacts::store(double h, double h_full) {
   const double rest = std::max(h_full - h, 0.0);
   for (const SolverBody& s : bodies) {
@@ -356,8 +357,8 @@ void SolverContacts::storeBlock(const SolverBlock& block, double h, double rest)
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
     SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
-    solved.normal = (point.l_n + rest * point.guess_n) / (h + rest);
-    solved.friction_W = (inPlane(block, point.l_t) + rest * point.guess_t_W) / (h + rest);
+    solved.normal = (point.l_n + rest * point.warm_n) / (h + rest);
+    solved.friction_W = (inPlane(block, point.l_t) + rest * point.warm_t_W) / (h + rest);
   }
 }
 
@@ -377,8 +378,7 @@ SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPo
 // How far the points of a block are from the law of contact after the last sub-step.
 void SolverContacts::addResiduals(const SolverBlock& block, IslandResiduals& solved) const {
   if (block.size == 0) return;
-  const double gravity = context_.scene.gravity_W.norm();
-  const double unit = context_.step.h() * (gravity > 0.0 ? gravity : 9.81);
+  const double unit = context_.step.h() * orEarths(context_.scene.gravity_W.norm());
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = points[k];
     const Vec3 u = velocityAt(block, point);

@@ -41,8 +41,8 @@ struct SolverPoint {
   Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
   double l_n = 0.0;        // impulses of this sub-step, N s
   Eigen::Vector2d l_t{0.0, 0.0};
-  double guess_n = 0.0;  // the forces it began with, N
-  Vec3 guess_t_W{0.0, 0.0, 0.0};
+  double warm_n = 0.0;  // the forces it began with, N
+  Vec3 warm_t_W{0.0, 0.0, 0.0};
   double earlier_n = 0.0;         // normal impulses until the points of the contact were found anew
   Vec3 earlier_W{0.0, 0.0, 0.0};  // all of its impulse until then, on j
   double sum_n = 0.0;             // over the sub-steps since
@@ -57,8 +57,8 @@ struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
   PairConstants pair;
-  bool rough;                                 // its friction is solved for
-  bool on_arc;                                // one of the two is led, and turns
+  bool has_friction;                          // its friction is solved for
+  bool on_arc;                                // one of the two is kinematic, and turns
   double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
@@ -88,7 +88,7 @@ class SolverContacts {
   void find(double now, double left, double h);
   /// The blocks that have drifted from where their points were found.
   const std::vector<Index>& drifted();
-  /// Moves the points of a block on a led body that turns to where they are at time `now`, when a sub-step begins.
+  /// Moves the points of a block on a kinematic body that turns to where they are at time `now`, when a sub-step begins.
   void followArc(Index block, double now);
   /// Finds the points of a block anew.
   void refresh(Index block, double now, double left);

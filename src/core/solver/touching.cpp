@@ -13,9 +13,9 @@ namespace rbs {
 
 namespace {
 
-// The couple of a contact whose points have just been found, from the `first` on; none where it resists
+// The torque of a contact whose points have just been found, from the `first` on; none where it resists
 // nothing.
-void addCouple(const Context& context, Index contact, std::size_t first, Touching& out) {
+void addTorque(const Context& context, Index contact, std::size_t first, Touching& out) {
   const SceneStore& scene = context.scene;
   const Index i = scene.contacts.active[contact].i, j = scene.contacts.active[contact].j;
   if (first == out.law.size() || !rolling::resists(scene, i, j)) return;
@@ -23,7 +23,7 @@ void addCouple(const Context& context, Index contact, std::size_t first, Touchin
   const auto turns = [&](Index slot, Index body) {
     return slot != kNone && !scene.bodies.inertia[body].steady;
   };
-  CoulombCouple law;
+  TorqueConstraint law;
   law.radius = rolling::radius(scene.bodies, i, j, point.frame.col(2));
   if (law.radius == 0.0 || !(turns(point.i, i) || turns(point.j, j))) return;
   const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
@@ -35,8 +35,8 @@ void addCouple(const Context& context, Index contact, std::size_t first, Touchin
   Vec3 prescribed_W = Vec3::Zero();
   if (law.j == kNone) prescribed_W += scene.bodies.twist[j].w_WB;
   if (law.i == kNone) prescribed_W -= scene.bodies.twist[i].w_WB;
-  law.drive = law.radius * (law.frame.transpose() * prescribed_W);
-  out.couples.push_back({contact, law});
+  law.bias = law.radius * (law.frame.transpose() * prescribed_W);
+  out.torques.push_back({contact, law});
 }
 
 }  // namespace
@@ -78,12 +78,12 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
       Vec3 prescribed_W = Vec3::Zero();
       if (law.j == kNone) prescribed_W += velocityAt(twist_j, law.r_j);
       if (law.i == kNone) prescribed_W -= velocityAt(twist_i, law.r_i);
-      law.drive = law.frame.transpose() * prescribed_W;
+      law.bias = law.frame.transpose() * prescribed_W;
       out.points.push_back({k, found.feature, found.separation, pair.length, pair.push, found.p_W});
       out.law.push_back(law);
     }
     if constexpr (built::rolling)
-      if (context.scene.effects[Effect::Rolling]) addCouple(context, k, first, out);
+      if (context.scene.effects[Effect::Rolling]) addTorque(context, k, first, out);
   }
   return out;
 }
@@ -107,9 +107,9 @@ void Touching::add(const TouchingPoint& point, const CoulombPoint& its_law) {
     ++place;
   points.insert(points.begin() + place, point);
   law.insert(law.begin() + place, its_law);
-  for (TouchingCouple& couple : couples) {
-    if (couple.contact == point.contact) ++couple.law.size;
-    if (couple.contact > point.contact) ++couple.law.first;
+  for (TouchingTorque& torque : torques) {
+    if (torque.contact == point.contact) ++torque.law.size;
+    if (torque.contact > point.contact) ++torque.law.first;
   }
 }
 
@@ -125,10 +125,10 @@ LastNormal LastNormals::of(Index k, const Contact& contact, double least) const 
   return last;
 }
 
-Index Touching::matching(const TouchingCouple& other) const {
-  const auto c = std::lower_bound(couples.begin(), couples.end(), other.contact,
-                                  [](const TouchingCouple& couple, Index k) { return couple.contact < k; });
-  return c != couples.end() && c->contact == other.contact ? static_cast<Index>(c - couples.begin()) : kNone;
+Index Touching::matching(const TouchingTorque& other) const {
+  const auto c = std::lower_bound(torques.begin(), torques.end(), other.contact,
+                                  [](const TouchingTorque& torque, Index k) { return torque.contact < k; });
+  return c != torques.end() && c->contact == other.contact ? static_cast<Index>(c - torques.begin()) : kNone;
 }
 
 SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W) {
@@ -148,9 +148,9 @@ void Touching::inherit(const Touching& other, PointsOfContacts& opened) {
     point.force_W = other.points[m].force_W;
     point.impulse_W = other.points[m].impulse_W;
   }
-  for (TouchingCouple& couple : couples) {
-    const Index m = other.matching(couple);
-    if (m != kNone) couple.force_W = other.couples[m].force_W;
+  for (TouchingTorque& torque : torques) {
+    const Index m = other.matching(torque);
+    if (m != kNone) torque.force_W = other.torques[m].force_W;
   }
   for (std::size_t k = 0; k < other.points.size(); ++k)
     if (!other.points[k].impulse_W.isZero(0.0) && matching(other.points[k]) == kNone)

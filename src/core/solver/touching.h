@@ -22,9 +22,9 @@ struct TouchingPoint {
 };
 
 /// What a pair that touches resists turning with.
-struct TouchingCouple {
+struct TouchingTorque {
   Index contact;                ///< in scene.contacts.active
-  CoulombCouple law;            ///< without impulse, and driven by kinematic sides alone
+  TorqueConstraint law;         ///< without impulse, and driven by kinematic sides alone
   Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
 };
 
@@ -35,14 +35,14 @@ struct Touching {
   std::vector<TouchingPoint> points;  ///< by contact
   std::vector<CoulombPoint>
       law;  ///< of the same points, without impulse, and driven by kinematic sides alone
-  std::vector<TouchingCouple> couples;  ///< by contact
+  std::vector<TouchingTorque> torques;  ///< by contact
 
   /// The point of the same contact and feature as this one of another instant; kNone when there is none.
   Index matching(const TouchingPoint& other) const;
   bool has(Index contact) const { return firstOf(contact) != points.size(); }  ///< a point of it
   std::size_t firstOf(Index contact) const;  ///< its first point; points.size() when it has none
-  /// The couple of the same contact; kNone when there is none.
-  Index matching(const TouchingCouple& other) const;
+  /// The torque of the same contact; kNone when there is none.
+  Index matching(const TouchingTorque& other) const;
   /// Adds a point to a contact that has some.
   void add(const TouchingPoint& point, const CoulombPoint& its_law);
   /// Takes over forces and impulses of another instant. Points of that which are not here any more join the

@@ -22,7 +22,7 @@ struct Sum {
   double share() const { return along + 0.5 * response <= most ? 1.0 : std::max(0.0, -along / response); }
 };
 
-// What a guess may add to the energy of a body in a sub-step of h s, J.
+// What a warm start may add to the energy of a body in a sub-step of h s, J.
 double allowed(const Context& context, const SolverBody& s, double h) {
   const double fall = h * h * context.step.load[s.body].a_W.squaredNorm();
   const double radius = context.scene.bodies.traits[s.body].bounding_radius;
@@ -30,7 +30,7 @@ double allowed(const Context& context, const SolverBody& s, double h) {
   return 0.5 * (kFalls * fall + kRoundedEnergy * energy) / s.inv_mass;
 }
 
-// Whether a guess adds more to the energy of a body than it may. If it does so to none, it does not to an island, as those
+// Whether a warm start adds more to the energy of a body than it may. If it does so to none, it does not to an island, as those
 // see it who are at rest. A bound on the gain spares most bodies their inertia: no moment is more than m R².
 bool isFaster(const Context& context, const SolverBody& s, double h) {
   if (s.inv_mass == 0.0) return false;

@@ -78,7 +78,7 @@ struct Bodies {
 
   /// The pose of body i at `time`.
   Pose poseNow(Index i, double time) const;
-  /// Computes the orientation of an lazy_orientation body at `time`, and makes `time` its new reference time.
+  /// Computes the orientation of a lazy_orientation body at `time`, and makes `time` its new reference time.
   void updateOrientation(Index i, double time);
 
   BodyDescription describe(Index i) const;

@@ -32,18 +32,15 @@ void Contact::addEarlier() {
 }
 
 void Contact::beginSolve() {
-  if (solved) {
-    addEarlier();
-  } else {
-    points_before.swap(points), exact_before = exact;
-  }
+  if (solved) addEarlier();
+  if (!has_before) points_before.swap(points), exact_before = exact;
   points.clear();
-  solved = true;
+  solved = has_before = true;
 }
 
 void Contact::takeBackSolves() {
-  if (solved) points.swap(points_before), exact = exact_before;
-  solved = false;
+  if (has_before) points.swap(points_before), exact = exact_before;
+  solved = has_before = false;
 }
 
 void Contacts::update(const Bodies& bodies, const IndexPairs& found,
@@ -60,7 +57,7 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
         place->points_before = std::move(old.points_before);  // for its room alone
       } else if (const bool stays = !old.points.empty() && rests(old); stays || !old.earlier.empty()) {
         if (!stays) old.points.clear(), old.exact = false;  // what they gave is in `earlier`
-        old.state = {}, old.solved = false,
+        old.state = {}, old.solved = old.has_before = false,
         old.axis.queries = old.axis.kept = 0;  // of the part that has ended
         dormant.push_back(std::move(old));
       }

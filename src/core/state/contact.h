@@ -26,8 +26,8 @@ struct SolvedPoint {
   static constexpr std::uint32_t kNoSide = 0xffffffff, kLifted = 0xfffffffe, kPassed = 0xfffffffd;
 
   std::uint32_t feature = 0;               ///< finds the same point again in the next step
-  double normal = 0.0;                     ///< force along n_W, N, >= 0: the guess for the next solve
-  Vec3 friction_W = Vec3::Zero();          ///< force across n_W on body j, N: a guess as well
+  double normal = 0.0;                     ///< force along n_W, N, >= 0: the warm start for the next solve
+  Vec3 friction_W = Vec3::Zero();          ///< force across n_W on body j, N: a warm start as well
   Vec3 p_W = Vec3::Zero();                 ///< m
   Vec3 n_W = Vec3::UnitZ();                ///< unit, from i to j
   double separation = 0.0;                 ///< along n_W, m; negative is penetration
@@ -70,9 +70,9 @@ struct Contact {
   bool exact = false;               ///< the exact step solved its points
   bool solved = false;              ///< its points are of this step; false: of the last one
   std::vector<SolvedPoint> points;  ///< as the last solve left them
-  /// Where it is solved: what `points` and `exact` were when the step began.
+  /// Once it has been solved in this step: what `points` and `exact` were when the step began.
   std::vector<SolvedPoint> points_before;
-  bool exact_before = false;
+  bool exact_before = false, has_before = false;
   /// The impulses of this step of the World that `points` do not have: of located impacts, of parts of the
   /// step before the last, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;

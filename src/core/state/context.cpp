@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "state/context.h"
 
+#include "base/algebra.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -22,9 +24,51 @@ bool SceneStore::isAsleep(const Contact& contact) const {
   return (a.asleep || b.asleep) && !a.moved_by_forces() && !b.moved_by_forces();
 }
 
-double fallSpeed(double gravity, double length) {
+void StepStore::begin(const SceneStore& scene, double from, double to) {
+  const bool ballistic_only =
+      scene.lists.in_islands.empty() && scene.lists.kinematic.empty() && scene.lists.collidable.empty();
+  const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
+  t0 = from;
+  t1 = to;
+  solver = resolved(scene.settings.fidelity);
+  load.assign(n, {});
+  airless.clear();
+  submerged.clear();
+  bounds.resize(n);
+  supported.assign(n, 0);
+  crowded.clear();
+  impacts.clear();
+  stamp.assign(n, 0);
+  turned.resize(n);
+  met.clear();
+  reached.clear();
+  late.clear();
+  islands.clear();
+  island.assign(n, kNone);
+  slot.assign(n, kNone);
+  woken.clear();
+  falling_asleep.clear();
+  before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
+  twist_before.assign(scene.bodies.twist.begin(),
+                      scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
+  report = {};
+}
+
+Pose StepStore::poseAt(const Bodies& bodies, Index i, double t) const {
+  Pose pose = bodies.pose[i];
+  if (island[i] != kNone || !bodies.traits[i].is_kinematic() || t == t0) return pose;
+  pose.p_WB += (t - t0) * bodies.twist[i].v_WB;
+  pose.q_WB = (rotationBy((t - t0) * bodies.twist[i].w_WB) * pose.q_WB).normalized();
+  return pose;
+}
+
+double orEarths(double gravity) {
   constexpr double kEarth = 9.81;
-  return std::sqrt((gravity > 0.0 ? gravity : kEarth) * length);
+  return gravity > 0.0 ? gravity : kEarth;
+}
+
+double fallSpeed(double gravity, double length) {
+  return std::sqrt(orEarths(gravity) * length);
 }
 
 }  // namespace rbs

@@ -3,7 +3,7 @@
 //
 // SceneStore is what the scene holds: it lives from edit to edit and is what a saved state saves.
 // StepStore is what one step holds: every stage may rely on what earlier stages of the same step put
-// there, and nothing in it outlives the step.
+// there. Only the memory of the solvers, of restarts and of the workers is kept for the next step.
 #pragma once
 
 #include "base/solve_budget.h"
@@ -197,12 +197,12 @@ struct StepStore {
   std::vector<char> supported;         ///< by body: some contact carried it in the last step
   std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
-  std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its course
+  std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its trajectory
   std::vector<std::pair<double, Pose>>
       turned;  ///< by body with a stamp: when that was last, and where it was
   /// Pairs of the impacts that have been resolved, also before the step began again, and what was `reached` then.
   IndexPairs met;
-  /// Pairs of a body that began the step again and came, on a new course, near one that had not.
+  /// Pairs of a body that began the step again and came, on a new trajectory, near one that had not.
   IndexPairs reached;
   /// Pairs that already overlapped when an impact brought them to the contact solver, because contacts had pushed
   /// them together unforeseen; and pairs of a sleeper, which no prediction has woken.
@@ -239,8 +239,10 @@ struct Context {
   const SceneAnalysis& analysis;
 };
 
-/// Speed scale of a body of length L: what it gains by falling its own length, m/s. Without gravity
-/// the gravity of the Earth stands in, so that the scale is never zero.
+/// Gravity as a unit of accelerations, m/s²: where there is none that of the Earth, so that it is never zero.
+double orEarths(double gravity);
+
+/// Speed scale of a body of length L: what it gains by falling its own length, m/s.
 double fallSpeed(double gravity, double length);
 
 }  // namespace rbs

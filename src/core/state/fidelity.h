@@ -7,20 +7,21 @@
 namespace rbs {
 
 struct SolverSettings {
-  bool exact = false;           ///< contacts by the exact step, else by the soft step
-  bool promotes = false;        ///< hands small islands that the soft step does badly to the exact step
-  std::uint32_t sub_steps = 1;  ///< of the soft step
-  bool all_points = true;       ///< solves every point of a manifold, else the four that span most of it
-  double tolerance = 0.0;       ///< of the exact step: residuals in impulse and velocity, as Setting says
-  double aim = 0.0;             ///< what a few iterations more may reach, at most `tolerance`
-  int corrections = 0;          ///< of the exact step: solves that the curvature of a drift may ask for anew
+  bool exact = false;             ///< contacts by the exact step, else by the soft step
+  bool promotes = false;          ///< hands small islands that the soft step does badly to the exact step
+  std::uint32_t sub_steps = 1;    ///< of the soft step
+  bool all_points = true;         ///< solves every point of a manifold, else the four that span most of it
+  double tolerance = 0.0;         ///< of the exact step: residuals in impulse and velocity, as Setting says
+  double wanted_tolerance = 0.0;  ///< what a few iterations more may reach, at most `tolerance`
+  int corrections = 0;  ///< of the exact step: solves that the curvature of a drift may ask for anew
   /// Of the exact step: contact points, summed over the times that stops of sliding may cut a step.
   int cuts = 0;
   /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in
   /// a step.
   double slowest_impact = 0.0;
   double smallest_gap = 0.0;  ///< gap too small to matter, as a fraction of the smaller length
-  double no_time = 0.0;  ///< share of the step in which further impacts of a pair count as inelastic collapse
+  double collapse_interval =
+      0.0;  ///< share of the step in which further impacts of a pair count as inelastic collapse
 };
 
 /// Four sub-steps, and four points of a manifold. With fewer, a wall of 60 rows comes down and takes longer, since
@@ -32,12 +33,12 @@ constexpr SolverSettings previewSettings() {
   s.sub_steps = 4;
   s.all_points = false;
   s.tolerance = 1e-6;
-  s.aim = 1e-6;
+  s.wanted_tolerance = 1e-6;
   s.corrections = 0;
   s.cuts = 0;
   s.slowest_impact = 0.5;
   s.smallest_gap = 1e-6;
-  s.no_time = 1e-3;
+  s.collapse_interval = 1e-3;
   return s;
 }
 
@@ -49,12 +50,12 @@ constexpr SolverSettings interactiveSettings() {
   s.sub_steps = 8;
   s.all_points = true;
   s.tolerance = 1e-9;
-  s.aim = 1e-9;
+  s.wanted_tolerance = 1e-9;
   s.corrections = 0;
   s.cuts = 0;
   s.slowest_impact = 0.5;
   s.smallest_gap = 1e-6;
-  s.no_time = 1e-3;
+  s.collapse_interval = 1e-3;
   return s;
 }
 
@@ -66,12 +67,12 @@ constexpr SolverSettings accurateSettings() {
   s.sub_steps = 8;
   s.all_points = true;
   s.tolerance = 1e-6;
-  s.aim = 1e-9;
+  s.wanted_tolerance = 1e-9;
   s.corrections = 1;
   s.cuts = 400;
   s.slowest_impact = 1e-5;
   s.smallest_gap = 1e-12;
-  s.no_time = 1e-6;
+  s.collapse_interval = 1e-6;
   return s;
 }
 
@@ -83,12 +84,12 @@ constexpr SolverSettings referenceSettings() {
   s.sub_steps = 8;
   s.all_points = true;
   s.tolerance = 1e-12;
-  s.aim = 1e-12;
+  s.wanted_tolerance = 1e-12;
   s.corrections = 4;
   s.cuts = 10000;
   s.slowest_impact = 1e-7;
   s.smallest_gap = 1e-12;
-  s.no_time = 1e-6;
+  s.collapse_interval = 1e-6;
   return s;
 }
 
@@ -110,7 +111,7 @@ constexpr SolverSettings settingsNamed(Fidelity fidelity) {
 inline SolverSettings resolved(const Setting& setting) {
   SolverSettings settings = settingsNamed(setting.preset);
   settings.sub_steps = setting.sub_steps.value_or(settings.sub_steps);
-  if (setting.tolerance) settings.tolerance = settings.aim = *setting.tolerance;
+  if (setting.tolerance) settings.tolerance = settings.wanted_tolerance = *setting.tolerance;
   return settings;
 }
 

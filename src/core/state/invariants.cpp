@@ -54,7 +54,7 @@ std::string brokenBody(const Bodies& bodies, Index i) {
   return "";
 }
 
-std::string brokenRosters(const SceneStore& scene) {
+std::string brokenLists(const SceneStore& scene) {
   const BodyLists& r = scene.lists;
   const Index n = scene.bodies.size();
   for (const auto* list : {&r.ballistic, &r.tumbling, &r.in_islands, &r.kinematic, &r.collidable, &r.planes})
@@ -130,13 +130,13 @@ std::string brokenIslands(const SceneStore& scene, const StepStore& step) {
 std::string broken(const SceneStore& scene) {
   const Bodies& b = scene.bodies;
   const Index n = b.size();
-  if (!haveSize(n, b.pose, b.since, b.twist, b.inertia, b.traits, b.name, b.color))
+  if (!haveSize(n, b.pose, b.since, b.twist, b.inertia, b.traits, b.name, b.color, b.advance))
     return "the arrays of bodies differ in size";
   if (scene.counts.entries.size() != n) return "the analysis has counted other bodies";
   if (!scene.rest.empty() && scene.rest.size() != n) return "the list of rest is of other bodies";
   for (Index i = 0; i < n; ++i)
     if (std::string fault = brokenBody(b, i); !fault.empty()) return fault;
-  if (std::string fault = brokenRosters(scene); !fault.empty()) return fault;
+  if (std::string fault = brokenLists(scene); !fault.empty()) return fault;
   if (std::string fault = brokenContacts(scene.contacts.active); !fault.empty()) return fault;
   return brokenContacts(scene.contacts.dormant);
 }
@@ -144,7 +144,7 @@ std::string broken(const SceneStore& scene) {
 std::string broken(const SceneStore& scene, const StepStore& step) {
   const std::size_t n = step.load.size();
   if (n != 0 && n != scene.bodies.size()) return "the step has arrays of other bodies";
-  if (!haveSize(n, step.bounds, step.supported, step.stamp, step.island, step.slot, step.before,
+  if (!haveSize(n, step.bounds, step.supported, step.stamp, step.turned, step.island, step.slot, step.before,
                 step.twist_before))
     return "the arrays of the step differ in size";
   if (std::any_of(step.slot.begin(), step.slot.end(), [](Index slot) { return slot != kNone; }))

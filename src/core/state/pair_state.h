@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How a contact takes part in a step. Every step begins with Candidate.
 //
-//   Candidate      --touch()-------> Touching        its points bore a force at the end of the last step
+//   Candidate      --touch()-------> Touching        its points bore a force at the end of the last step, or an
+//                                                    impact left the two together
 //   Candidate      --awaitImpact()-> AwaitingImpact  the two will collide before the end of the step
 //   Candidate      --separate()----> Separated       their predicted motions do not meet
-//   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (overlaps.h), to the step's end
+//   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (depenetration.h), to the step's end
 //   Touching       --awaitImpact()-> AwaitingImpact  they close, and rebound by their restitution
-//   AwaitingImpact --touch()-------> Touching        the impact has been resolved, and the two stay together
+//   AwaitingImpact --touch()-------> Touching        they stay together after the impact, or it is left to contacts
 //   AwaitingImpact --open()--------> Candidate       another impact came first: what comes is not known,
 //   AwaitingImpact --separate()----> Separated       or it is known that they will not meet
-//   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide,
-//   Separated      --open()--------> Candidate       or will touch, or contacts pushed them into each other
+//   Separated      --awaitImpact()-> AwaitingImpact  an impact has changed a motion, and they will collide
+//   Separated      --open()--------> Candidate       they may touch: an impact has changed a motion, or contacts may push
+//                                                    them, or have pushed them, into each other
 //   Separated      --touch()-------> Touching        an impact left them together
-//   any but the last --miss()------> Missed          contacts pushed the two together unforeseen, and the step has
+//   any but Depenetrating --miss()-> Missed          contacts pushed the two together unforeseen, and the step has
 //                                                    begun again (restart.h); to the step's end
 //
 // The contact solver takes candidates, what touches and what was missed.
@@ -30,13 +32,13 @@ class PairState {
   bool isTouching() const { return at_ == At::Touching; }
   /// It is left out of the solve until an impact that has been predicted.
   bool awaitsImpact() const { return at_ == At::AwaitingImpact; }
-  /// It is known not to touch in this step, unless an impact changes a course.
+  /// It is known not to touch in this step, unless an impact changes a trajectory.
   bool isSeparated() const { return at_ == At::Separated; }
   /// No prediction holds for it: the contact solver looks at it however far apart the two are, and keeps it where
   /// an impact is predicted as well.
   bool isMissed() const { return at_ == At::Missed; }
   /// It overlaps deeply in a crowd: its bodies are moved apart, without impacts and contact forces
-  /// (overlaps.h).
+  /// (depenetration.h).
   bool isDepenetrating() const { return at_ == At::Depenetrating; }
 
   void open() { go(At::Candidate); }

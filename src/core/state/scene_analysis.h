@@ -20,7 +20,7 @@ namespace rbs {
 
 struct SceneAnalysis {
   Index bodies = 0;
-  Index moved_by_forces = 0;  ///< dynamic, neither held nor frozen
+  Index moved_by_forces = 0;  ///< dynamic, and neither held, frozen nor asleep
   Index kinematic = 0;        ///< of kind kinematic, or dragged
   Index asleep = 0;
   Index ballistic = 0;                          ///< moved by gravity alone, and never meeting another

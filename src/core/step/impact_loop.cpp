@@ -4,15 +4,15 @@
 #include "broadphase/bounds.h"
 #include "broadphase/bounds_tree.h"
 #include "solver/contact_preparation.h"
-#include "step/early_meetings.h"
+#include "step/early_impacts.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
 #include "step/islands.h"
 #include "step/missed_contacts.h"
-#include "step/overlaps.h"
 #include "step/solver_choice.h"
 
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <queue>
 #include <set>
@@ -65,7 +65,11 @@ class ImpactLoop {
     // second. Heaps of 45 need up to 98,000 in a step of 1 s. An elastic body between walls that close needs
     // this end: its speed times their distance stays the same, so that it meets them without number.
     query_budget_ = 100'000 + 400ull * context.scene.bodies.size();
-    for (const PendingImpact& impact : step_.impacts) queue_.push(impact);
+    struck_.assign(step_.island.size(), 0);
+    for (const PendingImpact& impact : step_.impacts) {
+      queue_.push(impact);
+      struck_[movedOf(impact.i, impact.j)] = 1;
+    }
     for (const Island& island : step_.islands)
       for (const Edge& edge : island.edges)
         if (edge.kind == ConstraintKind::Contact) has_edge_[edge.of] = 1;
@@ -73,13 +77,8 @@ class ImpactLoop {
 
   void run() {
     takeAll();
-    if (!step_.solver.exact) {
-      watchSeparated();
-      // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
-      for (Island& island : step_.islands) promoteCrushed(island);
-      return;
-    }
-    while (context_.scene.effects[Effect::Restitution] && endsEarly()) takeAll();
+    if (!step_.solver.exact) return lookAfterStruck();
+    while (context_.scene.effects[Effect::Restitution] && advanceWatchedToEnd()) takeAll();
   }
 
  private:
@@ -100,10 +99,10 @@ class ImpactLoop {
         take(impact);
       }
     }
-    // What other impacts have sent off its course is not awaited any more.
+    // What other impacts have sent off its trajectory is not awaited any more.
     for (Index k = 0; k < contacts_.active.size(); ++k)
       if (contacts_.active[k].state.awaitsImpact())
-        dismiss(contacts_.active[k].i, contacts_.active[k].j, false);
+        separateOrConnect(contacts_.active[k].i, contacts_.active[k].j, false);
   }
 
   struct Later {
@@ -113,7 +112,7 @@ class ImpactLoop {
   };
 
   // The last impact of a pair, how many came in quick succession before it, and how many in the step.
-  struct Meetings {
+  struct ImpactCounts {
     double last = 0.0;
     int count = 0, all = 0;
   };
@@ -161,7 +160,7 @@ class ImpactLoop {
   };
 
   // Brings both islands to the impact if the budget allows it, unless their contacts bring others together before.
-  Brought bringBoth(const PendingImpact& impact) {
+  Brought advanceBoth(const PendingImpact& impact) {
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
       if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
@@ -184,7 +183,7 @@ class ImpactLoop {
     const auto early = advanceUnlessEarly(context_, brought, impact.time,
                                           [&](Index i) { return notKeptFrom(i, impact.time); });
     if (!early) return Brought::Both;
-    await(*early);
+    queueEarly(*early);
     if (early->i != impact.i || early->j != impact.j) queue_.push(impact);
     return Brought::Early;
   }
@@ -196,7 +195,7 @@ class ImpactLoop {
     return known != early_.end() && known->second >= kMostEarly;
   }
 
-  void await(const PendingImpact& early) {
+  void queueEarly(const PendingImpact& early) {
     ++early_[{early.i, early.j}];
     queue_.push(early);
   }
@@ -204,7 +203,7 @@ class ImpactLoop {
   // Brings what is watched to the end of the step, a set of bodies that may meet at a time, as far as the budget allows.
   // Whether contacts bring some together before that rebound; others are for the search after the step
   // (missed_contacts.h), which makes contacts of them.
-  bool endsEarly() {
+  bool advanceWatchedToEnd() {
     std::map<Index, std::vector<Index>> sets;  // islands, by root
     for (Index place = 0; place < step_.islands.size(); ++place)
       if (isWatched(step_, step_.islands[place], step_.t1))
@@ -223,7 +222,7 @@ class ImpactLoop {
       if (cost > cut_budget_[root]) continue;
       cut_budget_[root] -= cost;
       const auto early = advanceUnlessEarly(context_, islands, step_.t1, rebounding);
-      if (early) await(*early), found = true;
+      if (early) queueEarly(*early), found = true;
     }
     return found;
   }
@@ -256,7 +255,7 @@ class ImpactLoop {
 
   void take(const PendingImpact& impact) {
     noteSleeper(impact.i, impact.j);
-    const Brought brought = bringBoth(impact);
+    const Brought brought = advanceBoth(impact);
     if (brought == Brought::Early) return;
     if (brought == Brought::Expensive || isCollapsing(impact) || isPushedTogether(impact.i, impact.j)) {
       ++islandOf(impact).deferred_impacts;
@@ -279,10 +278,10 @@ class ImpactLoop {
     if (outcome == impacts::Outcome::Stay) leaveToContacts(impact.i, impact.j);
     const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
-      if (step_.island[i] == kNone) continue;  // no impact changes the course of a body in no island
+      if (step_.island[i] == kNone) continue;  // no impact changes the trajectory of a body in no island
       ++step_.stamp[i];
       step_.turned[i] = {impact.time, context_.scene.bodies.pose[i]};
-      lookAround(i);
+      queryNeighbours(i);
     }
     if (query_budget_ < before) charge(kQueriesPerImpact);
   }
@@ -299,17 +298,18 @@ class ImpactLoop {
   // that rattles to rest in a thousand small impacts. A pair without loss never collapses, however often it
   // meets (the billiard that counts the digits of pi meets 314159 times).
   bool isCollapsing(const PendingImpact& impact) {
-    constexpr int kMeetings = 6, kMostMeetings = 1000;
+    constexpr int kQuickImpacts = 6, kMostImpacts = 1000;
     if (!impacts::losesEnergy(context_.scene, impact.i, impact.j)) return false;
-    Meetings& met = meetings_[{impact.i, impact.j}];
-    if (impact.time - met.last > step_.solver.no_time * step_.h()) met.count = 0;
+    ImpactCounts& met = impact_counts_[{impact.i, impact.j}];
+    if (impact.time - met.last > step_.solver.collapse_interval * step_.h()) met.count = 0;
     met.last = impact.time;
-    return ++met.count > kMeetings || ++met.all > kMostMeetings;
+    return ++met.count > kQuickImpacts || ++met.all > kMostImpacts;
   }
 
   // Leaves a pair that touches, or may touch, to the contact solver for the rest of the step and makes one
   // island of the two.
   void connect(Index i, Index j, bool touches = true) {
+    assert(step_.island[movedOf(i, j)] != kNone);
     noteSleeper(i, j);
     const Index contact = placeOf(i, j);
     PairState& state = contacts_.active[contact].state;
@@ -331,9 +331,9 @@ class ImpactLoop {
     }
   }
 
-  // A pair without a pending impact: the contact solver's business if they touch or their courses are not
+  // A pair without a pending impact: the contact solver's business if they touch or their trajectories are not
   // known.
-  void dismiss(Index i, Index j, bool touches) {
+  void separateOrConnect(Index i, Index j, bool touches) {
     if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
       contacts_.active[placeOf(i, j)].state.separate();
     } else {
@@ -341,13 +341,28 @@ class ImpactLoop {
     }
   }
 
+  // Of the sets that had impacts; others go through the step as they do where no other set has one.
+  void lookAfterStruck() {
+    std::vector<char> struck(step_.island.size(), 0);  // by root of a set
+    for (Index i = 0; i < struck.size(); ++i)
+      if (struck_[i]) struck[sets_.root(i)] = 1;
+    const auto isStruck = [&](const Island& island) {
+      return !island.bodies.empty() && struck[sets_.root(island.bodies.front())];
+    };
+    watchSeparated(isStruck);
+    // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
+    for (Island& island : step_.islands)
+      if (isStruck(island)) promoteCrushed(island);
+  }
+
   // Contacts may push every body of a set in which something touches off its predicted motion. So what that motion
   // would not have met is left to the contact solver as well. At the exact settings the search afterwards is enough
   // (missed_contacts.h): there a point more costs more than a step taken again.
-  void watchSeparated() {
+  template <class IsStruck>
+  void watchSeparated(const IsStruck& isStruck) {
     std::vector<char> touches(step_.island.size(), 0);  // by root of a set
     for (const Island& island : step_.islands)
-      if (island.touching && !island.bodies.empty()) touches[sets_.root(island.bodies.front())] = 1;
+      if (island.touching && isStruck(island)) touches[sets_.root(island.bodies.front())] = 1;
     for (Index k = 0; k < contacts_.active.size(); ++k) {
       const Contact& contact = contacts_.active[k];
       const Index i = contact.i, j = contact.j;
@@ -363,8 +378,9 @@ class ImpactLoop {
     promoteCrushed(*islandOf(movedOf(i, j)));
   }
 
+  // Of a body that forces move: nothing pushes others.
   void watchAround(Index i) {
-    if (step_.solver.exact || !tree_.holds(i)) return;
+    if (step_.solver.exact || step_.island[i] == kNone || !tree_.holds(i)) return;
     std::vector<Index> others = tree_.of(i);
     const std::vector<Index>& planes = context_.scene.lists.planes;
     others.insert(others.end(), planes.begin(), planes.end());
@@ -372,7 +388,7 @@ class ImpactLoop {
       const auto [a, b] = std::minmax(i, j);
       const Index contact = contacts_.find(a, b, found_);
       const bool is_left = contact == kNone
-                               ? meetings_.count({a, b}) > 0  // too far apart when the step began
+                               ? impact_counts_.count({a, b}) > 0  // too far apart when the step began
                                : contacts_.active[contact].state.isSeparated();
       if (is_left) connect(a, b, false);
     }
@@ -396,8 +412,8 @@ class ImpactLoop {
                           : contacts_.dormantOf(context_.scene.bodies, impact.i, impact.j);
   }
 
-  // Finds what body i will meet on its new course.
-  void lookAround(Index i) {
+  // Finds what body i will meet on its new trajectory.
+  void queryNeighbours(Index i) {
     const Bodies& bodies = context_.scene.bodies;
     const double from = step_.timeOf(i);
     step_.bounds[i] = sweptBounds(bodies, step_.load[i], i, step_.t1 - from);
@@ -423,13 +439,14 @@ class ImpactLoop {
     if (state && state->isTouching() && context_.scene.restitutionOf(i, j) == 0.0) return;
     // Only where the step began again for i and not for j. What the two do is known once both begin again.
     if (from < step_.t1 && step_.timeOf(j) >= step_.t1) return step_.reached.emplace_back(i, j), void();
-    // Where an island has gone back (early_meetings.h), others may be ahead of it.
+    // Where an island has gone back (early_impacts.h), others may be ahead of it.
     const impacts::Prediction prediction = predict(i, j, std::max(from, step_.timeOf(j)));
     if (prediction.impact) {
       queue_.push(*prediction.impact);
       if (state) state->awaitImpact();
     } else if (state && (state->awaitsImpact() || (state->isSeparated() && prediction.touches))) {
-      dismiss(std::min(i, j), std::max(i, j), prediction.touches);  // what it waited for will not come
+      separateOrConnect(std::min(i, j), std::max(i, j),
+                        prediction.touches);  // what it waited for will not come
     }
   }
 
@@ -456,9 +473,10 @@ class ImpactLoop {
   BoundsTree tree_;
   DisjointSets sets_;                      // of bodies that may meet
   std::vector<std::uint64_t> cut_budget_;  // by body: of its set, where it is the root
+  std::vector<char> struck_;               // by body: an impact of its own was predicted when the step began
   std::uint64_t lossy_budget_, elastic_budget_, query_budget_;
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
-  std::map<std::pair<Index, Index>, Meetings> meetings_;
+  std::map<std::pair<Index, Index>, ImpactCounts> impact_counts_;
   std::map<std::pair<Index, Index>, int> early_;  // how often a pair came before its time
   std::set<Index> warned_;                        // roots of sets whose impacts went over a budget
 };

@@ -6,7 +6,7 @@
 #include "narrowphase/time_of_impact.h"
 #include "solver/contact_preparation.h"
 #include "solver/impact_law.h"
-#include "step/overlaps.h"
+#include "step/depenetration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace rbs::impacts {
 namespace {
 
 // Points of a manifold that take part in an impact: within this share of the smaller length of touching. The
-// wide margin is for bodies in contact, whose course was predicted without the forces of that contact.
+// wide margin is for bodies in contact, whose trajectory was predicted without the forces of that contact.
 constexpr double kTight = 1e-9, kWide = 1e-3;
 // An overlap deeper than this share of the smaller length is more than rounding leaves of an impact.
 constexpr double kSunk = 1e-6;
@@ -37,10 +37,10 @@ double marginOf(const Context& context, Index i, Index j) {
   return (exact ? kTight : kWide) * smallerLength(context.scene.bodies, i, j);
 }
 
-ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double time) {
+ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& trajectory, double time) {
   ImpactSide side;
   Pose pose;
-  std::tie(pose, side.twist) = course.stateAt(time);
+  std::tie(pose, side.twist) = trajectory.stateAt(time);
   side.p_WB = pose.p_WB;
   side.inv_mass = bodies.inertia[i].inv_mass;
   side.inv_inertia_W = bodies.inertia[i].inverseW(pose.q_WB.toRotationMatrix());
@@ -50,17 +50,17 @@ ImpactSide sideOf(const Bodies& bodies, Index i, const Motion& course, double ti
 }
 
 // The two bodies at a time, with their manifold.
-struct Meeting {
-  Meeting(const Context& context, Index i, Index j, double time, SeparatingAxis& axis) {
+struct ImpactContact {
+  ImpactContact(const Context& context, Index i, Index j, double time, SeparatingAxis& axis) {
     const Bodies& bodies = context.scene.bodies;
-    const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
-    a = sideOf(bodies, i, course_i, time);
-    b = sideOf(bodies, j, course_j, time);
+    const Motion trajectory_i = trajectoryOf(context, i), trajectory_j = trajectoryOf(context, j);
+    a = sideOf(bodies, i, trajectory_i, time);
+    b = sideOf(bodies, j, trajectory_j, time);
     const PairConstants pair = pairConstants(context, i, j);
     const StepStore& step = context.step;
     const LastingLimits limits = step.solver.exact ? exactLimits(step, pair)
                                                    : softLimits(step, pair, step.h() / step.solver.sub_steps);
-    manifold = contactManifold(bodies, i, course_i, j, course_j, time, time + step.h(),
+    manifold = contactManifold(bodies, i, trajectory_i, j, trajectory_j, time, time + step.h(),
                                marginOf(context, i, j), limits, {}, axis);
   }
   ImpactSide a, b;
@@ -68,10 +68,10 @@ struct Meeting {
 };
 
 // The largest acceleration that the turn of body i gives to a point of it, m/s².
-double turningAcceleration(const Context& context, Index i, const Motion& course) {
+double turningAcceleration(const Context& context, Index i, const Motion& trajectory) {
   const Traits& traits = context.scene.bodies.traits[i];
   if (traits.round || traits.unbounded) return 0.0;
-  const SpinBounds spin = course.spinBounds();
+  const SpinBounds spin = trajectory.spinBounds();
   return traits.bounding_radius * (spin.w * spin.w + spin.change);
 }
 
@@ -84,14 +84,14 @@ double turningAcceleration(const Context& context, Index i, const Motion& course
 // more because time of impact is as exact as that gap.
 double slowest(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
-  const Motion course_i = courseOf(context, i), course_j = courseOf(context, j);
-  double a = (course_i.a_W - course_j.a_W).norm();
+  const Motion trajectory_i = trajectoryOf(context, i), trajectory_j = trajectoryOf(context, j);
+  double a = (trajectory_i.a_W - trajectory_j.a_W).norm();
   if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
   const bool lossy = losesEnergy(context.scene, i, j);
   const double gap =
       (lossy ? step.solver.smallest_gap : kElasticGap) * smallerLength(context.scene.bodies, i, j);
   const double most_a =
-      a + turningAcceleration(context, i, course_i) + turningAcceleration(context, j, course_j);
+      a + turningAcceleration(context, i, trajectory_i) + turningAcceleration(context, j, trajectory_j);
   const double unseen = std::max(lossy ? gap / step.h() : 0.0, std::sqrt(2.0 * gap * most_a));
   const double share =
       lossy ? step.solver.slowest_impact : std::min(step.solver.slowest_impact, kElasticSpeed);
@@ -105,24 +105,24 @@ bool isAlone(const Context& context, Index i) {
   return !step.supported[i] && (step.island[i] == kNone || !step.islands[step.island[i]].touching);
 }
 
-// A body on its course: where it is at a time.
+// A body on its trajectory: where it is at a time.
 struct OnCourse {
   OnCourse(const Context& context, Index i, double time)
-      : traits(context.scene.bodies.traits[i]), course(courseOf(context, i)) {
-    std::tie(pose, twist) = course.stateAt(time);
+      : traits(context.scene.bodies.traits[i]), trajectory(trajectoryOf(context, i)) {
+    std::tie(pose, twist) = trajectory.stateAt(time);
   }
   const Traits& traits;
-  const Motion course;
+  const Motion trajectory;
   Pose pose;
   Twist twist;
 };
 
-// How far two courses bring the surfaces together in `left` s at most, m.
+// How far two trajectories bring the surfaces together in `left` s at most, m.
 double approachOf(const OnCourse& a, const OnCourse& b, double left) {
   const Vec3 p_W = a.pose.p_WB - b.pose.p_WB, u_W = a.twist.v_WB - b.twist.v_WB;
-  return approach(left, u_W, reachOf(a.traits, b.traits, p_W, u_W, left) * a.course.spinBounds().w,
-                  reachOf(b.traits, a.traits, p_W, u_W, left) * b.course.spinBounds().w,
-                  a.course.a_W - b.course.a_W);
+  return approach(left, u_W, reachOf(a.traits, b.traits, p_W, u_W, left) * a.trajectory.spinBounds().w,
+                  reachOf(b.traits, a.traits, p_W, u_W, left) * b.trajectory.spinBounds().w,
+                  a.trajectory.a_W - b.trajectory.a_W);
 }
 
 }  // namespace
@@ -140,18 +140,18 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   Prediction prediction;
   const auto isSimple = [](const Traits& traits) { return traits.round || traits.unbounded; };
   const bool simple = isSimple(a.traits) && isSimple(b.traits);
-  const auto meetingAt = [&](double time) {
+  const auto contactAt = [&](double time) {
     prediction.queries += !simple;
-    return Meeting(context, i, j, time, axis);
+    return ImpactContact(context, i, j, time, axis);
   };
-  const auto touchAt = [&](const Meeting& meeting, double time) {
+  const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-    if (closingSpeed(meeting.a, meeting.b, meeting.manifold) <= slowest(context, i, j)) return;
+    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <= slowest(context, i, j)) return;
     const auto [first, second] = std::minmax(i, j);
     prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
   };
   if (!simple) {
-    const Meeting now = meetingAt(from);
+    const ImpactContact now = contactAt(from);
     const bool rebounds =
         context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
@@ -161,8 +161,8 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
     }
   }
   if (const auto time =
-          timeOfImpact(shape_a, a.course, shape_b, b.course, from, step.t1, &prediction.queries)) {
-    touchAt(meetingAt(*time), *time);
+          timeOfImpact(shape_a, a.trajectory, shape_b, b.trajectory, from, step.t1, &prediction.queries)) {
+    touchAt(contactAt(*time), *time);
     return prediction;
   }
   // What overlaps touches, though nothing closes: contacts are to part it.
@@ -171,21 +171,22 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   return prediction;
 }
 
-Motion courseOf(const Context& context, Index i) {
+Motion trajectoryOf(const Context& context, Index i) {
   const Bodies& bodies = context.scene.bodies;
-  Motion course;
-  course.t0 = context.step.timeOf(i);
-  course.pose = bodies.pose[i];
-  course.twist = bodies.twist[i];
-  if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return course;
-  course.a_W = context.step.load[i].a_W;
-  if (bodies.inertia[i].gyroscopic && !bodies.inertia[i].steady) course.top = &bodies.inertia[i];
-  return course;
+  Motion trajectory;
+  trajectory.t0 = context.step.timeOf(i);
+  trajectory.pose = bodies.pose[i];
+  trajectory.twist = bodies.twist[i];
+  if (!bodies.traits[i].moved_by_forces() || context.step.supported[i]) return trajectory;
+  trajectory.a_W = context.step.load[i].a_W;
+  if (bodies.inertia[i].gyroscopic && !bodies.inertia[i].steady) trajectory.top = &bodies.inertia[i];
+  return trajectory;
 }
 
 double separationAt(const Context& context, Index i, Index j, double time) {
   const std::vector<Traits>& traits = context.scene.bodies.traits;
-  return gap(traits[i].shape, courseOf(context, i).at(time), traits[j].shape, courseOf(context, j).at(time))
+  return gap(traits[i].shape, trajectoryOf(context, i).at(time), traits[j].shape,
+             trajectoryOf(context, j).at(time))
       .distance;
 }
 
@@ -225,13 +226,6 @@ void predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
 void find(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
-  for (Contact& contact : contacts) {
-    const auto isMoved = [&](Index i) { return context.scene.bodies.traits[i].moved_by_forces(); };
-    if (contact.state.isDepenetrating() || !contact.bears() || !(isMoved(contact.i) || isMoved(contact.j)))
-      continue;
-    contact.state.touch();
-    for (const Index i : {contact.i, contact.j}) step.supported[i] = isMoved(i);
-  }
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
   // number.
   constexpr std::size_t kPairsOfAPart = 128;
@@ -246,26 +240,26 @@ void find(Context& context) {
 Outcome resolve(Context& context, Contact& contact, double time) {
   Bodies& bodies = context.scene.bodies;
   const Index i = contact.i, j = contact.j;
-  Meeting meeting(context, i, j, time, contact.axis);
-  const Twist before_a = meeting.a.twist, before_b = meeting.b.twist;
-  const double speed = closingSpeed(meeting.a, meeting.b, meeting.manifold);
+  ImpactContact at_impact(context, i, j, time, contact.axis);
+  const Twist before_a = at_impact.a.twist, before_b = at_impact.b.twist;
+  const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
   if (speed <= 0.0) return Outcome::Miss;
   const double e = context.scene.restitutionOf(i, j);
   const auto impulses_W =
-      collideBodies(meeting.a, meeting.b, meeting.manifold, context.scene.frictionOf(i, j), e);
-  for (int k = 0; k < meeting.manifold.size; ++k) {
-    const ManifoldPoint& point = meeting.manifold.points[k];
+      collideBodies(at_impact.a, at_impact.b, at_impact.manifold, context.scene.frictionOf(i, j), e);
+  for (int k = 0; k < at_impact.manifold.size; ++k) {
+    const ManifoldPoint& point = at_impact.manifold.points[k];
     SolvedPoint solved;
     solved.feature = point.feature;
-    solved.p_W = point.p_W, solved.n_W = meeting.manifold.n_W;
+    solved.p_W = point.p_W, solved.n_W = at_impact.manifold.n_W;
     solved.separation = point.separation;
     solved.setImpulse(impulses_W[k]);
     contact.addEarlier(solved);
   }
-  bodies.twist[i].v_WB += meeting.a.twist.v_WB - before_a.v_WB;
-  bodies.twist[i].w_WB += meeting.a.twist.w_WB - before_a.w_WB;
-  bodies.twist[j].v_WB += meeting.b.twist.v_WB - before_b.v_WB;
-  bodies.twist[j].w_WB += meeting.b.twist.w_WB - before_b.w_WB;
+  bodies.twist[i].v_WB += at_impact.a.twist.v_WB - before_a.v_WB;
+  bodies.twist[i].w_WB += at_impact.a.twist.w_WB - before_a.w_WB;
+  bodies.twist[j].v_WB += at_impact.b.twist.v_WB - before_b.v_WB;
+  bodies.twist[j].w_WB += at_impact.b.twist.w_WB - before_b.w_WB;
   return e * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
 }
 

@@ -23,14 +23,14 @@ struct Prediction {
 /// `axis` is that of the contact of the pair, i before j; of a pair without one: none.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis);
 
-/// A body's course from where it has been advanced to. A supported body is predicted to keep its velocities:
+/// A body's trajectory from where it has been advanced to. A supported body is predicted to keep its velocities:
 /// what carries it cancels its load.
-Motion courseOf(const Context& context, Index i);
+Motion trajectoryOf(const Context& context, Index i);
 
-/// Separation of two bodies on their courses at a time, m; negative where they overlap.
+/// Separation of two bodies on their trajectories at a time, m; negative where they overlap.
 double separationAt(const Context& context, Index i, Index j, double time);
 
-/// Whether a body's course is known: nothing carries it now, and no torque turns it by more than matters.
+/// Whether a body's trajectory is known: nothing carries it now, and no torque turns it by more than matters.
 bool isFree(const Context& context, Index i);
 
 /// Whether the impacts of a pair take energy away, by their restitution or by friction.

@@ -86,14 +86,6 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 
 }  // namespace
 
-Pose StepStore::poseAt(const Bodies& bodies, Index i, double t) const {
-  Pose pose = bodies.pose[i];
-  if (island[i] != kNone || !bodies.traits[i].is_kinematic() || t == t0) return pose;
-  pose.p_WB += (t - t0) * bodies.twist[i].v_WB;
-  pose.q_WB = (rotationBy((t - t0) * bodies.twist[i].w_WB) * pose.q_WB).normalized();
-  return pose;
-}
-
 void advanceTo(Context& context, Island& island, double time) {
   advanceBatch(context, {island.bodies, island.edges}, island.exact, island.time, time);
   island.time = std::max(island.time, time);

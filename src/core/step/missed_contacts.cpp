@@ -16,8 +16,8 @@ namespace rbs {
 
 namespace {
 
-// Share of the smaller length below which an overlap is none; one that contacts part in the next step, on the side from
-// which the two came; and one from which on no impact does so.
+// Overlaps, shares of the smaller length. Below kMissed there is none. Up to kParted contacts part the two in the next step,
+// on the side from which they came; up to kPast an impact does.
 constexpr double kMissed = 1e-7, kParted = 0.1, kPast = 0.5;
 // Share of its length by which a body may leave the bounds of its predicted motion.
 constexpr double kDeviation = 0.02;
@@ -36,8 +36,8 @@ struct SolvedPairs {
     std::sort(with_points.begin(), with_points.end());
     std::sort(without.begin(), without.end());
   }
-  IndexPairs with_points;  // or that it is not to look at
-  IndexPairs without;      // it found none that could close
+  IndexPairs with_points;  // and those that no solve is to look at
+  IndexPairs without;      // none of their points could close
 };
 
 bool isAmong(const IndexPairs& sorted, const std::pair<Index, Index>& pair) {
@@ -61,7 +61,7 @@ double overlapAt(const Context& context, Index i, Index j, double time) {
               .distance;
 }
 
-// The straight way of a body to where it has ended the step, from where it began it or an impact changed its course last.
+// The straight way of a body to where it has ended the step, from where it began it or an impact changed its trajectory last.
 Motion wayOf(const Context& context, Index i) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
@@ -104,7 +104,7 @@ bool isMissed(const Context& context, const SolvedPairs& solved, const std::pair
 }
 
 // Whether contacts may have pushed a body where no prediction has looked: off the bounds of its motion, or off a
-// course that an impact has changed. Most bodies hardly move; a turn between the quaternions p and q is at most
+// trajectory that an impact has changed. Most bodies hardly move; a turn between the quaternions p and q is at most
 // pi |p - q|.
 bool mayDeviate(const Context& context, Index i) {
   const StepStore& step = context.step;
@@ -135,7 +135,9 @@ IndexPairs findMissedContacts(const Context& context) {
         pushed.emplace_back(i, step.bounds[i].with(sweptBounds(scene.bodies, {}, i, 0.0)));
   }
   if (pushed.empty()) return {};
-  BoundsTree tree(scene.pair_search.order, step.bounds);
+  std::vector<Index> order = scene.pair_search.order;
+  sortByPlace(order, step.bounds);
+  BoundsTree tree(order, step.bounds);
   for (const auto& [i, bounds] : pushed) tree.move(i, bounds);
 
   const SolvedPairs solved(scene.contacts);

@@ -14,11 +14,12 @@
 #include "solver/residuals.h"
 #include "solver/rolling.h"
 #include "step/ballistic.h"
+#include "step/depenetration.h"
 #include "step/impacts.h"
 #include "step/islands.h"
-#include "step/overlaps.h"
 #include "step/sleep.h"
 #include "step/step_controller.h"
+#include "step/touching_contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -99,7 +100,8 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep", "asleep"};
           }},
-    Stage{"depenetration.find", overlaps::need, overlaps::find, candidates},
+    Stage{"depenetration.find", depenetration::need, depenetration::find, candidates},
+    Stage{"contacts.classify", needOf<Effect::Collision>, touching_contacts::find, candidates},
     Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
     Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
@@ -107,13 +109,11 @@ constexpr std::array kStages{
           }},
     Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&BodyLists::in_islands>},
     Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
-    Stage{"depenetration.separate", overlaps::need, overlaps::part, candidates},
+    Stage{"depenetration.separate", depenetration::need, depenetration::separate, candidates},
     Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&BodyLists::in_islands>},
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&BodyLists::in_islands>},
 };
 
-// Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed, and
-// effects within them.
 std::string contactLaw(const Setting& setting) {
   const SolverSettings settings = resolved(setting);
   const std::string name = std::string(fidelityName(setting.preset)) +
@@ -163,6 +163,8 @@ Items turnedBodies(const SceneStore& scene, const StepStore&) {
   return bodyItems(n);
 }
 
+// Parts of islands.advance that a scene may do without: the rows of the inner step, which are timed and come first, and
+// effects within them.
 constexpr std::array kParts{
     Part{kInnerRowNames[kCollide], needOf<Effect::Collision>, candidates},
     Part{kInnerRowNames[kPrepare], needOf<Effect::Collision>, points},
@@ -184,37 +186,6 @@ double secondsBetween(Clock::time_point begin, Clock::time_point end) {
 
 }  // namespace
 
-void StepStore::begin(const SceneStore& scene, double from, double to) {
-  const bool ballistic_only =
-      scene.lists.in_islands.empty() && scene.lists.kinematic.empty() && scene.lists.collidable.empty();
-  const std::size_t n = ballistic_only ? 0 : scene.bodies.size();
-  t0 = from;
-  t1 = to;
-  solver = resolved(scene.settings.fidelity);
-  load.assign(n, {});
-  airless.clear();
-  submerged.clear();
-  bounds.resize(n);
-  supported.assign(n, 0);
-  crowded.clear();
-  impacts.clear();
-  stamp.assign(n, 0);
-  turned.resize(n);
-  met.clear();
-  reached.clear();
-  late.clear();
-  islands.clear();
-  island.assign(n, kNone);
-  slot.assign(n, kNone);
-  woken.clear();
-  falling_asleep.clear();
-  row_seconds.assign(kInnerRows, 0.0);
-  before.assign(scene.bodies.pose.begin(), scene.bodies.pose.begin() + static_cast<std::ptrdiff_t>(n));
-  twist_before.assign(scene.bodies.twist.begin(),
-                      scene.bodies.twist.begin() + static_cast<std::ptrdiff_t>(n));
-  report = {};
-}
-
 void Pipeline::filter(const SceneAnalysis& analysis) {
   active_.clear();
   for (std::size_t row = 0; row < kStages.size(); ++row)
@@ -231,6 +202,7 @@ void Pipeline::restartClocks() {
 void Pipeline::run(Context& context) {
   const Clock::time_point begin = Clock::now();
   Clock::time_point mark = begin;
+  context.step.row_seconds.assign(kInnerRows, 0.0);
   for (const std::size_t row : active_) {
     kStages[row].run(context);
     const Clock::time_point now = Clock::now();

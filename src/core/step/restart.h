@@ -8,7 +8,7 @@
 // again, and all other bodies stay where the step has brought them.
 //
 // Bodies and pair states are put back as they were. The points that the solver has left in the contacts stay, as a
-// guess that is nearer than that of the last step; their impulses do not count.
+// warm start that is nearer than that of the last step; their impulses do not count.
 #pragma once
 
 #include "state/context.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/sleep.h"
 
-#include "step/overlaps.h"
+#include "step/depenetration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ void update(Context& context) {
   for (const Island& island : step.islands) {
     const bool parts = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
       return edge.kind == ConstraintKind::Contact &&
-             overlaps::isDeep(context, scene.contacts.active[edge.of]);
+             depenetration::isDeep(context, scene.contacts.active[edge.of]);
     });
     const bool carried = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
       return edge.kind == ConstraintKind::Contact && scene.contacts.active[edge.of].bears();

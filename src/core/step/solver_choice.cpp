@@ -18,7 +18,7 @@
 // heavy body has struck it.
 #include "step/solver_choice.h"
 
-#include "step/overlaps.h"
+#include "step/depenetration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,7 @@ struct Stiffness {
   double speed;  // of its bodies' surfaces, share of g h
   double jolt;   // of what carries it, share of g h
 };
-constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 160, 2.0, 1e-4};
+constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 160, 2.0, 0.0};
 
 // The most pairs of an island that is exact for the forces in it; and the speed up to which so small a tower is calm, share of
 // g h: blocks that are let go a little above each other fall for a step, and the soft step makes them faster still.
@@ -86,7 +86,7 @@ struct Forces {
 
 Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
   const Bodies& bodies = context.scene.bodies;
-  const double gravity = context.scene.gravity_W.norm();
+  const double gravity = orEarths(context.scene.gravity_W.norm());
   Forces forces;
   for (const Index k : contacts) {
     const Contact& contact = context.scene.contacts.active[k];
@@ -136,6 +136,7 @@ bool isCalm(const Context& context, const Island& island, double speed) {
 
 // Whether a kinematic body carries an island and has been given another velocity, which its bodies do not have yet. That jump
 // opens contacts, or closes them, and the soft step has only the order of its passes to tell which of them friction goes by.
+// An exact island stays so on what moves: if it went back to the soft step, it would sag, and that would count as a jump.
 bool isJolted(const Context& context, const Island& island, double least, double most) {
   const Bodies& bodies = context.scene.bodies;
   const auto jolts = [&](Index carrier) {
@@ -143,7 +144,7 @@ bool isJolted(const Context& context, const Island& island, double least, double
     if (bodies.twist[carrier].v_WB.isZero(0.0) && bodies.twist[carrier].w_WB.isZero(0.0)) return false;
     double fastest = 0.0;
     for (const Index i : island.bodies) fastest = std::max(fastest, speedSeenFrom(bodies, carrier, i));
-    return least < fastest && fastest <= most;
+    return least <= fastest && fastest <= most;
   };
   return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
     return std::any_of(edge.bodies.begin(), edge.bodies.end(), jolts);
@@ -195,7 +196,7 @@ bool isPromoted(const Context& context, const Island& island) {
 
 bool isExact(const Context& context, const Island& island) {
   const SolverSettings& settings = context.step.solver;
-  return !overlaps::ruleOver(context, island) &&
+  return !depenetration::rulesOver(context, island) &&
          (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
 }
 
@@ -203,7 +204,7 @@ bool isExact(const Context& context, const Island& island) {
 // then it goes through the light one where that is thinner.
 bool isCrushing(const Context& context, const Island& island) {
   const SolverSettings& settings = context.step.solver;
-  if (!settings.promotes || island.edges.size() > kFewPairs || overlaps::ruleOver(context, island))
+  if (!settings.promotes || island.edges.size() > kFewPairs || depenetration::rulesOver(context, island))
     return false;
   const Bodies& bodies = context.scene.bodies;
   const double h = context.step.h() / settings.sub_steps;

@@ -14,8 +14,8 @@ bool isExact(const Context& context, const Island& island);
 /// The choice for an island that two are merged into.
 bool isExactTogether(const Context& context, const Island& a, const Island& b);
 
-/// At the settings that promote: whether an impact leaves a small island in which a heavy body is on a light one. The
-/// soft step would press the light one through what it lies on.
+/// At the settings that promote: whether a heavy body of a small island moves so fast on a light one that the soft step
+/// would press the light one through what it lies on. Asked after impacts.
 bool isCrushing(const Context& context, const Island& island);
 
 }  // namespace rbs

@@ -8,6 +8,7 @@
 #include "step/sleep.h"
 
 #include <algorithm>
+#include <string>
 
 namespace rbs::step_controller {
 
@@ -18,7 +19,6 @@ namespace {
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
   if (!step.impacts.empty() && context.analysis.asleep > 0) return true;
-  if (context.scene.lists.in_islands.size() < 2) return false;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const auto stays = [&](const Contact& contact) {
     return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
@@ -38,9 +38,23 @@ bool wakeAmong(Context& context, const IndexPairs& pairs) {
   return !sleepers.empty();
 }
 
+// How often a step is taken at most.
+constexpr int kMostTimes = 3, kMostTimesExact = 8;
+
+// At the exact settings no overlap is left in silence.
+void reportMissed(Context& context, const IndexPairs& missed) {
+  const std::vector<std::string>& names = context.scene.bodies.name;
+  for (const auto& [i, j] : missed)
+    context.step.report.warnings.push_back(
+        {"missed_contact", "contacts push body '" + names[i] + "' into or through body '" + names[j] +
+                               "', also when the step is taken " + std::to_string(kMostTimesExact) +
+                               " times. Shorten the step"});
+}
+
 // Each push may reach one body further. At the fast settings what is left after a few times is left to the next step.
 void advanceUntilNoneIsMissed(Context& context) {
-  const int most_times = context.step.solver.exact ? 8 : 3;
+  const bool exact = context.step.solver.exact;
+  const int most_times = exact ? kMostTimesExact : kMostTimes;
   Restart restart(context);
   for (int times = 1;; ++times) {
     takeImpacts(context);
@@ -50,12 +64,13 @@ void advanceUntilNoneIsMissed(Context& context) {
     IndexPairs missed = last ? IndexPairs() : findMissedContacts(context);
     if (wakeAmong(context, missed)) return restart.giveBack(context);
     missed.insert(missed.end(), context.step.late.begin(), context.step.late.end());
+    if (last && exact && times == most_times) reportMissed(context, findMissedContacts(context));
     if (last || (missed.empty() && context.step.reached.empty())) return;
     restart.beginAgain(context, missed, times);
   }
 }
 
-void moveLedBodies(Context& context) {
+void moveKinematicBodies(Context& context) {
   Bodies& bodies = context.scene.bodies;
   for (const Index i : context.scene.lists.kinematic)
     bodies.pose[i] = context.step.poseAt(bodies, i, context.step.t1);
@@ -71,7 +86,7 @@ void run(Context& context) {
     advanceToEnd(context);
   }
   if (!context.step.woken.empty()) return;  // the step begins again, with more bodies awake
-  moveLedBodies(context);
+  moveKinematicBodies(context);
   reportIslands(context);
   context.step.met.clear();
 }

@@ -166,7 +166,7 @@ class StageInfo(NamedTuple):
 
 class StepWarning(NamedTuple):
     """Trouble at run time, with its remedy."""
-    kind: str  #: 'non_finite', 'too_fast', 'impact_budget', 'overlap', 'unsolved' or 'solve_budget'
+    kind: str  #: 'non_finite', 'too_fast', 'impact_budget', 'overlap', 'unsolved', 'solve_budget' or 'missed_contact'
     text: str  #: what happened, to which body, and what to do
 
 

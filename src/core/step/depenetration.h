@@ -10,7 +10,7 @@
 
 #include "state/context.h"
 
-namespace rbs::overlaps {
+namespace rbs::depenetration {
 
 /// Whether two bodies overlap so deeply that no contact has made it. By the points of the last step; bodies
 /// whose centres nearly coincide are found without them.
@@ -23,10 +23,10 @@ void find(Context& context);
 
 /// Whether overlaps decide how an island moves, and not forces that an exact solve could find: some of its
 /// bodies are `crowded`, or many of its pairs overlap deeply.
-bool ruleOver(const Context& context, const Island& island);
+bool rulesOver(const Context& context, const Island& island);
 
 /// Moves the bodies of crowds apart, as far as they may go in a step, and hands their overlaps on to the next
 /// step. Warns of deep overlaps in the first step after an edit.
-void part(Context& context);
+void separate(Context& context);
 
-}  // namespace rbs::overlaps
+}  // namespace rbs::depenetration

@@ -2,7 +2,7 @@
 // What contacts bring together before its time.
 //
 // Impacts are predicted as if each body went on alone. In an island that is brought to an impact its contacts have
-// pushed bodies off that course, and two that no contact keeps apart may be in each other: the impact between them would
+// pushed bodies off that trajectory, and two that no contact keeps apart may be in each other: the impact between them would
 // come late, from inside. So what has been brought there goes back, and both are looked at when they were about to
 // touch. With the separations s_0 > 0 at t_0, where both began, and s_1 < 0 at t_1, where the impact is, that is, as of a
 // steady approach, at

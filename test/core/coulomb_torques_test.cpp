@@ -43,7 +43,7 @@ const std::vector<Alone> kSolvers = {
     {"path", [](const System& s, BodyBlocks& m) { return finished(s, m, followPath(s, m, 1e-6, 600)); }},
     {"admm", [](const System& s, BodyBlocks& m) { return admm(s, m, cold(s).r, 1e-6, 5000); }}};
 
-/// The velocity of each column of impulses, points then couples, by definition.
+/// The velocity of each column of impulses, points then torques, by definition.
 std::vector<Vec3> velocities(const CoulombProblem& problem) {
   const auto at = [&](Index body, const Vec3& arm) -> Vec3 {
     if (body == kNone) return Vec3::Zero();
@@ -54,10 +54,10 @@ std::vector<Vec3> velocities(const CoulombProblem& problem) {
   };
   std::vector<Vec3> u;
   for (const CoulombPoint& point : problem.points)
-    u.push_back(point.frame.transpose() * (at(point.j, point.r_j) - at(point.i, point.r_i)) + point.drive);
-  for (const CoulombCouple& couple : problem.couples)
-    u.push_back(couple.radius * (couple.frame.transpose() * (turning(couple.j) - turning(couple.i))) +
-                couple.drive);
+    u.push_back(point.frame.transpose() * (at(point.j, point.r_j) - at(point.i, point.r_i)) + point.bias);
+  for (const TorqueConstraint& torque : problem.torques)
+    u.push_back(torque.radius * (torque.frame.transpose() * (turning(torque.j) - turning(torque.i))) +
+                torque.bias);
   return u;
 }
 
@@ -88,15 +88,15 @@ double violation(const CoulombProblem& problem) {
     worst = std::max(worst, std::abs(std::min(u[k][2], r[2] / m)));
     worst = std::max(worst, frictionError<Eigen::Vector2d>(r.head<2>(), u[k].head<2>(), point.mu * r[2], m));
   }
-  for (std::size_t k = 0; k < problem.couples.size(); ++k) {
-    const CoulombCouple& couple = problem.couples[k];
-    const Vec3 &r = couple.impulse, &turn = u[problem.points.size() + k];
-    const double m = mass(couple.i, couple.j);
+  for (std::size_t k = 0; k < problem.torques.size(); ++k) {
+    const TorqueConstraint& torque = problem.torques[k];
+    const Vec3 &r = torque.impulse, &turn = u[problem.points.size() + k];
+    const double m = mass(torque.i, torque.j);
     double n = 0.0;
-    for (Index p = couple.first; p < couple.first + couple.size; ++p) n += problem.points[p].impulse[2];
-    worst = std::max(worst, frictionError<Eigen::Vector2d>(r.head<2>(), turn.head<2>(), couple.roll * n, m));
+    for (Index p = torque.first; p < torque.first + torque.size; ++p) n += problem.points[p].impulse[2];
+    worst = std::max(worst, frictionError<Eigen::Vector2d>(r.head<2>(), turn.head<2>(), torque.roll * n, m));
     using Vec1 = Eigen::Matrix<double, 1, 1>;
-    worst = std::max(worst, frictionError<Vec1>(r.tail<1>(), turn.tail<1>(), couple.spin * n, m));
+    worst = std::max(worst, frictionError<Vec1>(r.tail<1>(), turn.tail<1>(), torque.spin * n, m));
   }
   return worst / problem.speed_unit;
 }
@@ -121,7 +121,7 @@ Scene marbleOnSlope(double slope, double roll, double spin) {
   return scene;
 }
 
-TEST(CoulombCouples, EverySolverHoldsAMarbleOnASlopeUpToItsResistance) {
+TEST(CoulombTorques, EverySolverHoldsAMarbleOnASlopeUpToItsResistance) {
   for (const Alone& solver : kSolvers) {
     SCOPED_TRACE(solver.name);
     const double c = 0.05;
@@ -136,7 +136,7 @@ TEST(CoulombCouples, EverySolverHoldsAMarbleOnASlopeUpToItsResistance) {
   }
 }
 
-TEST(CoulombCouples, EverySolverSlowsASpinningMarbleByItsTorsion) {
+TEST(CoulombTorques, EverySolverSlowsASpinningMarbleByItsTorsion) {
   for (const Alone& solver : kSolvers) {
     SCOPED_TRACE(solver.name);
     const double s = 0.02, lost = 2.5 * s * kGravity * kStep / 0.1;
@@ -150,14 +150,14 @@ TEST(CoulombCouples, EverySolverSlowsASpinningMarbleByItsTorsion) {
   }
 }
 
-TEST(CoulombCouples, EverySolverKeepsPrescribedDirections) {
+TEST(CoulombTorques, EverySolverKeepsPrescribedDirections) {
   for (const Alone& solver : kSolvers) {
     SCOPED_TRACE(solver.name);
     // At rest on the flat it would stay: told that it rolls about x and spins, torques act at their limits.
     Scene scene = marbleOnSlope(0.0, 0.03, 0.02);
-    CoulombCouple& couple = scene.problem.couples[0];
-    couple.rolls = couple.frame.leftCols<2>().transpose() * Vec3::UnitX();
-    couple.spins = -1.0;
+    TorqueConstraint& torque = scene.problem.torques[0];
+    torque.rolls = torque.frame.leftCols<2>().transpose() * Vec3::UnitX();
+    torque.spins = -1.0;
     EXPECT_TRUE(solveAlone(solver, scene.problem));
     const double push = kGravity * kStep / 0.1;
     EXPECT_NEAR(scene.problem.bodies[0].w.x(), -5.0 / 7.0 * 0.03 * push, 1e-5);
@@ -166,7 +166,7 @@ TEST(CoulombCouples, EverySolverKeepsPrescribedDirections) {
 }
 
 // Eight bodies with contacts of 1 to 4 points.
-TEST(CoulombCouples, EverySolverSolvesRandomHeaps) {
+TEST(CoulombTorques, EverySolverSolvesRandomHeaps) {
   for (const Alone& solver : kSolvers) {
     SCOPED_TRACE(solver.name);
     for (unsigned seed = 1; seed <= 24; ++seed) {
@@ -179,7 +179,7 @@ TEST(CoulombCouples, EverySolverSolvesRandomHeaps) {
   }
 }
 
-TEST(CoulombCouples, HeapsOfUnevenMassesAreSolved) {
+TEST(CoulombTorques, HeapsOfUnevenMassesAreSolved) {
   for (const int side : {2, 3})
     for (unsigned seed = 1; seed <= 12; ++seed) {
       SCOPED_TRACE(seed);
@@ -222,13 +222,13 @@ void delassus(const CoulombProblem& problem, LongXX& W, LongX& q) {
       push(point.i, -r_W, -point.r_i.cross(r_W));
       push(point.j, r_W, point.r_j.cross(r_W));
     } else {
-      const CoulombCouple& couple = problem.couples[k - points];
-      const Vec3 torque_W = couple.radius * couple.frame.col(c % 3);
-      push(couple.i, Vec3::Zero(), -torque_W);
-      push(couple.j, Vec3::Zero(), torque_W);
+      const TorqueConstraint& torque = problem.torques[k - points];
+      const Vec3 torque_W = torque.radius * torque.frame.col(c % 3);
+      push(torque.i, Vec3::Zero(), -torque_W);
+      push(torque.j, Vec3::Zero(), torque_W);
     }
-    for (CoulombPoint& point : pushed.points) point.drive.setZero();
-    for (CoulombCouple& couple : pushed.couples) couple.drive.setZero();
+    for (CoulombPoint& point : pushed.points) point.bias.setZero();
+    for (TorqueConstraint& torque : pushed.torques) torque.bias.setZero();
     W.col(c) = flat(velocities(pushed));
   }
 }
@@ -262,11 +262,11 @@ Slow projectedSteps(const CoulombProblem& problem) {
         x[2] = std::max(x[2], 0.0L);
         x.head<2>() = ball(x.head<2>().eval(), problem.points[k].mu * x[2]);
       } else {
-        const CoulombCouple& couple = problem.couples[k - points];
+        const TorqueConstraint& torque = problem.torques[k - points];
         long double n = 0.0L;
-        for (Index p = couple.first; p < couple.first + couple.size; ++p) n += r[3 * p + 2];
-        x.head<2>() = ball(x.head<2>().eval(), couple.roll * n);
-        x.tail<1>() = ball(x.tail<1>().eval(), couple.spin * n);
+        for (Index p = torque.first; p < torque.first + torque.size; ++p) n += r[3 * p + 2];
+        x.head<2>() = ball(x.head<2>().eval(), torque.roll * n);
+        x.tail<1>() = ball(x.tail<1>().eval(), torque.spin * n);
       }
       const Eigen::Matrix<long double, 3, 1> d = x - r.segment<3>(c);
       moved = std::max(moved, d.cwiseAbs().maxCoeff() / rho);
@@ -301,9 +301,9 @@ Scene row(unsigned seed) {
 double expectBothLawful(CoulombProblem problem, const Slow& slow) {
   CoulombProblem guessed = problem;
   const std::size_t points = guessed.points.size();
-  for (std::size_t k = 0; k < points + guessed.couples.size(); ++k) {
+  for (std::size_t k = 0; k < points + guessed.torques.size(); ++k) {
     const Vec3 r = slow.r.segment<3>(3 * static_cast<Eigen::Index>(k)).cast<double>();
-    (k < points ? guessed.points[k].impulse : guessed.couples[k - points].impulse) = r;
+    (k < points ? guessed.points[k].impulse : guessed.torques[k - points].impulse) = r;
   }
   EXPECT_EQ(solveCoulomb(guessed, 1e-11).iterations, 0);
   EXPECT_LT(violation(guessed), 1e-11);
@@ -315,7 +315,7 @@ double expectBothLawful(CoulombProblem problem, const Slow& slow) {
   return apart;
 }
 
-TEST(CoulombCouples, AgreesWithProjectedStepsRunToTheirEnd) {
+TEST(CoulombTorques, AgreesWithProjectedStepsRunToTheirEnd) {
   int settled = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE(seed);
@@ -329,7 +329,7 @@ TEST(CoulombCouples, AgreesWithProjectedStepsRunToTheirEnd) {
 }
 
 // In a heap solutions are not unique: that of the slow method need only be one.
-TEST(CoulombCouples, TheLawIsThatOfProjectedStepsInHeaps) {
+TEST(CoulombTorques, TheLawIsThatOfProjectedStepsInHeaps) {
   int settled = 0;
   for (unsigned seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "step/early_meetings.h"
+#include "step/early_impacts.h"
 
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
@@ -14,9 +14,11 @@ namespace rbs {
 
 namespace {
 
-// Shares of the smaller length by which two may be in each other when their impact is taken; and are when it is looked at
-// of two that touched at the start, as after an impact: what pushes them together again acts from there on.
-constexpr double kLate = 5e-5, kAgain = 5e-7;
+// An impact may be taken where two bodies are in each other by this share of the smaller length.
+constexpr double kLate = 5e-5;
+// Two that touch at the start, as after an impact, count as apart by this share: so contacts that push them together again
+// take some time for it.
+constexpr double kAgain = 5e-7;
 // |w| t up to which the turn between two poses is the shorter one, rad, though contacts may have doubled the spin.
 constexpr double kLongestTurn = 1.5;
 
@@ -31,12 +33,14 @@ class IslandBefore {
     for (const Edge& edge : island_.edges)
       if (edge.kind == ConstraintKind::Contact) contacts_.push_back(context.scene.contacts.active[edge.of]);
   }
-  // All but the work that its solves have cost.
+  // All but the work that its solves have cost, and that it is too dear for the exact step.
   void putBack(Context& context) const {
     Island& island = context.step.islands[place_];
     const std::int64_t work = island.work;
+    const bool cut_short = island.cut_short;
     island = island_;
     island.work = work;
+    if (cut_short) island.cut_short = true, island.exact = false;
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       context.scene.bodies.pose[island.bodies[k]] = poses_[k];
       context.scene.bodies.twist[island.bodies[k]] = twists_[k];
@@ -54,19 +58,19 @@ class IslandBefore {
   std::vector<Contact> contacts_;  // of its edges
 };
 
-// The courses of the bodies of islands before these are advanced; others stay on theirs.
-class Courses {
+// The trajectories of the bodies of islands before these are advanced; others stay on theirs.
+class Trajectories {
  public:
-  Courses(const Context& context, const std::vector<Index>& islands) : context_(context) {
+  Trajectories(const Context& context, const std::vector<Index>& islands) : context_(context) {
     for (const Index place : islands)
       for (const Index i : context.step.islands[place].bodies)
-        of_.emplace_back(i, impacts::courseOf(context, i));
+        of_.emplace_back(i, impacts::trajectoryOf(context, i));
     std::sort(of_.begin(), of_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   }
   Motion of(Index i) const {
     const auto known = std::lower_bound(of_.begin(), of_.end(), i,
-                                        [](const auto& course, Index k) { return course.first < k; });
-    return known != of_.end() && known->first == i ? known->second : impacts::courseOf(context_, i);
+                                        [](const auto& trajectory, Index k) { return trajectory.first < k; });
+    return known != of_.end() && known->first == i ? known->second : impacts::trajectoryOf(context_, i);
   }
 
  private:
@@ -87,8 +91,8 @@ IndexPairs pairsOf(const Context& context, const std::vector<Index>& islands,
 }
 
 // Whether a body may have turned the longer way round in some seconds.
-bool turnsFar(const Traits& traits, const Motion& course, double seconds) {
-  return !traits.round && !traits.unbounded && course.twist.w_WB.norm() * seconds > kLongestTurn;
+bool turnsFar(const Traits& traits, const Motion& trajectory, double seconds) {
+  return !traits.round && !traits.unbounded && trajectory.twist.w_WB.norm() * seconds > kLongestTurn;
 }
 
 // How far apart two poses of a body have its points at most, m, beside the way of its centre.
@@ -97,46 +101,49 @@ double turned(const Traits& traits, const Pose& from, const Pose& to) {
   return traits.bounding_radius * from.q_WB.angularDistance(to.q_WB);
 }
 
-// How far a body is from where its course has it, m.
-double deviation(const Traits& traits, const Motion& course, double time, const Pose& now) {
-  const Pose expected = course.at(time);
+// How far a body is from where its trajectory has it, m.
+double deviation(const Traits& traits, const Motion& trajectory, double time, const Pose& now) {
+  const Pose expected = trajectory.at(time);
   return (now.p_WB - expected.p_WB).norm() + turned(traits, expected, now);
 }
 
-// The way of a body from one pose to another, with the acceleration of its course and a constant spin.
-Motion wayAlong(const Motion& course, double t0, const Pose& from, double t1, const Pose& to) {
+// The way of a body from one pose to another, with the acceleration of its trajectory and a constant spin.
+Motion wayAlong(const Motion& trajectory, double t0, const Pose& from, double t1, const Pose& to) {
   Motion way = Motion::between(t0, from, t1, to);
-  way.a_W = course.a_W;
-  way.twist.v_WB -= 0.5 * (t1 - t0) * course.a_W;
+  way.a_W = trajectory.a_W;
+  way.twist.v_WB -= 0.5 * (t1 - t0) * trajectory.a_W;
   return way;
 }
 
 // When two bodies came together on their way to where they are now, at `time`, if they did.
-std::optional<double> timeOfMeeting(const Context& context, const Courses& courses, Index i, Index j,
-                                    double time) {
+std::optional<double> timeOfEarlyImpact(const Context& context, const Trajectories& trajectories, Index i,
+                                        Index j, double time) {
   const Traits &a = context.scene.bodies.traits[i], &b = context.scene.bodies.traits[j];
   const double length = smallerLength(context.scene.bodies, i, j);
-  const Pose X_i1 = impacts::courseOf(context, i).at(time), X_j1 = impacts::courseOf(context, j).at(time);
-  const double late = gap(a.shape, X_i1, b.shape, X_j1).distance;
-  const Motion course_i = courses.of(i), course_j = courses.of(j);
-  const double start = std::max(course_i.t0, course_j.t0);
-  const Pose X_i0 = course_i.at(start), X_j0 = course_j.at(start);
-  if (late >= -kLate * length) {
-    // What has not left its course met nothing early: that is what the prediction says, and a way is less exact.
-    if (deviation(a, course_i, time, X_i1) + deviation(b, course_j, time, X_j1) <= kLate * length) return {};
+  const Pose X_i1 = impacts::trajectoryOf(context, i).at(time),
+             X_j1 = impacts::trajectoryOf(context, j).at(time);
+  const double s_1 = gap(a.shape, X_i1, b.shape, X_j1).distance;
+  const Motion trajectory_i = trajectories.of(i), trajectory_j = trajectories.of(j);
+  const double start = std::max(trajectory_i.t0, trajectory_j.t0);
+  const Pose X_i0 = trajectory_i.at(start), X_j0 = trajectory_j.at(start);
+  if (s_1 >= -kLate * length) {
+    // What has not left its trajectory met nothing early: that is what the prediction says, and a way is less exact.
+    if (deviation(a, trajectory_i, time, X_i1) + deviation(b, trajectory_j, time, X_j1) <= kLate * length)
+      return {};
     const double seconds = time - start;
-    if (!(seconds > 0.0) || turnsFar(a, course_i, seconds) || turnsFar(b, course_j, seconds)) return {};
-    const double way = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turned(a, X_i0, X_i1) +
-                       turned(b, X_j0, X_j1);
-    if (late > way) return {};
-    const auto met = metOnWay(a.shape, wayAlong(course_i, start, X_i0, time, X_i1), b.shape,
-                              wayAlong(course_j, start, X_j0, time, X_j1), start, time);
+    if (!(seconds > 0.0) || turnsFar(a, trajectory_i, seconds) || turnsFar(b, trajectory_j, seconds))
+      return {};
+    const double travel = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turned(a, X_i0, X_i1) +
+                          turned(b, X_j0, X_j1);
+    if (s_1 > travel) return {};
+    const auto met = metOnWay(a.shape, wayAlong(trajectory_i, start, X_i0, time, X_i1), b.shape,
+                              wayAlong(trajectory_j, start, X_j0, time, X_j1), start, time);
     return met && met->time > start && met->beyond > kLate * length ? std::optional(met->time) : std::nullopt;
   }
-  const double early = gap(a.shape, X_i0, b.shape, X_j0).distance;
-  if (early < -kLate * length) return {};
-  const double way = std::max(early, kAgain * length);
-  const double then = start + (time - start) * way / (std::max(early, 0.0) - late);
+  const double s_0 = gap(a.shape, X_i0, b.shape, X_j0).distance;
+  if (s_0 < -kLate * length) return {};
+  const double apart = std::max(s_0, kAgain * length);
+  const double then = start + (time - start) * apart / (std::max(s_0, 0.0) - s_1);
   return then > start ? std::optional(then) : std::nullopt;
 }
 
@@ -148,11 +155,11 @@ std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vec
   const StepStore& step = context.step;
   std::vector<IslandBefore> before;
   for (const Index place : islands) before.emplace_back(context, place);
-  const Courses courses(context, islands);
+  const Trajectories trajectories(context, islands);
   for (const Index place : islands) advanceTo(context, context.step.islands[place], time);
   std::optional<PendingImpact> first;
   for (const auto& [i, j] : pairsOf(context, islands, others)) {
-    const std::optional<double> then = timeOfMeeting(context, courses, i, j, time);
+    const std::optional<double> then = timeOfEarlyImpact(context, trajectories, i, j, time);
     if (then && (!first || *then < first->time))
       first = PendingImpact{*then, i, j, step.stamp[i], step.stamp[j]};
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "step/overlaps.h"
+#include "step/depenetration.h"
 
 #include "base/text.h"
 #include "base/tolerances.h"
@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rbs::overlaps {
+namespace rbs::depenetration {
 
 namespace {
 
@@ -218,7 +218,7 @@ void find(Context& context) {
   }
 }
 
-bool ruleOver(const Context& context, const Island& island) {
+bool rulesOver(const Context& context, const Island& island) {
   const StepStore& step = context.step;
   if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return step.isCrowded(i); }))
     return true;
@@ -228,7 +228,7 @@ bool ruleOver(const Context& context, const Island& island) {
   return std::count_if(island.edges.begin(), island.edges.end(), isDeepEdge) > kFewToSolve;
 }
 
-void part(Context& context) {
+void separate(Context& context) {
   std::vector<Contact*> crowded;
   for (Contact& contact : context.scene.contacts.active)
     if (contact.state.isDepenetrating()) crowded.push_back(&contact);
@@ -245,4 +245,4 @@ void part(Context& context) {
   context.scene.just_edited = false;
 }
 
-}  // namespace rbs::overlaps
+}  // namespace rbs::depenetration
