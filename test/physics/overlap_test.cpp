@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
 using namespace rbs;
 using namespace rbs::test;
@@ -100,6 +102,68 @@ TEST_P(Overlap, PartingKeepsTheAngularMomentum) {
       world.step();
       EXPECT_LE((world.totals().angular_momentum - before).norm(), 1e-12 * before.norm()) << x;
     }
+}
+
+// The energy of their lift was taken from the speed along the floor as well: at 0.5 m/s two boxes stopped.
+TEST_P(Overlap, WhatPartsOnAFloorWithoutFrictionGlidesOn) {
+  for (const double speed : {0.1, 0.5, 5.0})
+    for (const double depth : {0.002, 0.01, 0.03})
+      for (const Shape& shape :
+           {Shape(Box{{0.2, 0.2, 0.2}}), Shape(Cylinder{0.1, 0.1}), Shape(Sphere{0.1})}) {
+        SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+        scene.fidelity = GetParam();
+        scene.bodies.push_back(box("below", {0.4, 0.4, 0.2}, {0.0, 0.0, 0.1 - depth}));
+        scene.bodies.push_back(body("above", shape, {0.02, 0.01, 0.3 - 2.0 * depth}));
+        for (BodyDef& def : scene.bodies) {
+          if (def.kind != BodyKind::Dynamic) continue;
+          def.mass = 1.0;
+          def.twist.v_WB.x() = speed;
+          def.material.friction = 0.4;
+        }
+        World world(ordered(scene));
+        advance(world, 2.0);
+        const double mean =
+            0.5 * (stateOf(world, "below").twist.v_WB + stateOf(world, "above").twist.v_WB).x();
+        EXPECT_NEAR(mean, speed, 1e-9 * speed)
+            << shapeName(shape) << ", " << depth << " m at " << speed << " m/s";
+      }
+}
+
+// Two that meet sink in by what their drift curves, and are parted again in each step. Without friction their momentum changed
+// by up to 3 % of a scale m v L in a step, and by 24 % of itself in a run.
+TEST_P(Overlap, TwoThatMeetKeepTheirAngularMomentum) {
+  if (GetParam() < Fidelity::Accurate) GTEST_SKIP() << "soft contacts part by impulses";
+  std::mt19937_64 random(1);
+  std::normal_distribution<> normal;
+  const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+  const std::vector<Shape> shapes{Capsule{0.07, 0.1}, Box{{0.26, 0.12, 0.16}}, Cone{0.11, 0.26},
+                                  Cylinder{0.1, 0.06}, Sphere{0.1}};
+  for (const double friction : {0.0, 0.4})
+    for (std::size_t a = 0; a < shapes.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+        for (int run = 0; run < 6; ++run) {
+          SceneDef scene = emptySpace(1.0 / 60.0);
+          scene.fidelity = GetParam();
+          for (const int side : {-1, 1}) {
+            const Vec3 offset = 0.05 * vector();
+            scene.bodies.push_back(body(side < 0 ? "left" : "right", shapes[side < 0 ? a : b],
+                                        {0.5 * side, offset.y(), offset.z()}));
+            BodyDef& def = scene.bodies.back();
+            const Vec3 axis = vector();
+            def.pose.q_WB = Quat(Eigen::AngleAxisd(normal(random), axis.normalized()));
+            def.twist = {{-1.5 * side, 0.0, 0.0}, 6.0 * vector()};
+            def.material.friction = friction;
+            def.mass = 1.0;
+          }
+          World world(ordered(scene));
+          const Vec3 first = world.totals().angular_momentum;
+          advance(world, 0.7);
+          // Nothing may turn a ball without friction, nor give back what its shift has changed.
+          const bool with_ball = friction == 0.0 && std::holds_alternative<Sphere>(shapes[a]);
+          EXPECT_LE((world.totals().angular_momentum - first).norm(), with_ball ? 1e-6 : 1e-11)
+              << shapeName(shapes[a]) << " and " << shapeName(shapes[b]) << ", mu = " << friction << ", run "
+              << run;
+        }
 }
 
 // A heavy block falls on a ball that lies on a plane, at up to 600 m/s. What gets between the two is pushed
