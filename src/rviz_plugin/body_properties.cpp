@@ -71,6 +71,7 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
 
   const int row = grid_->rowCount();
   kind_->addItems({"dynamic", "static", "kinematic"});
+  kind_->setPlaceholderText("mixed");  // where bodies of several kinds are selected
   guardFromWheel(*kind_);
   kind_->setToolTip("Moved by forces; not moved; moved with its velocity, whatever it meets");
   color_->setToolTip("Colour");

@@ -68,6 +68,7 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   scene_ = scene;
   const bool is_replay = !status.recording.empty();  // which has no catalogue
   if (is_replay && scenes_->findText(scene) < 0) scenes_->addItem(scene);
+  scenes_->setPlaceholderText(scene);  // of a scene that is not in the catalogue
   scenes_->setCurrentIndex(scenes_->findText(scene));
 }
 

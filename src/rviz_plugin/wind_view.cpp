@@ -17,7 +17,7 @@ constexpr double kStrongest = 1e4;  // m/s
 NumberBox* makeBox(double least, double most, const QString& unit, const QString& tip) {
   auto* const box = new NumberBox;
   box->setRange(least, most);
-  box->setDecimals(2);
+  box->setDecimals(6);
   box->setSuffix(unit);
   box->setToolTip(tip);
   box->setKeyboardTracking(false);

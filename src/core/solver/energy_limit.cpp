@@ -77,9 +77,9 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     sum.share = apart > 0.0 ? std::sqrt(std::clamp((most - together) / apart, 0.0, 1.0)) : 0.0;
     const Vec3 pushed = pushed_[k] * sum.common;
     sum.kept = sum.common - pushed;
-    const double left = most - 0.5 * sum.mass * sum.kept.squaredNorm(),
-                 push = 0.5 * sum.mass * pushed.squaredNorm();
-    sum.rest = push > left ? std::sqrt(std::max(left, 0.0) / push) : 1.0;
+    const double left = std::max(0.0, most - 0.5 * sum.mass * sum.kept.squaredNorm());
+    const double push = 0.5 * sum.mass * pushed.squaredNorm();
+    sum.rest = push > left ? std::sqrt(left / push) : 1.0;
   }
   if (!some) return;
   for (SolverBody& s : contacts.bodies) {
