@@ -70,6 +70,7 @@ struct Scene {
                const std::vector<std::pair<Index, Index>>& contacts) {
     analysis = analyseScene(scene);
     step.begin(scene, 0.0, kStep);
+    step.row_seconds.assign(kInnerRows, 0.0);
     for (const Index i : scene.lists.in_islands) step.load[i].a_W = scene.settings.gravity;
     scene.contacts.update(scene.bodies, contacts, [](const Contact&) { return false; });
     std::vector<Edge> edges;

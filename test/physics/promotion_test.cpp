@@ -121,8 +121,9 @@ TEST(ChoiceOfSolver, ATowerWhoseBlocksFallOnEachOtherIsExact) {
   EXPECT_LT(sideways, 2e-3);            // 5e-4 m
 }
 
-// What lies on something that moves is as calm as what lies on the ground. Stacks of 6 become exact there, and one of 2 to 5 does not.
-TEST(ChoiceOfSolver, ACarrierThatMovesChangesNothing) {
+// What lies on something that moves is as calm as what lies on the ground: stacks of 6 become exact there as well. Smaller ones
+// stay exact, as they are begun; by the soft step they would sag, which counts as a jolt (carrier_test.cpp).
+TEST(ChoiceOfSolver, StacksOnACarrierThatMovesAreExact) {
   const Twist still, along{{1.0, -0.4, 0.0}, Vec3::Zero()}, up{{0.0, 0.0, 0.7}, Vec3::Zero()},
       turning{Vec3::Zero(), {0.0, 0.0, 1.5}};
   for (const Twist& motion : {still, along, up, turning})
@@ -132,7 +133,8 @@ TEST(ChoiceOfSolver, ACarrierThatMovesChangesNothing) {
       scene.bodies[0].kind = BodyKind::Kinematic;
       for (BodyDef& def : scene.bodies) def.twist = motion;
       World world(ordered(scene));
-      EXPECT_EQ(isExact(world), boxes >= 4) << boxes << " at " << motion.v_WB.transpose();
+      const bool moves = !motion.v_WB.isZero(0.0) || !motion.w_WB.isZero(0.0);
+      EXPECT_EQ(isExact(world), moves || boxes >= 4) << boxes << " at " << motion.v_WB.transpose();
     }
 }
 
