@@ -43,6 +43,10 @@ std::string spawnMessage(const SpawnBody::Request& request, const Snapshot& snap
   std::string message = words("spawned '", body.name, "' at ", inWords(snapshot.states[index].pose.p_WB),
                               " m: ", describe(body));
   std::string assumed;
+  if (std::holds_alternative<Plane>(body.shape)) {
+    if (isZero(request.pose)) message += "; assumed: through the origin, level";
+    return message;
+  }
   if (isZero(request.pose)) assumed += ", the first free place above the origin";
   if (isZero(request.size) && request.shape != "hull") assumed += ", the size";
   if (request.mass == 0.0 && request.density == 0.0) assumed += words(", density ", body.density, " kg/m^3");
@@ -139,7 +143,7 @@ std::string editMany(World& world, const EditBodies::Request& request, EditBodie
   std::vector<std::string> names;
   for (const BodyChange& change : changes) names.push_back(change.name);
   const auto before = world.bodies();
-  const std::vector<std::size_t> indices = indicesNamed(world, names);
+  const std::vector<std::size_t> indices = indicesNamed(world, names, "changes");
   for (std::size_t k = 0; k < changes.size(); ++k) {
     const std::string path = words("changes[", k, "] ('", names[k], "')");
     const BodyDescription& body = (*before)[indices[k]];

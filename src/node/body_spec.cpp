@@ -60,9 +60,21 @@ Vec3 finiteIn(const geometry_msgs::Vector3& v, const std::string& path) {
   return finiteVector(fromMsg(v), path);
 }
 
+/// The frame of one body of several is told with its place in the request.
+Pose frameOf(const Spec& spec, const World& world, const std::string& path) {
+  try {
+    return frameNamed(world, spec.frame_id);
+  } catch (const InvalidInput& refusal) {
+    std::vector<Problem> problems = refusal.problems();
+    if (path != "body")
+      for (Problem& problem : problems) problem.path = path + "." + problem.path;
+    throw InvalidInput(problems);
+  }
+}
+
 /// Pose and twist, from the axes of frame_id to those of W.
 void placeBody(const Spec& spec, const World& world, const std::string& path, BodyDef& body) {
-  const Pose X_WF = frameNamed(world, spec.frame_id);
+  const Pose X_WF = frameOf(spec, world, path);
   if (!isZero(spec.pose)) {
     finiteVector(fromMsg(spec.pose.position), path + ".position");
     body.pose = compose(X_WF, fromMsg(spec.pose));

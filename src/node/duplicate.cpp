@@ -27,8 +27,9 @@ Vec3 above(const std::vector<BodyDef>& originals) {
 
 }  // namespace
 
-std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std::string>& names) {
-  if (names.empty()) throw InvalidInput({{"names", "empty", "at least one"}});
+std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std::string>& names,
+                                      const std::string& field) {
+  if (names.empty()) throw InvalidInput({{field, "empty", "at least one"}});
   const auto bodies = world.bodies();
   std::unordered_map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < bodies->size(); ++i) known.emplace((*bodies)[i].name, i);
@@ -36,8 +37,8 @@ std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std:
   std::vector<std::size_t> indices;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto it = known.find(names[k]);
-    if (it == known.end()) bodyNamed(world, names[k], "names");  // throws
-    if (given[it->second]) throw InvalidInput({{"names", quoted(names[k]) + " twice", "each body once"}});
+    if (it == known.end()) bodyNamed(world, names[k], field);  // throws
+    if (given[it->second]) throw InvalidInput({{field, quoted(names[k]) + " twice", "each body once"}});
     given[it->second] = true;
     indices.push_back(it->second);
   }

@@ -12,7 +12,8 @@ namespace rbs {
 
 /// Places in world.bodies() of the bodies of these names, in this order. Throws InvalidInput for an empty list,
 /// an unknown name and a name that is given twice.
-std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std::string>& names);
+std::vector<std::size_t> indicesNamed(const World& world, const std::vector<std::string>& names,
+                                      const std::string& field = "names");
 
 /// Adds `count` copies of each of these bodies, with its velocity and properties. Copy k, from 1, is at k times
 /// `offset` (in W, m) from its original. A zero offset is upwards, so far that the balls around the originals

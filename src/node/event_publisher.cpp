@@ -17,6 +17,11 @@ bool contains(const std::vector<Warning>& warnings, const Warning& warning) {
   });
 }
 
+bool isEdited(const BodyDescription& before, const BodyDescription& now) {
+  return describe(before) != describe(now) || before.color != now.color || before.group != now.group ||
+         before.mask != now.mask || before.material.drag_coefficient != now.material.drag_coefficient;
+}
+
 }  // namespace
 
 EventPublisher::EventPublisher(ros::NodeHandle& node)
@@ -43,7 +48,11 @@ void EventPublisher::compareBodies(const Snapshot& before, const Snapshot& now) 
       send("spawned", body.name, describe(body));
       continue;
     }
-    if (describe(*old->second) != describe(body)) send("edited", body.name, describe(body));
+    if (old->second->name != body.name) {
+      send("edited", body.name, "renamed from '" + old->second->name + "'");
+    } else if (isEdited(*old->second, body)) {
+      send("edited", body.name, describe(body));
+    }
     gone.erase(old);
   }
   for (const auto& [id, body] : gone) send("deleted", body->name, "");

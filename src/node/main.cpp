@@ -17,6 +17,7 @@
 
 #include <ros/package.h>
 #include <ros/ros.h>
+#include <boost/filesystem.hpp>
 
 #include <algorithm>
 #include <cstdio>
@@ -98,6 +99,8 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
     options.state_file = rbs::Resume::usualFile(ros::this_node::getName());
   } else if (options.state_file[0] != '/') {
     parameters.refuse("state_file", options.state_file, "an absolute path, or none");
+  } else if (boost::system::error_code error; boost::filesystem::is_directory(options.state_file, error)) {
+    parameters.refuse("state_file", options.state_file, "a file: this is a folder");
   }
   parameters.check();
   return options;

@@ -29,7 +29,9 @@ std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Req
   Ray ray;
   ray.origin_W = X_WF.p_WB + X_WF.q_WB * finiteVector(fromMsg(request.origin), "origin");
   ray.direction_W = X_WF.q_WB * finiteVector(fromMsg(request.direction), "direction");
-  if (request.max_distance != 0.0) ray.max_distance = request.max_distance;
+  if (!(request.max_distance >= 0.0))
+    throw InvalidInput({{"max_distance", words(request.max_distance), "above 0 m, or 0: without end"}});
+  if (request.max_distance > 0.0) ray.max_distance = request.max_distance;
   for (const std::string& name : request.ignore) ray.ignore.push_back(idNamed(snapshot, name, "ignore"));
 
   std::vector<RayHit> hits;
@@ -54,8 +56,18 @@ std::string castRay(const Snapshot& snapshot, const rigid_body_sim::CastRay::Req
 
 std::string closestPoints(const Snapshot& snapshot, const rigid_body_sim::ClosestPoints::Request& request,
                           rigid_body_sim::ClosestPoints::Response& response) {
-  const ClosestPoints found = closestPoints(snapshot, idNamed(snapshot, request.body_a, "body_a"),
-                                            idNamed(snapshot, request.body_b, "body_b"));
+  std::vector<Problem> problems;
+  const auto named = [&](const std::string& name, const char* field) -> BodyId {
+    try {
+      return idNamed(snapshot, name, field);
+    } catch (const InvalidInput& refusal) {
+      problems.insert(problems.end(), refusal.problems().begin(), refusal.problems().end());
+      return {};
+    }
+  };
+  const BodyId a = named(request.body_a, "body_a"), b = named(request.body_b, "body_b");
+  if (!problems.empty()) throw InvalidInput(problems);
+  const ClosestPoints found = closestPoints(snapshot, a, b);
   response.distance = found.distance;
   response.point_a = toPoint(found.p_WA);
   response.point_b = toPoint(found.p_WB);

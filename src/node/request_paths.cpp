@@ -41,6 +41,7 @@ std::string yamlPath(const std::string& file) {
 
 void requireSceneName(const std::string& name_or_file) {
   const bool is_path = name_or_file.find('/') != std::string::npos || endsInYaml(name_or_file);
+  if (is_path && name_or_file[0] != '/') refuse(name_or_file, "a name of the catalogue, or an absolute path");
   if (is_path) requirePath(name_or_file);
 }
 

@@ -2,6 +2,7 @@
 #include "body_properties.h"
 
 #include "colors.h"
+#include "hinted_box.h"
 #include "wheel_guard.h"
 
 #include <QAbstractItemView>
@@ -54,7 +55,7 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
       form_(new QWidget),
       grid_(new QGridLayout(form_)),
       heading_(new QLabel),
-      kind_(new QComboBox),
+      kind_(new HintedBox),
       color_(new QToolButton) {
   setWidgetResizable(true);
   setFrameShape(QFrame::NoFrame);

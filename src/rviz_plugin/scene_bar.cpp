@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_bar.h"
 
+#include "hinted_box.h"
 #include "scene_list.h"
 #include "wheel_guard.h"
 
@@ -19,7 +20,7 @@ const QString kState = "state:";
 
 }  // namespace
 
-SceneBar::SceneBar(SimulatorClient& simulator) : simulator_(simulator), scenes_(new QComboBox) {
+SceneBar::SceneBar(SimulatorClient& simulator) : simulator_(simulator), scenes_(new HintedBox) {
   scenes_->setToolTip("Loads a scene of the catalogue");
   scenes_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   guardFromWheel(*scenes_);

@@ -15,7 +15,7 @@ import roslib.packages
 import rospy
 import rostest
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
-from rigid_body_sim.msg import BodyChange, BodySpec, BodyStates, Material, Status
+from rigid_body_sim.msg import BodyChange, BodySpec, BodyStates, Event, Material, Status
 from rigid_body_sim.srv import Step
 from std_msgs.msg import ColorRGBA
 
@@ -84,6 +84,26 @@ class ServicesTest(unittest.TestCase):
         self.assertEqual(top.description.material.friction, (0.0, ))
         self.assertEqual((top.pose.position.y, top.pose.position.z), (1.0, 2.0))
         self.assertEqual(top.twist.angular.z, 5.0)
+
+    def test_a_plane_is_spawned_through_the_origin_and_has_no_density(self):
+        message = call('spawn_body', shape='plane', is_static=True, name='pl').message
+        self.assertIn('through the origin', message)
+        self.assertNotIn('free place', message)
+        self.assertNotIn('density', message)
+
+    def test_an_event_tells_of_each_edit_of_a_body(self):
+        events = Listener('/sim/events', Event)
+        try:
+            for edit, text in [(dict(new_name='box'), "renamed from 'crate'"), (dict(mass=3.0), 'mass 3 kg'),
+                               (dict(color=ColorRGBA(1, 0, 0, 1)), ''), (dict(collision_mask=[7]), ''),
+                               (dict(material=Material(drag_coefficient=[0.3])), '')]:
+                name = 'crate' if 'new_name' in edit else 'box'
+                call('edit_bodies', changes=[BodyChange(name=name, **edit)])
+                wait(lambda: any(event.kind == 'edited' and event.body == 'box' and text in event.text for event in events.all()),
+                     'an event of %s' % edit)
+                events.clear()
+        finally:
+            events.subscriber.unregister()
 
     def test_every_shape_is_spawned_with_its_mass(self):
         for shape, size, volume in [
@@ -693,12 +713,17 @@ class ServicesTest(unittest.TestCase):
             (['direction', '[0, 0, 0]'], 'cast_ray', dict()),
             (['direction', 'nan'], 'cast_ray', dict(direction=v(NAN, 0, 0))),
             (['origin', 'inf'], 'cast_ray', dict(direction=v(1, 0, 0), origin=Point(INF, 0, 0))),
-            (['max_distance', '-1'], 'cast_ray', dict(direction=v(1, 0, 0), max_distance=-1.0)),
+            (['max_distance', '-1', '0: without end'], 'cast_ray', dict(direction=v(1, 0, 0), max_distance=-1.0)),
             (['max_distance', 'nan'], 'cast_ray', dict(direction=v(1, 0, 0), max_distance=NAN)),
             (['nobody'], 'cast_ray', dict(direction=v(1, 0, 0), frame_id='nobody')),
             (['cratee', 'crate'], 'cast_ray', dict(direction=v(1, 0, 0), ignore=['cratee'])),
             (['nobody'], 'closest_points', dict(body_a='nobody', body_b='crate')),
             (['name'], 'closest_points', dict(body_a='crate')),
+            (['body_a: empty', 'body_b: empty'], 'closest_points', dict()),
+            (['changes: empty'], 'edit_bodies', dict()),
+            (['bodies[1].frame_id', 'nope'], 'spawn_bodies', dict(bodies=[BodySpec(), BodySpec(frame_id='nope')])),
+            (['a name of the catalogue, or an absolute path'], 'load_scene', dict(name='tower.yaml')),
+            (['of a length of at most'], 'set_gravity', dict(gravity=v(8e6, 0, -8e6))),
             (['body_b', 'crate'], 'closest_points', dict(body_a='crate', body_b='crate')),
             (['body_b', 'plane'], 'closest_points', dict(body_a='floor', body_b='wall')),
             (['banana'], 'overlaps', dict(shape='banana')),

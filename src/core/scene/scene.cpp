@@ -34,7 +34,7 @@ class Faults {
   }
   void vector(const std::string& path, const Vec3& v, double longest, const std::string& unit) {
     if (!(v.norm() <= longest))
-      add(path, vectorText(v), "finite, at most " + numberText(longest) + " " + unit);
+      add(path, vectorText(v), "finite, of a length of at most " + numberText(longest) + " " + unit);
   }
   void within(const std::string& path, double x, const Range& range) {
     number(path, x, range.low, range.high, range.unit);

@@ -2,8 +2,8 @@
 """Runs a scene or a program many times: a file says what varies, how long a run is, and what is measured.
 
 It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
-done. Exit codes: 0 every run has a result, 1 could not go on or some runs have none, 2 bad arguments or a bad file, 130
-interrupted by Ctrl-C or SIGTERM (what is done is kept: --resume).
+done. Exit codes: 0 every run has a result, which may be that it failed, 1 could not go on or some runs have none, 2 bad
+arguments or a bad file, 130 interrupted by Ctrl-C or SIGTERM (what is done is kept: --resume).
 """
 import argparse
 import collections
