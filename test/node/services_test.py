@@ -94,6 +94,7 @@ class ServicesTest(unittest.TestCase):
     def test_an_event_tells_of_each_edit_of_a_body(self):
         events = Listener('/sim/events', Event)
         try:
+            wait(lambda: events.subscriber.get_num_connections() > 0, 'the simulator sends events')
             for edit, text in [(dict(new_name='box'), "renamed from 'crate'"), (dict(mass=3.0), 'mass 3 kg'),
                                (dict(color=ColorRGBA(1, 0, 0, 1)), ''), (dict(collision_mask=[7]), ''),
                                (dict(material=Material(drag_coefficient=[0.3])), '')]:
@@ -205,7 +206,7 @@ class ServicesTest(unittest.TestCase):
     def test_a_change_of_many_bodies_is_refused_as_a_whole(self):
         good = BodyChange(name='crate', mass=3.0)
         cases = [
-            (['names', 'at least one'], []),
+            (['changes', 'at least one'], []),
             (['unknown body', 'bal', 'ball'], [good, BodyChange(name='bal', mass=1.0)]),
             (['crate', 'each body once'], [good, good]),
             (["changes[1] ('ball')", 'nothing to change'], [good, BodyChange(name='ball')]),
