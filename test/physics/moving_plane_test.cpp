@@ -13,9 +13,13 @@
 namespace rbs {
 namespace {
 
+using test::advance;
 using test::body;
+using test::box;
 using test::emptySpace;
+using test::onFloor;
 using test::ordered;
+using test::stateOf;
 
 struct Case {
   Shape shape;
@@ -48,6 +52,24 @@ double deepest(Fidelity fidelity, const Case& c) {
     lowest = std::min(lowest, n.dot(X_B.p_WB - X_P.p_WB) - reach(c.shape, X_B.q_WB.conjugate() * -n));
   }
   return -lowest;
+}
+
+// Let go in a lift, a body falls onto its floor. What stops bodies at a plane took the plane where it would be a step later, and
+// they hung in the air above it.
+TEST(MovingPlane, FallsAreThoseOfAPlaneAtRest) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double speed : {-20.0, 0.7, 7.0, 20.0})
+      for (const double size : {0.02, 0.2}) {
+        SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+        scene.fidelity = fidelity;
+        scene.bodies[0].kind = BodyKind::Kinematic;
+        scene.bodies.push_back(box("box", Vec3::Constant(size), {0.0, 0.0, 2.5 * size}));
+        for (BodyDef& def : scene.bodies) def.twist.v_WB.z() = speed;
+        World world(ordered(scene));
+        advance(world, 2.0);
+        EXPECT_NEAR(stateOf(world, "box").pose.p_WB.z() - speed * world.time(), 0.5 * size, 0.03 * size)
+            << fidelityName(fidelity) << ", " << speed << " m/s, " << size << " m";
+      }
 }
 
 // Before the broad phase looked at the motion of planes, a plane of 3 rad/s passed through a body 20 m from

@@ -177,6 +177,37 @@ TEST(Rim, WhatRollsAtAFastSettingGainsNothing) {
         }
 }
 
+double massOfBody(const World& world) {
+  for (const BodyDescription& description : *world.bodies())
+    if (description.name == "body") return description.mass;
+  return 0.0;
+}
+
+// Nor on a floor that moves, in the frame of which it is all the same.
+TEST(Rim, WhatRollsOnAMovingFloorGainsNothing) {
+  for (const Fidelity fidelity : {Fidelity::Preview, Fidelity::Interactive})
+    for (const Vec3& v_W : {Vec3(0.3, 0.0, 0.0), Vec3(0.0, 0.0, -0.3)})
+      for (const Roller& roller : {cone(0.015, 0.015, 8.0), coin()}) {
+        SceneDef scene = sceneOf(roller, fidelity, 1.0 / 60.0, 0.8, Floor::Box);
+        scene.bodies[0].kind = BodyKind::Kinematic;
+        for (BodyDef& def : scene.bodies) def.twist.v_WB += v_W;
+        World world(ordered(scene));
+        const auto energySeen = [&] {
+          const BodyState state = stateOf(world, "body");
+          const Totals totals = world.totals();
+          const double mass = massOfBody(world);
+          const Vec3 v = state.twist.v_WB;
+          const double height = state.pose.p_WB.z() - v_W.z() * world.time();
+          return totals.kinetic_energy +
+                 mass * (0.5 * (v - v_W).squaredNorm() - 0.5 * v.squaredNorm() + kGravity * height);
+        };
+        const double first = energySeen();
+        while (world.time() < 20.0) world.step();
+        EXPECT_LE(energySeen() / first - 1.0, 1e-3)
+            << roller.name << ", " << fidelityName(fidelity) << ", " << v_W.transpose();
+      }
+}
+
 TEST(Rim, HalfTheStepQuartersTheError) {
   for (const Roller& roller : {eulersDisc(), coin()}) {
     const double whole = drift(roller, Fidelity::Reference, 1.0 / 240.0),

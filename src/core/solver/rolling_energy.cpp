@@ -9,24 +9,36 @@ namespace rbs {
 
 namespace {
 
+// Sine of the angle between a normal and the axis of a cylinder or cone up to which it is that of a base.
+constexpr double kBase = 1e-3;
+
 // Whether a body of revolution rolls on another that is flat there.
-bool rollsOn(const Context& context, const SolverBody& roller, const SolverBody& base) {
-  const std::vector<Traits>& traits = context.scene.bodies.traits;
-  const Traits& round = traits[roller.body];
-  return roller.inv_mass > 0.0 && round.revolved && !round.round && !traits[base.body].revolved;
+bool rollsOn(const Context& context, const SolverBody& roller, const SolverBody& base, const Vec3& n_W) {
+  const Bodies& bodies = context.scene.bodies;
+  const Traits &round = bodies.traits[roller.body], &under = bodies.traits[base.body];
+  if (roller.inv_mass == 0.0 || !round.revolved || round.round || under.round) return false;
+  return !under.revolved || (under.edged && bodies.axis_W(base.body).cross(n_W).norm() <= kBase);
 }
 
-// What the points of a block have done to one of its bodies since the start, at most, J.
-double workOn(const Context& context, const SolverContacts& contacts, const SolverBlock& block, bool on_j) {
+// Kinetic energy of a body as seen by one that moves at U, J.
+double energySeen(const Context& context, SolverBody s, const Vec3& U_W) {
+  s.v -= U_W;
+  return kineticEnergy(context, s);
+}
+
+// What the points of a block have done to one of its bodies since the start, at most, as seen by one that moves at U, J.
+double workOn(const Context& context, const SolverContacts& contacts, const SolverBlock& block, bool on_j,
+              const Vec3& U_W) {
   const SolverBody& other = contacts.bodies[on_j ? block.i : block.j];
-  if (other.still) return 0.0;
+  if (other.still && U_W.isZero(0.0)) return 0.0;
   const Twist& before = context.scene.bodies.twist[other.body];
   double work = 0.0;
   for (int k = block.first; k < block.first + block.size; ++k) {
     const SolverPoint& point = contacts.points[k];
     const Vec3 p_W = (on_j ? 1.0 : -1.0) * SolverContacts::impulseOf(block, point);
     const Vec3& r = on_j ? point.r_i : point.r_j;
-    work += std::max({0.0, p_W.dot(before.v_WB + before.w_WB.cross(r)), p_W.dot(other.v + other.w.cross(r))});
+    const Vec3 u_0 = before.v_WB + before.w_WB.cross(r) - U_W, u = other.v + other.w.cross(r) - U_W;
+    work += std::max({0.0, p_W.dot(u_0), p_W.dot(u)});
   }
   return work;
 }
@@ -36,9 +48,17 @@ double workOn(const Context& context, const SolverContacts& contacts, const Solv
 void RollingEnergy::find(const Context& context, const SolverContacts& contacts) {
   for (const SolverBlock& block : contacts.blocks) {
     if (!block.rolls || block.pair.mu == 0.0) continue;
-    for (const auto& [roller, base] : {std::pair(block.i, block.j), std::pair(block.j, block.i)})
-      if (rollsOn(context, contacts.bodies[roller], contacts.bodies[base]))
-        rollers_.push_back({roller, kineticEnergy(context, contacts.bodies[roller])});
+    for (const bool on_j : {false, true}) {
+      const SolverBody& roller = contacts.bodies[on_j ? block.j : block.i];
+      const SolverBody& base = contacts.bodies[on_j ? block.i : block.j];
+      if (!rollsOn(context, roller, base, block.n)) continue;
+      Vec3 U_W = base.v;
+      if (block.size > 0) {
+        const SolverPoint& point = contacts.points[block.first];
+        U_W += base.w.cross(on_j ? point.r_i : point.r_j);
+      }
+      rollers_.push_back({on_j ? block.j : block.i, energySeen(context, roller, U_W), U_W});
+    }
   }
   std::sort(rollers_.begin(), rollers_.end(),
             [](const Roller& a, const Roller& b) { return a.body < b.body; });
@@ -46,22 +66,25 @@ void RollingEnergy::find(const Context& context, const SolverContacts& contacts)
   rollers_.erase(std::unique(rollers_.begin(), rollers_.end(), same), rollers_.end());
 }
 
-void RollingEnergy::apply(const Context& context, SolverContacts& contacts) const {
+void RollingEnergy::apply(const Context& context, double seconds, SolverContacts& contacts) const {
   if (rollers_.empty()) return;
   std::vector<double> most;
-  for (const Roller& roller : rollers_)
-    most.push_back(roller.energy + loadWork(context, contacts.bodies[roller.body]));
+  for (const Roller& roller : rollers_) {
+    const SolverBody& s = contacts.bodies[roller.body];
+    const double of_frame = seconds * context.step.load[s.body].a_W.dot(roller.U_W) / s.inv_mass;
+    most.push_back(roller.energy + loadWork(context, s) - of_frame);
+  }
   for (const SolverBlock& block : contacts.blocks) {
     for (const bool on_j : {false, true}) {
       const auto roller = std::lower_bound(rollers_.begin(), rollers_.end(), on_j ? block.j : block.i,
                                            [](const Roller& a, Index body) { return a.body < body; });
       if (roller != rollers_.end() && roller->body == (on_j ? block.j : block.i))
-        most[roller - rollers_.begin()] += workOn(context, contacts, block, on_j);
+        most[roller - rollers_.begin()] += workOn(context, contacts, block, on_j, roller->U_W);
     }
   }
   for (std::size_t k = 0; k < rollers_.size(); ++k) {
     SolverBody& s = contacts.bodies[rollers_[k].body];
-    const double gained = kineticEnergy(context, s) - most[k];
+    const double gained = energySeen(context, s, rollers_[k].U_W) - most[k];
     if (gained > 0.0) s.w *= std::sqrt(std::max(0.0, 1.0 - gained / spinEnergy(context, s, s.w)));
   }
 }

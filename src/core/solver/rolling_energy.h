@@ -7,8 +7,9 @@
 // 1 to 2 % of their energy a second, for ever. A coin on its rim did likewise.
 //
 // So a body that rolls there ends the step with the kinetic energy T that it had, the work of its load, and what moving
-// bodies did to it by the impulses p of its contacts, with u the velocity of the other body where they touch:
-//   T <= T_0 + a.dx m + M.dphi + sum max(p.u_0, p.u, 0).
+// bodies did to it by the impulses p of its contacts, all as seen by one that moves at the velocity U with which what it
+// rolls on began the step: a floor that moves steadily gives nothing. With u the velocity of another body where they touch,
+//   T <= T_0 + m a.(dx - U h) + M.dphi + sum max(p.(u_0 - U), p.(u - U), 0).
 // What is too much is taken from its spin, so that impulses and momentum stay in balance; friction slows its centre.
 //
 // What rocks on a round surface is left alone: the energy of a step of first order goes up in one half of a swing by
@@ -25,13 +26,14 @@ class RollingEnergy {
  public:
   /// Finds the bodies that roll on a flat surface, and takes their energies.
   void find(const Context& context, const SolverContacts& contacts);
-  /// Slows the spin of those that have gained.
-  void apply(const Context& context, SolverContacts& contacts) const;
+  /// Slows the spin of those that have gained, `seconds` later.
+  void apply(const Context& context, double seconds, SolverContacts& contacts) const;
 
  private:
   struct Roller {
     Index body;     // in SolverContacts::bodies
-    double energy;  // kinetic, at the start, J
+    double energy;  // kinetic, at the start, as seen by what it rolls on, J
+    Vec3 U_W;       // velocity of that at the start, m/s
   };
   std::vector<Roller> rollers_;  // by body, ascending
 };

@@ -142,7 +142,7 @@ class SoftStep : public InnerRows {
     if constexpr (built::restitution)
       if (context_.scene.effects[Effect::Restitution]) restitution_.apply(context_, contacts_);
     energy_.apply(context_, contacts_);
-    rolling_.apply(context_, contacts_);
+    rolling_.apply(context_, dt_, contacts_);
   }
   void store() { contacts_.store(h_, h_full_); }
 

@@ -151,10 +151,10 @@ void liftAbovePlane(Context& context, Index plane, Index i) {
   Bodies& bodies = context.scene.bodies;
   const StepStore& step = context.step;
   const Traits& body = bodies.traits[i];
-  const Pose X_WP = step.poseAt(bodies, plane, step.t1);
+  const Pose& X_WP = bodies.pose[plane];  // at the end of the step, as that of every kinematic body
   const double most = kThroughPlane * body.length, below = depthBelow(body, bodies.pose[i], X_WP);
   if (below <= most) return;
-  const double before = depthBelow(body, step.before[i], step.poseAt(bodies, plane, step.t0));
+  const double before = depthBelow(body, step.before[i], step.before[plane]);
   const double lift = below - std::max(most, before);
   if (lift <= 0.0) return;
   const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
