@@ -17,6 +17,7 @@ bool rollsOn(const Context& context, const SolverBody& roller, const SolverBody&
   const Bodies& bodies = context.scene.bodies;
   const Traits &round = bodies.traits[roller.body], &under = bodies.traits[base.body];
   if (roller.inv_mass == 0.0 || !round.revolved || round.round || under.round) return false;
+  if (roller.inv_inertia_W.isZero(0.0)) return false;  // nothing changes its spin
   return !under.revolved || (under.edged && bodies.axis_W(base.body).cross(n_W).norm() <= kBase);
 }
 
