@@ -61,7 +61,7 @@ System::System(const CoulombProblem& problem) {
         L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
     if (!body.turns) free_.col(k).tail<3>().setZero();
   }
-  // The spin of a body that does not turn is part of what biases its points.
+  // The spin of a body that does not turn is part of the bias of its points.
   const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
                               Vec3& bias) {
     const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
