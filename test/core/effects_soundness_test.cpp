@@ -192,7 +192,7 @@ Measure rounding(const SceneDef& scene) {
       difference, [open](SceneDef def, SplitMix64& random) { return nudged(std::move(def), open, random); }};
 }
 
-// The last seeds failed where no other of 14,000 did: see early_meetings.cpp, impacts::isFree() and withUnforeseen().
+// The last seeds failed where no other of 14,000 did: see early_impacts.cpp, impacts::isFree() and withUnforeseen().
 TEST(Soundness, WhatDetectionLeavesOutDoesNotMatter) {
   std::vector<std::uint64_t> seeds(kScenes);
   std::iota(seeds.begin(), seeds.end(), 1u);

@@ -202,7 +202,7 @@ TEST_P(ExactRolling, ASpinningMarbleStopsAtTheRightInstant) {
   EXPECT_LE(stateOf(world, "marble").pose.q_WB.angularDistance(turned), tolerance() * w * w / rate);
 }
 
-// A marble falls on four and biases them apart: no closed form, but every solve obeys the law.
+// A marble falls on four and drives them apart: no closed form, but every solve obeys the law.
 TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.fidelity = GetParam();

@@ -119,7 +119,7 @@ TEST(Standing, TwoPlanksThatLean) {
 }
 
 // A light ball under a block of a ton rolls out from under it as the block tips: no faster than the block's
-// fall by the ball's diameter could bias it, with a gear of two.
+// fall by the ball's diameter could drive it, with a gear of two.
 TEST(Standing, ALightBallUnderAHeavyBlockIsNotSquirtedOut) {
   for (const auto& [mass, offset, radius] : {std::tuple(0.1, 0.05, 0.1), std::tuple(0.1, 0.2, 0.05),
                                              std::tuple(0.01, 0.1, 0.1), std::tuple(1.0, 0.3, 0.1)}) {

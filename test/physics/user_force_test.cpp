@@ -146,7 +146,7 @@ TEST_P(UserForce, WithoutGravityItStopsTurning) {
   }
 }
 
-// What damps cannot bias: the energy of turning never grows where nothing else acts, however fast it turns.
+// What damps cannot drive: the energy of turning never grows where nothing else acts, however fast it turns.
 TEST_P(UserForce, ItNeverSpinsABodyUp) {
   for (const double speed : {1.0, 1e3}) {
     for (const Held& what : heldBodies()) {
