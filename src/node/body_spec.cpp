@@ -60,7 +60,7 @@ Vec3 finiteIn(const geometry_msgs::Vector3& v, const std::string& path) {
   return finiteVector(fromMsg(v), path);
 }
 
-/// The frame of one body of several is told with its place in the request.
+/// The frame of a body. A refusal names its place in a request for several bodies.
 Pose frameOf(const Spec& spec, const World& world, const std::string& path) {
   try {
     return frameNamed(world, spec.frame_id);

@@ -48,11 +48,8 @@ void EventPublisher::compareBodies(const Snapshot& before, const Snapshot& now) 
       send("spawned", body.name, describe(body));
       continue;
     }
-    if (old->second->name != body.name) {
-      send("edited", body.name, "renamed from '" + old->second->name + "'");
-    } else if (isEdited(*old->second, body)) {
-      send("edited", body.name, describe(body));
-    }
+    if (old->second->name != body.name) send("edited", body.name, "renamed from '" + old->second->name + "'");
+    if (isEdited(*old->second, body)) send("edited", body.name, describe(body));
     gone.erase(old);
   }
   for (const auto& [id, body] : gone) send("deleted", body->name, "");

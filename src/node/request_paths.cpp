@@ -19,21 +19,22 @@ bool endsInYaml(const std::string& file) {
   return ending == kEnding || ending == ".yml";
 }
 
-[[noreturn]] void refuse(const std::string& file, const std::string& allowed) {
-  throw InvalidInput({{"file", quoted(file, kLongestPath), allowed}});
+[[noreturn]] void refuse(const char* field, const std::string& value, const std::string& allowed) {
+  throw InvalidInput({{field, quoted(value, kLongestPath), allowed}});
 }
 
-void requirePath(const std::string& file) {
-  if (file.empty() || file[0] != '/') refuse(file, "an absolute path");
-  if (printable(file, std::string::npos) != file) refuse(file, "a path in UTF-8 without control characters");
+void requirePath(const char* field, const std::string& path, const char* allowed) {
+  if (path.empty() || path[0] != '/') refuse(field, path, allowed);
+  if (printable(path, std::string::npos) != path)
+    refuse(field, path, "a path in UTF-8 without control characters");
 }
 
 }  // namespace
 
 std::string yamlPath(const std::string& file) {
-  requirePath(file);
+  requirePath("file", file, "an absolute path");
   std::error_code error;
-  if (file.back() == '/' || fs::is_directory(file, error)) refuse(file, "a file: this is a folder");
+  if (file.back() == '/' || fs::is_directory(file, error)) refuse("file", file, "a file: this is a folder");
   const std::string path = endsInYaml(file) ? file : file + kEnding;
   requireAccess(path, "file");
   return path;
@@ -41,8 +42,7 @@ std::string yamlPath(const std::string& file) {
 
 void requireSceneName(const std::string& name_or_file) {
   const bool is_path = name_or_file.find('/') != std::string::npos || endsInYaml(name_or_file);
-  if (is_path && name_or_file[0] != '/') refuse(name_or_file, "a name of the catalogue, or an absolute path");
-  if (is_path) requirePath(name_or_file);
+  if (is_path) requirePath("name", name_or_file, "a name of the catalogue, or an absolute path");
 }
 
 }  // namespace rbs

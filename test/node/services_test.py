@@ -723,7 +723,7 @@ class ServicesTest(unittest.TestCase):
             (['body_a: empty', 'body_b: empty'], 'closest_points', dict()),
             (['changes: empty'], 'edit_bodies', dict()),
             (['bodies[1].frame_id', 'nope'], 'spawn_bodies', dict(bodies=[BodySpec(), BodySpec(frame_id='nope')])),
-            (['a name of the catalogue, or an absolute path'], 'load_scene', dict(name='tower.yaml')),
+            (['name: ', 'a name of the catalogue, or an absolute path'], 'load_scene', dict(name='tower.yaml')),
             (['of a length of at most'], 'set_gravity', dict(gravity=v(8e6, 0, -8e6))),
             (['body_b', 'crate'], 'closest_points', dict(body_a='crate', body_b='crate')),
             (['body_b', 'plane'], 'closest_points', dict(body_a='floor', body_b='wall')),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
 //
-// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A torque has
+// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A torque constraint has
 // one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
 // already.
 //

@@ -6,7 +6,7 @@
 // there is friction, the two vectors of its barrier (friction_barrier.h):
 //   r_n >= 0,  u_n >= 0,  r_n u_n = 0;   b = (r_T, mu r_n),  h = (u_T, a),  b o h = 0.
 // De Saxce's shift is eliminated with the free speed a: what ties the pairs is that mu r_n is both the
-// limit of friction and the first impulse, and that stays within Newton's matrix below. A torque has the
+// limit of friction and the first impulse, and that stays within Newton's matrix below. A torque constraint has the
 // second pair alone, once for rolling and once for spinning, with the sum N of the normal impulses of its
 // points for r_n. Where a factor of friction is 0, or the direction of slip is prescribed, there is no pair.
 //

@@ -10,7 +10,7 @@
 //   r' = P_K(r - rho v),   w' = v + (r' - r)/rho,
 // a = 1.6 being over-relaxation, and s is taken anew from y. The matrix changes with rho only, and rho only
 // where the residuals of the two equations, J y + bias + s - w and rho (w' - w), are far from equal (Boyd et
-// al. 2011, 3.4.1). A torque has for K its disc of rolling and its interval of spinning under the normal
+// al. 2011, 3.4.1). A torque constraint has for K its disc of rolling and its interval of spinning under the normal
 // impulses that its points have just got, and no shift. That it converges for Coulomb's problem, where s and
 // these bounds move, is not a theorem.
 #include "coulomb/coulomb_solvers.h"

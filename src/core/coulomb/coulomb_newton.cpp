@@ -18,7 +18,7 @@
 // where they are slow. Newton's steps want it small as long as points still change their state: a round that
 // ends in steps cut short has asked for too much, and from then on it grows with more care.
 //
-// A torque's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
+// A torque constraint's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
 // block, the column g of it by N, and N changes by -D_nn J_n of each of its points.
 //
 // u_r is summed in long double. It is all that rho multiplies which is not itself as small as the error, so

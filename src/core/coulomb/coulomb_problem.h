@@ -11,7 +11,7 @@
 // Nothing else is relaxed: no pyramid, no dilation (u_n = mu |u_T| at sliding points), no softness.
 //
 // A pair may also resist rolling and spinning. With the sum N of the normal impulses of its points, the
-// torque L (an impulse of torque) that it puts on j, its length R, and the angular velocity w of j against i,
+// angular impulse L that it puts on j, its length R, and the angular velocity w of j against i,
 //   |L_T| <= c R N,  against w_T;   |L_n| <= s R N,  against w_n
 // in the same sense: each does what ends the turning, or dissipates all it can.
 #pragma once

@@ -145,7 +145,7 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 //   dissipation  |response r_T - P(response r_T - u_T)|, P onto the disc of radius response mu r_n.
 // Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
 // the same in speed, and both are within what is returned. The third is zero where and only where friction
-// lies on the cone against sliding, or sliding is zero, given the second. A torque has the last two, of its
+// lies on the cone against sliding, or sliding is zero, given the second. A torque constraint has the last two, of its
 // rolling and of its spinning, whichever is worse.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body

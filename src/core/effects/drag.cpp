@@ -4,11 +4,11 @@
 // A sphere of radius R moving at u = v - v_air feels F = -(rho C A/2) |u| u with A = pi R².
 //
 // A capsule, cylinder, cone or hull is taken like a sphere, with a quarter of its surface for A: that is the
-// mean of the projected areas of a convex body over all directions (A. Cauchy, 1832). It feels no couple.
+// mean of the projected areas of a convex body over all directions (A. Cauchy, 1832). It feels no torque.
 //
 // A box is felt by its faces. A surface element dA with outward normal n that moves at u through the air and
 // faces it (n.u > 0) sweeps up the air in its way: dF = -(rho C/2) (n.u) u dA. Summed over a box that does
-// not spin this is the drag of its projected area, and no torque: the couple of face k is its area times
+// not spin this is the drag of its projected area, and no torque: the torque of face k is its area times
 // half its extent times (n_k.u) n_k x u, area times extent is the volume for each of them, and the sum of
 // (n_k.u) n_k over the windward faces is u itself, so that u x u is left. A box that spins has elements of
 // different velocity; each face is taken at its 2 x 2 Gauss points, which gives the damping of the spin and

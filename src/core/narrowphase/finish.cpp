@@ -299,8 +299,8 @@ bool underDisc(const Feature& disc, const Feature& other, const Vec3& n_other, V
 
 }  // namespace
 
-FeaturePair featurePairOf(const Feature& a, const Feature& b, const Vec3& start, Seek seek) {
-  FeaturePair found;
+FeatureContact featureContactOf(const Feature& a, const Feature& b, const Vec3& start, Seek seek) {
+  FeatureContact found;
   AtRim of_a, of_b;
   if (seek == Seek::Stationary) {
     if (isEdge(a) && isRimAlong(b, start)) of_b = edgeAtRim(a, b, -start);

@@ -42,7 +42,7 @@ struct Feature {
 
 /// A direction, and points of the two shapes, as many of each, that span what is nearest along it; 0 if
 /// unknown. `margin` is that of Finished.
-struct FeaturePair {
+struct FeatureContact {
   Vec3 n;
   int size = 0;
   std::array<Vec3, 4> on_a, on_b;
@@ -55,7 +55,7 @@ struct FeaturePair {
 
 /// The refined unit direction near n for two features (both in one frame, their normals outward); n itself
 /// where none is found.
-FeaturePair featurePairOf(const Feature& a, const Feature& b, const Vec3& n, Seek seek);
+FeatureContact featureContactOf(const Feature& a, const Feature& b, const Vec3& n, Seek seek);
 
 /// The features of a core that may be closest to another shape in the direction d, judged by d and by support
 /// points found nearby, all in the core's frame. At most two; the first is the likelier one.
@@ -92,7 +92,7 @@ class Finish {
     const Vec3 d_B = X_AB_.R_AB.transpose() * -n;
     const Features of_a = featuresNear(a_, n, &SupportPoint::a, points, size);
     Features of_b = featuresNear(b_, d_B, &SupportPoint::b_B, points, size);
-    FeaturePair best;
+    FeatureContact best;
     std::array<Vec3, 3> corners_B;
     best.n = n;
     double most = 0.0;
@@ -103,7 +103,7 @@ class Finish {
       b.axis = X_AB_.R_AB * b.axis;
       b.pin_axis = X_AB_.R_AB * b.pin_axis;
       for (int i = 0; i < of_a.size; ++i) {
-        const FeaturePair found = featurePairOf(of_a.of[i], b, n, seek);
+        const FeatureContact found = featureContactOf(of_a.of[i], b, n, seek);
         if (seek != Seek::Stationary) {
           if (best.size == 0) best = found, corners_B = own_corners;
           continue;

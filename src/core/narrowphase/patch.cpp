@@ -46,7 +46,7 @@ struct Corner {
 };
 
 // Forty bits or so are mixed into thirty-two; two corners of a patch that share a name would only mix up
-// the first estimate of their forces.
+// the warm start of their forces.
 std::uint32_t nameOf(std::uint64_t key) {
   key *= 0x9E3779B97F4A7C15u;
   key ^= key >> 32;

@@ -12,12 +12,15 @@ namespace rbs {
 
 namespace {
 
-// The projection on the span of directions of which m is the sum of d d^T. Two that are at an angle below 1e-3 are one.
+// Ratio of eigenvalues below which directions count as one: that of two at an angle a is tan(a/2)^2, 2e-3 rad here.
+constexpr double kOneDirection = 1e-6;
+
+// The projection on the span of directions of which m is the sum of d d^T.
 Mat3 projectionOn(const Mat3& m) {
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(m);
   Mat3 projection = Mat3::Zero();
   for (int k = 0; k < 3; ++k)
-    if (axes.eigenvalues()[k] > 1e-6 * axes.eigenvalues()[2])
+    if (axes.eigenvalues()[k] > kOneDirection * axes.eigenvalues()[2])
       projection += axes.eigenvectors().col(k) * axes.eigenvectors().col(k).transpose();
   return projection;
 }
@@ -37,6 +40,7 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
   for (const SolverBody& s : contacts.bodies)
     if (s.inv_mass > 0.0 && step.isCrowded(s.body)) found.push_back(step.island[s.body]);
   islands_.begin(context, contacts, std::move(found));
+  if (islands_.empty()) return;
   pushed_.assign(islands_.size(), Mat3::Zero());
   for (const SolverBlock& block : contacts.blocks) {
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];

@@ -178,6 +178,7 @@ bool Stepper::correctOverlaps() {
   // The projection on the spins that contacts with such friction can change.
   const auto turnable = [&](Index slot, double mu) -> Mat3 {
     const Index body = island_.indices()[slot];
+    if (!before[slot].turns) return Mat3::Zero();
     if (mu > 0.0) return Mat3::Identity();
     if (context_.scene.bodies.traits[body].round) return Mat3::Zero();
     const Vec3 axis_W = context_.scene.bodies.axis_W(body);
@@ -190,7 +191,7 @@ bool Stepper::correctOverlaps() {
     const Vec3 slip_W = before[law.j].v - before[law.i].v, half_W = 0.5 * shift_W.cross(slip_W);
     CoulombBody &i = bodies[law.i], &j = bodies[law.j];
     const double most = slip_W.squaredNorm() / (1.0 / i.mass + 1.0 / j.mass);
-    if (touching_.law[k].mu > 0.0) {
+    if (touching_.law[k].mu > 0.0 && i.turns && j.turns) {
       const Vec3 turn_i_W = i.inertia_W.llt().solve(half_W), turn_j_W = j.inertia_W.llt().solve(half_W);
       if (half_W.dot(turn_i_W) + half_W.dot(turn_j_W) <= most) {
         i.w -= turn_i_W, j.w -= turn_j_W;
@@ -323,29 +324,29 @@ bool Stepper::areAsExpected(const Touching& touching, const std::vector<CoulombP
 
 // How much of what a solve has mended is to be expected of the next kicks as well: 1 where bodies move. Near
 // rest a solve mends two things: what the forces expected are wrong by, and what earlier kicks have left, of
-// speed or of a gap, because their guesses were right enough to pass. Were all of it expected again, the next
+// speed or of a gap, because their warm starts were right enough to pass. Were all of it expected again, the next
 // kick would overdo it, and the one after that undo it, for ever; were none, forces that are a little wrong
 // would have to be mended for ever. With u the velocities of the points that push, along their normals and,
-// where they stick, across, at the start of the kick, as guessed, and as solved, the forces are wrong by what
+// where they stick, across, at the start of the kick, by the warm start, and as solved, the forces are wrong by what
 // the warm start did to them, and all is mended that the solve does to it:
-//   share = sum (u_guess - u_start).(u_guess - u_solved) / sum |u_guess - u_solved|^2,
+//   share = sum (u_warm - u_start).(u_warm - u_solved) / sum |u_warm - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
 double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
                              const std::vector<CoulombPoint>& laws, double seconds,
                              const CoulombBodies& start, const CoulombBodies& solved) const {
   if (!areAsExpected(touching, laws, seconds)) return 1.0;
   if (result.solver == CoulombSolver::WarmStart) return 0.0;
-  CoulombBodies guessed = solved;
+  CoulombBodies warm = solved;
   for (std::size_t k = 0; k < laws.size(); ++k)
-    push(guessed, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
+    push(warm, laws[k], seconds * touching.points[k].force_W - laws[k].frame * laws[k].impulse);
   double wrong = 0.0, mended = 0.0;
   for (const CoulombPoint& law : laws) {
     if (!(law.impulse[2] > 0.0)) continue;
     const double sticks = isWithinCone(law.impulse, law.mu) ? 1.0 : 0.0;
     const Vec3 seen(sticks, sticks, 1.0);
-    const Vec3 u_guess = velocityAt(guessed, law).cwiseProduct(seen);
-    const Vec3 mend = u_guess - velocityAt(solved, law).cwiseProduct(seen);
-    wrong += mend.dot(u_guess - velocityAt(start, law).cwiseProduct(seen));
+    const Vec3 u_warm = velocityAt(warm, law).cwiseProduct(seen);
+    const Vec3 mend = u_warm - velocityAt(solved, law).cwiseProduct(seen);
+    wrong += mend.dot(u_warm - velocityAt(start, law).cwiseProduct(seen));
     mended += mend.squaredNorm();
   }
   return mended > 0.0 ? std::clamp(wrong / mended, 0.0, 1.0) : 0.0;

@@ -9,7 +9,7 @@
 //   k = m a / (kOwnWeight L).
 // The impulse of half a segment is that force at its end, r = tau/2 k (d - tau u_n), or
 //   u_n + g r - d / tau = 0,   g = 2 / (k tau^2),
-// which is what CoulombPoint takes: g for `give`, and -d / tau for a bias. In the kick at the end of the drift the same is a
+// which is what CoulombPoint takes: g for `give`, and -d / tau for its bias. In the kick at the end of the drift the same is a
 // spring with a strong damper. Only points on what forces do not move give way: what is between two bodies of a squeezed stack
 // follows from these.
 #include "solver/exact_stepper.h"

@@ -46,10 +46,10 @@ namespace rbs::exact_step {
 namespace {
 
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
-constexpr double kSlip = 1e-7, kSlipOverAim = 10.0;
+constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
 // rest to rounding needs no solve in the next step.
-constexpr double kLoneAim = 1e-12;
+constexpr double kLoneTolerance = 1e-12;
 // |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
@@ -112,12 +112,12 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
     slots_.set(island_.indices()[k], static_cast<Index>(k));
   const SolverSettings& settings = context.step.solver;
   tolerance_ = settings.tolerance;
-  wanted_tolerance_ = island_.indices().size() == 1 ? std::min(settings.wanted_tolerance, kLoneAim)
+  wanted_tolerance_ = island_.indices().size() == 1 ? std::min(settings.wanted_tolerance, kLoneTolerance)
                                                     : settings.wanted_tolerance;
   corrections_ = std::max(settings.corrections, isCarriedRound(context, active_) ? 1 : 0);
   cuts_ = settings.cuts;
   promoted_ = settings.promotes;
-  slow_ = std::max(kSlip, kSlipOverAim * wanted_tolerance_) * island_.loadSpeed();
+  slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
 }
 
 Touching Stepper::find(double time, const LastNormals& last) {
@@ -198,12 +198,12 @@ std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double t
     point.p_W = 0.5 * (p_i + p_j), point.gap = n_W.dot(p_j - p_i);
     point.force_W.setZero(), point.impulse_W.setZero();
     // One place for both keeps the angular momentum of the two. But the two places part as the bodies slip, and without
-    // friction nothing may turn a ball: there it is the place on the ball.
-    Vec3 at_W = point.p_W;
-    if (law.mu == 0.0 && bodies.traits[contact.i].round) at_W = p_i;
-    if (law.mu == 0.0 && bodies.traits[contact.j].round) at_W = p_j;
+    // friction nothing may turn a ball: there it is the place on the ball, and of two balls the place on each.
+    const bool round_i = law.mu == 0.0 && bodies.traits[contact.i].round;
+    const bool round_j = law.mu == 0.0 && bodies.traits[contact.j].round;
+    const Vec3 at_W = round_i ? p_i : round_j ? p_j : point.p_W;
     law.r_i = at_W - step_.poseAt(bodies, contact.i, now_).p_WB;
-    law.r_j = at_W - step_.poseAt(bodies, contact.j, now_).p_WB;
+    law.r_j = (round_j ? p_j : at_W) - step_.poseAt(bodies, contact.j, now_).p_WB;
     if (law.i == kNone || law.j == kNone) law.axis_W = bodies.axis_W(law.i == kNone ? contact.j : contact.i);
     law.impulse.setZero(), law.slide.setZero();
     all->add(point, law);

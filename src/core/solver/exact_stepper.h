@@ -54,7 +54,7 @@ class Stepper : public InnerRows {
  private:
   static constexpr int kMostHalvings = 8;  // of a segment
 
-  // How fast closed points slide, and torques turn, in their frames; zero where they do not.
+  // How fast closed points slide, and the pairs of torque constraints turn, in their frames; zero where they do not.
   struct Slip {
     std::vector<Vec2> points;
     std::vector<Vec3> torques;

@@ -15,7 +15,7 @@ constexpr int kMostStops = 2;
 
 }  // namespace
 
-// What a torque resists of how its pair turns; zero where it does not turn, or nothing resists.
+// What a torque constraint resists of how its pair turns; zero where it does not turn, or nothing resists.
 Vec3 Stepper::turningOf(const CoulombBodies& bodies, const TorqueConstraint& torque) const {
   Vec3 u = turningAt(bodies, torque);
   if (torque.roll == 0.0 || u.head<2>().norm() <= slow_) u.head<2>().setZero();

@@ -24,11 +24,11 @@ class Flight : public InnerRows {
     [[maybe_unused]] const bool in_air = !context_.step.airless.empty();
     for (const Index i : batch_.bodies) {
       const Load& load = context_.step.load[i];
-      std::optional<FlightEnd> trajectory;
+      std::optional<FlightEnd> end;
       if constexpr (built::drag)
-        if (in_air) trajectory = drag::fly(context_, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, seconds_);
+        if (in_air) end = drag::fly(context_, i, bodies.pose[i].p_WB, bodies.twist[i].v_WB, seconds_);
       fly(bodies.pose[i], bodies.twist[i], bodies.inertia[i], load.a_W, load.torque_W, seconds_);
-      if (trajectory) bodies.pose[i].p_WB = trajectory->p_WB, bodies.twist[i].v_WB = trajectory->v_WB;
+      if (end) bodies.pose[i].p_WB = end->p_WB, bodies.twist[i].v_WB = end->v_WB;
     }
   }
 

@@ -14,7 +14,7 @@ using CoulombBodies = std::vector<CoulombBody>;
 /// Velocity of j against i at a point, in its frame, its bias included, m/s.
 Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law);
 
-/// Angular velocity of j against i times the torque's length, in its frame, its bias included, m/s.
+/// Angular velocity of j against i times the length of the torque constraint, in its frame, its bias included, m/s.
 Vec3 turningAt(const CoulombBodies& bodies, const TorqueConstraint& torque);
 
 struct BodyMotion {

@@ -33,14 +33,17 @@ double workOn(const Context& context, const SolverContacts& contacts, const Solv
   const SolverBody& other = contacts.bodies[on_j ? block.i : block.j];
   if (other.still && U_W.isZero(0.0)) return 0.0;
   const Twist& before = context.scene.bodies.twist[other.body];
-  double work = 0.0;
-  for (int k = block.first; k < block.first + block.size; ++k) {
-    const SolverPoint& point = contacts.points[k];
-    const Vec3 p_W = (on_j ? 1.0 : -1.0) * SolverContacts::impulseOf(block, point);
-    const Vec3& r = on_j ? point.r_i : point.r_j;
+  const auto given = [&](const Vec3& impulse_W, const SolverPoint& at) {
+    const Vec3 p_W = on_j ? impulse_W : Vec3(-impulse_W);
+    const Vec3& r = on_j ? at.r_i : at.r_j;
     const Vec3 u_0 = before.v_WB + before.w_WB.cross(r) - U_W, u = other.v + other.w.cross(r) - U_W;
-    work += std::max({0.0, p_W.dot(u_0), p_W.dot(u)});
-  }
+    return std::max({0.0, p_W.dot(u_0), p_W.dot(u)});
+  };
+  double work = 0.0;
+  for (int k = block.first; k < block.first + block.size; ++k)
+    work += given(SolverContacts::impulseOf(block, contacts.points[k]), contacts.points[k]);
+  // Points that have opened count where the first one is that has not.
+  if (block.size > 0) work += given(block.opened_W, contacts.points[block.first]);
   return work;
 }
 

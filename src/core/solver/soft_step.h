@@ -5,7 +5,7 @@
 // bodies turn or travel further in one than contact points found at its start can follow, up to 256. Where
 // even these are too few, no sub-step may add energy (energy_limit.h).
 // The narrow phase runs at the start, and again for a pair that has since moved by more than a small share of
-// its size, or rolls on a round surface (SolverContacts::rolls); in between the gap s of a contact point follows the motion
+// its size, or in which something round rolls (SolverContacts::rolls); in between the gap s of a contact point follows the motion
 // of its bodies. A sub-step
 //   1. adds the loads to the velocities, and last sub-step's impulses, less where they would add much energy
 //      (warm_start.h);

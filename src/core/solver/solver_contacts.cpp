@@ -310,7 +310,9 @@ void SolverContacts::refresh(Index which, double now, double left) {
   for (int k = old.first; k < old.first + old.size; ++k) {
     const auto again = [&](const SolverPoint& point) { return point.feature == points[k].feature; };
     const auto first = points.begin() + block.first, last = first + block.size;
-    if (std::none_of(first, last, again)) opened_.emplace_back(old.contact, solvedPoint(old, points[k]));
+    if (std::any_of(first, last, again)) continue;
+    opened_.emplace_back(old.contact, solvedPoint(old, points[k]));
+    block.opened_W += impulseOf(old, points[k]);
   }
 }
 

@@ -13,7 +13,7 @@ namespace rbs {
 
 namespace {
 
-// The torque of a contact whose points have just been found, from the `first` on; none where it resists
+// The torque constraint of a contact whose points have just been found, from the `first` on; none where it resists
 // nothing.
 void addTorque(const Context& context, Index contact, std::size_t first, Touching& out) {
   const SceneStore& scene = context.scene;

@@ -23,9 +23,10 @@ struct TouchingPoint {
 
 /// What a pair that touches resists turning with.
 struct TouchingTorque {
-  Index contact;                ///< in scene.contacts.active
-  TorqueConstraint law;         ///< without impulse, and driven by kinematic sides alone
-  Vec3 force_W{0.0, 0.0, 0.0};  ///< its torque over its length, on j, N: what is expected of it next
+  Index contact;         ///< in scene.contacts.active
+  TorqueConstraint law;  ///< without impulse, and driven by kinematic sides alone
+  Vec3 force_W{0.0, 0.0,
+               0.0};  ///< the torque over the length of the constraint, on j, N: what is expected of it next
 };
 
 /// A point with its normal and its impulse, and without its force.
@@ -41,7 +42,7 @@ struct Touching {
   Index matching(const TouchingPoint& other) const;
   bool has(Index contact) const { return firstOf(contact) != points.size(); }  ///< a point of it
   std::size_t firstOf(Index contact) const;  ///< its first point; points.size() when it has none
-  /// The torque of the same contact; kNone when there is none.
+  /// The torque constraint of the same contact; kNone when there is none.
   Index matching(const TouchingTorque& other) const;
   /// Adds a point to a contact that has some.
   void add(const TouchingPoint& point, const CoulombPoint& its_law);

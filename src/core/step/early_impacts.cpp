@@ -33,14 +33,12 @@ class IslandBefore {
     for (const Edge& edge : island_.edges)
       if (edge.kind == ConstraintKind::Contact) contacts_.push_back(context.scene.contacts.active[edge.of]);
   }
-  // All but the work that its solves have cost, and that it is too dear for the exact step.
+  // All but the work that its solves have cost, and whether that was too much for the exact step.
   void putBack(Context& context) const {
     Island& island = context.step.islands[place_];
-    const std::int64_t work = island.work;
-    const bool cut_short = island.cut_short;
+    const Island advanced = std::move(island);
     island = island_;
-    island.work = work;
-    if (cut_short) island.cut_short = true, island.exact = false;
+    island.work = advanced.work, island.exact = advanced.exact, island.cut_short = advanced.cut_short;
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       context.scene.bodies.pose[island.bodies[k]] = poses_[k];
       context.scene.bodies.twist[island.bodies[k]] = twists_[k];

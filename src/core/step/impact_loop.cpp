@@ -343,6 +343,8 @@ class ImpactLoop {
 
   // Of the sets that had impacts; others go through the step as they do where no other set has one.
   void lookAfterStruck() {
+    for (const Island& island : step_.islands)  // impacts may have made one of bodies of several sets
+      for (const Index i : island.bodies) sets_.unite(island.bodies.front(), i);
     std::vector<char> struck(step_.island.size(), 0);  // by root of a set
     for (Index i = 0; i < struck.size(); ++i)
       if (struck_[i]) struck[sets_.root(i)] = 1;

@@ -106,8 +106,8 @@ bool isAlone(const Context& context, Index i) {
 }
 
 // A body on its trajectory: where it is at a time.
-struct OnCourse {
-  OnCourse(const Context& context, Index i, double time)
+struct OnTrajectory {
+  OnTrajectory(const Context& context, Index i, double time)
       : traits(context.scene.bodies.traits[i]), trajectory(trajectoryOf(context, i)) {
     std::tie(pose, twist) = trajectory.stateAt(time);
   }
@@ -118,7 +118,7 @@ struct OnCourse {
 };
 
 // How far two trajectories bring the surfaces together in `left` s at most, m.
-double approachOf(const OnCourse& a, const OnCourse& b, double left) {
+double approachOf(const OnTrajectory& a, const OnTrajectory& b, double left) {
   const Vec3 p_W = a.pose.p_WB - b.pose.p_WB, u_W = a.twist.v_WB - b.twist.v_WB;
   return approach(left, u_W, reachOf(a.traits, b.traits, p_W, u_W, left) * a.trajectory.spinBounds().w,
                   reachOf(b.traits, a.traits, p_W, u_W, left) * b.trajectory.spinBounds().w,
@@ -133,7 +133,7 @@ double approachOf(const OnCourse& a, const OnCourse& b, double left) {
 // rebound.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis) {
   const StepStore& step = context.step;
-  const OnCourse a(context, i, from), b(context, j, from);
+  const OnTrajectory a(context, i, from), b(context, j, from);
   const Shape &shape_a = a.traits.shape, &shape_b = b.traits.shape;
   const double near = approachOf(a, b, step.t1 - from) + marginOf(context, i, j);
   if (!areWithin(shape_a, a.pose, shape_b, b.pose, near, axis)) return {};
