@@ -82,7 +82,7 @@ struct Scene {
     for (const Island& island : step.islands) {
       const IslandBatch batch{island.bodies, island.edges};
       soft_step::SoftStep<Coupling> method(context, batch, 0.0, kStep);
-      InnerClock clock(step);
+      InnerClock clock(step.row_seconds);
       runInnerStep(method, clock);
     }
     scene.contacts.endStep([](const Contact&) { return false; });

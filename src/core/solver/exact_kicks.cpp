@@ -108,7 +108,7 @@ CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
 CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double wanted,
                                      double needed) const {
   const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);
-  const SolveBudget part{std::min(budget_.work, most), budget_.until};
+  const SolveBudget part{std::min(budget_.work - budget_.to_leave, most), budget_.until};
   SolveBudget left = part;
   problem.budget = &left;
   const CoulombResult result = solveCoulomb(problem, tolerance, wanted, needed);

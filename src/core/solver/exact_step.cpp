@@ -96,7 +96,7 @@ std::vector<Index> sorted(std::vector<Index> list) {
 }  // namespace
 
 Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
-                 InnerClock& clock)
+                 bool ends_early, InnerClock& clock)
     : context_(context),
       step_(context.step),
       active_(contactsOf(batch.edges)),
@@ -104,6 +104,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       slots_(context.step.slot),
       budget_(budget),
       whole_budget_(budget.work),
+      ends_early_(ends_early),
       clock_(clock),
       now_(t0),
       end_(t1),
@@ -338,7 +339,7 @@ void Stepper::giveUp(Outcome why) {
 bool Stepper::beginSubStep() {
   if (!hasNotFailed() || end_ - now_ <= 1e-12 * step_.h()) return false;
   limitSegment();
-  if (budget_.work > 0) return true;
+  if (!budget_.isOut()) return true;
   giveUp(Outcome::TooDear);
   return false;
 }
@@ -371,7 +372,7 @@ void Stepper::solve() {
   const double kinematic_before = workByKinematic(touching_, opened_);
   solveVelocities();
   findSegment();
-  const Outcome failure = budget_.work > 0 ? Outcome::NoSolution : Outcome::TooDear;
+  const Outcome failure = budget_.isOut() ? Outcome::TooDear : Outcome::NoSolution;
   if (hasNotFailed() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
@@ -391,25 +392,56 @@ void Stepper::integrate() {
 }
 
 void Stepper::store() {
+  if (!ends_early_ && budget_.isOut()) giveUp(Outcome::TooDear);
   if (!hasNotFailed()) return;
   storeTouching(touching_, opened_, active_, context_.scene.contacts);
   forgetSqueezed();
 }
 
+namespace {
+
+Island& islandOf(StepStore& step, const IslandBatch& batch) {
+  return step.islands[step.island[batch.bodies.front()]];
+}
+
+Outcome runWith(SolveBudget& budget, bool ends_early, Context& context, const IslandBatch& batch, double t0,
+                double t1, std::vector<double>& row_seconds) {
+  InnerClock clock(row_seconds);
+  Stepper method(context, batch, t0, t1, budget, ends_early, clock);
+  runInnerStep(method, clock);
+  return method.outcome();
+}
+
+}  // namespace
+
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return Outcome::Done;
   StepStore& step = context.step;
-  std::int64_t& own = step.islands[step.island[batch.bodies.front()]].work;
+  std::int64_t& own = islandOf(step, batch).work;
   std::int64_t& common = step.solve_budget.work;
-  const std::int64_t all = own + common;
-  SolveBudget budget{all, step.solve_budget.until};
-  InnerClock clock(step);
-  Stepper method(context, batch, t0, t1, budget, clock);
-  runInnerStep(method, clock);
-  const std::int64_t spent = std::min(all - budget.work, all), of_own = std::min(spent, own);
+  const std::int64_t all = own + kCommonWork;
+  SolveBudget budget{all, step.solve_budget.until, kCommonWork - common};
+  const Outcome outcome = runWith(budget, true, context, batch, t0, t1, step.row_seconds);
+  const std::int64_t spent = std::min(all - budget.work, own + common), of_own = std::min(spent, own);
   own -= of_own;
   common -= spent - of_own;
-  return method.outcome();
+  return outcome;
+}
+
+std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batch, double t0, double t1,
+                                       std::vector<double>& row_seconds) {
+  if (!(t1 > t0)) return Outcome::Done;
+  Island& island = islandOf(context.step, batch);
+  const std::int64_t all = island.work + kCommonWork;
+  const bool cut_short = island.cut_short;
+  SolveBudget budget{all, context.step.solve_budget.until, kCommonWork};
+  const Outcome outcome = runWith(budget, false, context, batch, t0, t1, row_seconds);
+  if (outcome == Outcome::TooDear) {
+    island.cut_short = cut_short;
+    return std::nullopt;
+  }
+  island.work -= all - budget.work;
+  return outcome;
 }
 
 }  // namespace rbs::exact_step

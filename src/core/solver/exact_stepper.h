@@ -38,8 +38,10 @@ inline constexpr double kPushedGap = 1e-3;
 
 class Stepper : public InnerRows {
  public:
+  /// @param ends_early where the budget is out in the last segment, its solves end with the best they have; false:
+  ///   TooDear
   Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
-          InnerClock& clock);
+          bool ends_early, InnerClock& clock);
 
   void collide();
   void prepare();
@@ -158,6 +160,7 @@ class Stepper : public InnerRows {
   Slots slots_;  // in the problem
   SolveBudget& budget_;
   std::int64_t whole_budget_;
+  bool ends_early_;
   InnerClock& clock_;
   double now_, end_, span_;
   double reach_ = 1.0;  // of the margin within which pairs are looked at

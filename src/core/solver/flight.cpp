@@ -42,7 +42,7 @@ class Flight : public InnerRows {
 }  // namespace
 
 void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
-  InnerClock clock(context.step);
+  InnerClock clock(context.step.row_seconds);
   Flight method(context, batch, t1 - t0);
   runInnerStep(method, clock);
 }

@@ -29,10 +29,11 @@ inline constexpr std::array<const char*, kInnerRows> kInnerRowNames{
     "narrowphase.collide", "contacts.prepare",     "contacts.solve",
     "bodies.integrate",    "contacts.restitution", "contacts.store"};
 
-/// Charges the time since its last call to a row of step.row_seconds.
+/// Charges the time since its last call to a row.
 class InnerClock {
  public:
-  explicit InnerClock(StepStore& step) : seconds_(step.row_seconds) {}
+  /// @param row_seconds by row, as step.row_seconds
+  explicit InnerClock(std::vector<double>& row_seconds) : seconds_(row_seconds) {}
   void charge(InnerRow row) {
     const auto now = Clock::now();
     seconds_[row] += std::chrono::duration<double>(now - mark_).count();

@@ -4,6 +4,7 @@
 
 #include "state/context.h"
 
+#include <optional>
 #include <vector>
 
 namespace rbs {
@@ -36,6 +37,10 @@ enum class Outcome {
 /// Bodies in contact, by Coulomb's law without softness; one island at a time. NoSolution and TooDear leave the
 /// island as it was, for another method.
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1);
+/// The same by what the island has of its own (SolveBudget), so that islands can be advanced at the same time; nothing where
+/// it needs more: it is left as it was. `row_seconds` gets the times of the rows.
+std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batch, double t0, double t1,
+                                       std::vector<double>& row_seconds);
 }  // namespace exact_step
 
 }  // namespace rbs

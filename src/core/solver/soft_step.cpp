@@ -18,7 +18,7 @@ constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 
 template <class Method>
 void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
-  InnerClock clock(context.step);
+  InnerClock clock(context.step.row_seconds);
   Method method(context, batch, t0, t1);
   runInnerStep(method, clock);
 }

@@ -3,10 +3,15 @@
 
 #include "base/algebra.h"
 #include "base/text.h"
+#include "solver/inner_step.h"
 #include "solver/methods.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
+#include <numeric>
+#include <optional>
+#include <vector>
 
 namespace rbs {
 
@@ -51,11 +56,11 @@ void reportCutShort(Context& context, const Island& island) {
                            "choose a faster setting"});
 }
 
-// By the exact step, and by the soft step where that one cannot. An island that is too dear stays with the
-// soft step until the end of the step.
-void advanceExactly(Context& context, const IslandBatch& batch, double t0, double t1) {
+// The soft step takes an island that the exact step could not take. One that is too dear stays with it until the end of
+// the step.
+void finishExact(Context& context, const IslandBatch& batch, exact_step::Outcome outcome, double t0,
+                 double t1) {
   Island& island = context.step.islands[context.step.island[batch.bodies.front()]];
-  const exact_step::Outcome outcome = exact_step::advance(context, batch, t0, t1);
   using exact_step::Outcome;
   if (outcome == Outcome::Done) return;
   if (outcome == Outcome::TooDear) island.exact = false;
@@ -68,7 +73,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
   if (batch.edges.empty()) {
     flight::advance(context, batch, t0, t1);
   } else if (exact) {
-    advanceExactly(context, batch, t0, t1);
+    finishExact(context, batch, exact_step::advance(context, batch, t0, t1), t0, t1);
   } else {
     soft_step::advance(context, batch, t0, t1);
   }
@@ -91,16 +96,51 @@ void advanceTo(Context& context, Island& island, double time) {
   island.time = std::max(island.time, time);
 }
 
+namespace {
+
+// Islands that the exact step solves. Threads share those that need no more work than they have of their own; the others
+// take of the common work in their order, as they do on one thread. Where threads work side by side, the wall time of all is
+// charged to the rows in the ratio of their own times.
+void advanceExact(Context& context, const std::vector<Island*>& islands) {
+  StepStore& step = context.step;
+  std::vector<std::optional<exact_step::Outcome>> outcomes(islands.size());
+  if (step.workers->count() > 1 && islands.size() > 1) {
+    std::vector<std::vector<double>> row_seconds(islands.size(), std::vector<double>(kInnerRows, 0.0));
+    const auto begin = std::chrono::steady_clock::now();
+    step.workers->share(islands.size(), 1, [&](std::size_t k, auto, auto) {
+      const Island& island = *islands[k];
+      outcomes[k] = exact_step::advanceByItsOwn(context, {island.bodies, island.edges}, island.time, step.t1,
+                                                row_seconds[k]);
+    });
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    double sum = 0.0;
+    for (const std::vector<double>& one : row_seconds) sum += std::accumulate(one.begin(), one.end(), 0.0);
+    for (const std::vector<double>& one : row_seconds)
+      for (std::size_t row = 0; row < kInnerRows; ++row) step.row_seconds[row] += wall / sum * one[row];
+  }
+  for (std::size_t k = 0; k < islands.size(); ++k) {
+    Island& island = *islands[k];
+    const IslandBatch batch{island.bodies, island.edges};
+    if (!outcomes[k]) outcomes[k] = exact_step::advance(context, batch, island.time, step.t1);
+    finishExact(context, batch, *outcomes[k], island.time, step.t1);
+    island.time = step.t1;
+  }
+}
+
+}  // namespace
+
 void advanceToEnd(Context& context) {
   StepStore& step = context.step;
+  std::vector<Island*> exact;
   struct Together {
     std::vector<Index> bodies;
     std::vector<Edge> edges;
   } flying, connected;
   for (Island& island : step.islands) {
     if (island.time >= step.t1) continue;
-    const bool alone = !island.flies() && (island.exact || isHasty(context, island));
-    if (island.time > step.t0 || alone) {
+    if (!island.flies() && island.exact) {
+      exact.push_back(&island);
+    } else if (island.time > step.t0 || (!island.flies() && isHasty(context, island))) {
       advanceTo(context, island, step.t1);
     } else {
       Together& batch = island.flies() ? flying : connected;
@@ -109,6 +149,7 @@ void advanceToEnd(Context& context) {
       island.time = step.t1;
     }
   }
+  advanceExact(context, exact);
   std::sort(connected.edges.begin(), connected.edges.end());
   advanceBatch(context, {flying.bodies, flying.edges}, false, step.t0, step.t1);
   advanceBatch(context, {connected.bodies, connected.edges}, false, step.t0, step.t1);
