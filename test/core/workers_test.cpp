@@ -9,7 +9,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <numeric>
+#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -82,6 +84,54 @@ TEST_P(ThreadsOf, DoNotChangeAWorld) {
     one.step(), many.step();
     ASSERT_EQ(one.stateHash(), many.stateHash()) << "after step " << k + 1;
     ASSERT_EQ(one.snapshot().report.overlap_tests, many.snapshot().report.overlap_tests);
+  }
+}
+
+// Enough pairs in one island that threads share the passes over them, along an axis that is not the first.
+TEST(Threads, ShareThePassesOverAHeapAndDoNotChangeIt) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.fidelity = Fidelity::Interactive;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> jitter(-0.05, 0.05);
+  for (int k = 0; k < 800; ++k) {
+    const Vec3 p_W(0.5 * (k % 8) + jitter(random), 0.5 * (k / 8 % 25) + jitter(random),
+                   0.24 + 0.48 * (k / 200));
+    const std::string name = "piece_" + std::to_string(k);
+    scene.bodies.push_back(k % 3 ? box(name, Vec3::Constant(0.48), p_W) : ball(name, 0.24, p_W));
+    scene.bodies.back().twist.w_WB = Vec3(jitter(random), jitter(random), jitter(random));
+    scene.bodies.back().material.friction = k % 5 ? 0.5 : 0.0;
+  }
+  World one(scene);
+  std::vector<std::unique_ptr<World>> many;
+  for (const unsigned threads : {2u, 3u, 7u}) {
+    many.push_back(std::make_unique<World>(scene));
+    many.back()->setThreads(threads);
+  }
+  for (int k = 0; k < 40; ++k) {
+    one.step();
+    for (const std::unique_ptr<World>& world : many) {
+      world->step();
+      ASSERT_EQ(one.stateHash(), world->stateHash()) << world->threads() << " threads, after step " << k + 1;
+    }
+  }
+}
+
+// Towers, which the exact step takes at every setting but preview; one leans and takes more work than the others.
+TEST(Threads, ShareTheIslandsOfTheExactStepAndDoNotChangeThem) {
+  for (const Fidelity fidelity : {Fidelity::Interactive, Fidelity::Accurate}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = fidelity;
+    for (int k = 0; k < 60; ++k) {
+      const int tower = k / 6;
+      scene.bodies.push_back(box("block_" + std::to_string(k), {1.0, 1.0, 1.0},
+                                 {3.0 * tower + (tower == 4 ? 0.09 * (k % 6) : 0.0), 0.0, 0.5 + k % 6}));
+    }
+    World one(scene), many(scene);
+    many.setThreads(3);
+    for (int k = 0; k < 40; ++k) {
+      one.step(), many.step();
+      ASSERT_EQ(one.stateHash(), many.stateHash()) << fidelityName(fidelity) << ", after step " << k + 1;
+    }
   }
 }
 

@@ -98,6 +98,31 @@ TEST(SolveBudget, IsSharedByTheIslandsOfAStep) {
   }
 }
 
+// What an island needs beyond its own allowance it takes in its turn, also where threads share the islands.
+TEST(SolveBudget, IsSpentAlikeByAnyNumberOfThreads) {
+  SceneDef scene = heapOf(45, 1.0);
+  scene.fidelity = Fidelity::Accurate;
+  scene.effects[Effect::Restitution] = false;
+  const std::vector<BodyDef> pieces(scene.bodies.begin() + 1, scene.bodies.end());
+  for (BodyDef piece : pieces) {
+    piece.name += "_beside";
+    piece.pose.p_WB.x() += 100.0;
+    scene.bodies.push_back(piece);
+  }
+  World one(ordered(scene)), many(ordered(scene));
+  many.setThreads(3);
+  int warnings = 0;
+  for (int step = 0; step < 4; ++step) {
+    const StepReport& report = one.step();
+    warnings += tooDear(report);
+    const StepReport& other = many.step();
+    EXPECT_EQ(tooDear(report), tooDear(other));
+    EXPECT_EQ(iterationsOf(report), iterationsOf(other));
+    EXPECT_EQ(one.stateHash(), many.stateHash()) << "after step " << step + 1;
+  }
+  EXPECT_GT(warnings, 0);
+}
+
 TEST(SolveBudget, LeavesOtherIslandsExact) {
   SceneDef beside = onFloor(1.0, 0.5);
   beside.fidelity = Fidelity::Reference;

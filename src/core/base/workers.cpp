@@ -19,13 +19,19 @@ std::uint64_t numberOf(std::uint64_t left) {
   return left >> 32;
 }
 
-void relax() {
+thread_local unsigned self_of_thread = 0;
+
+}  // namespace
+
+unsigned Workers::self() {
+  return self_of_thread;
+}
+
+void Workers::relax() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
 #endif
 }
-
-}  // namespace
 
 Workers::~Workers() {
   stop();
@@ -41,7 +47,8 @@ void Workers::setCount(unsigned threads) {
 // Fewer do as well, where the system has no more.
 void Workers::start() {
   try {
-    while (threads_.size() + 1 < count_) threads_.emplace_back([this] { work(); });
+    while (threads_.size() + 1 < count_)
+      threads_.emplace_back([this, self = static_cast<unsigned>(threads_.size()) + 1] { work(self); });
   } catch (const std::system_error&) {
     count_ = static_cast<unsigned>(threads_.size()) + 1;
   }
@@ -58,7 +65,8 @@ void Workers::stop() {
   stopping_ = false;
 }
 
-void Workers::work() {
+void Workers::work(unsigned self) {
+  self_of_thread = self;
   while (!stopping_) {
     const std::uint64_t seen = left_;
     while (takePart()) {

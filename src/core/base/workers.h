@@ -33,6 +33,11 @@ class Workers {
   /// The last value given to setCount(); fewer where the system could not start so many.
   unsigned count() const { return count_; }
 
+  /// Which of the threads the calling one is: 0 is the one that calls share().
+  static unsigned self();
+  /// For a loop that waits for another thread.
+  static void relax();
+
   /// Number of parts of `length` elements (> 0) that n elements make; the last one may be shorter.
   static std::size_t parts(std::size_t n, std::size_t length) { return (n + length - 1) / length; }
   /// Calls `body` for each part of n elements and returns when all are done. An exception of a part is thrown
@@ -43,7 +48,7 @@ class Workers {
  private:
   void start();
   void stop();
-  void work();
+  void work(unsigned self);
   bool takePart();
   void doPart(std::size_t part);
   void sleepAfter(std::uint64_t number);

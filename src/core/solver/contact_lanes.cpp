@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rbs {
 
@@ -17,25 +18,32 @@ constexpr std::size_t kBundlesOfAPart = 64;  // that a thread takes at a time
 
 }  // namespace
 
-// Orders the pairs by level, within a level by friction and number of points, and cuts levels into bundles.
+// Orders the pairs by region and level, within a level by friction and number of points, and cuts levels into bundles.
 void ContactLanes::schedule() {
   constexpr int kSizes = 8;  // pairs with more points than that stand with those that have as many
   const std::vector<SolverBlock>& blocks = contacts_.blocks;
-  auto& [places, bundles, normal, friction, level_of_body, key, first, ordered] = stores_;
+  auto& [places, bundles, normal, friction, regions, level_of_body, level, key, first, ordered, before,
+         last_of_body] = stores_;
   level_of_body.assign(contacts_.bodies.size(), 0);
-  key.assign(blocks.size(), kNone);
+  level.assign(blocks.size(), kNone);
   Index levels = 0;
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const SolverBlock& block = blocks[k];
     if (block.size == 0) continue;
-    const Index level = std::max(level_of_body[block.i], level_of_body[block.j]);
+    level[k] = std::max(level_of_body[block.i], level_of_body[block.j]);
     for (const Index body : {block.i, block.j})
-      if (contacts_.bodies[body].inv_mass > 0.0) level_of_body[body] = level + 1;
-    levels = std::max(levels, level + 1);
-    key[k] = (2 * level + (block.has_friction ? 0 : 1)) * kSizes +
-             static_cast<Index>(kSizes - std::min(block.size, kSizes));
+      if (contacts_.bodies[body].inv_mass > 0.0) level_of_body[body] = level[k] + 1;
+    levels = std::max(levels, level[k] + 1);
   }
-  first.assign(2 * kSizes * levels + 1, 0);
+  regions.split(contacts_, level, workers_.count());
+  key.assign(blocks.size(), kNone);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    if (level[k] == kNone) continue;
+    const auto region = static_cast<Index>(regions.of(contacts_, blocks[k]));
+    key[k] = (2 * (region * levels + level[k]) + (blocks[k].has_friction ? 0 : 1)) * kSizes +
+             static_cast<Index>(kSizes - std::min(blocks[k].size, kSizes));
+  }
+  first.assign(2 * kSizes * levels * regions.count() + 1, 0);
   for (const Index one : key)
     if (one != kNone) ++first[one + 1];
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
@@ -51,22 +59,61 @@ void ContactLanes::schedule() {
     const Index group = key[ordered[k]] / kSizes;
     const std::size_t bundle = bundles.size();
     for (int lane = 0; lane < kLanes && k < ordered.size() && key[ordered[k]] / kSizes == group; ++lane, ++k)
-      append(bundle, ordered[k]);
+      append(bundle, ordered[k], group / (2 * levels));
   }
+  sinks_.resize(regions.count());
+  if (regions.count() > 1) connectRegions();
+}
+
+// Which bundles wait for bundles of other regions.
+void ContactLanes::connectRegions() {
+  std::vector<std::array<Index, 2>>& before = stores_.before;
+  std::vector<Index>& last_of_body = stores_.last_of_body;
+  before.assign(contacts_.blocks.size(), {kNone, kNone});
+  last_of_body.assign(contacts_.bodies.size(), kNone);
+  for (Index k = 0; k < contacts_.blocks.size(); ++k) {
+    const SolverBlock& block = contacts_.blocks[k];
+    if (block.size == 0) continue;
+    for (const int side : {0, 1}) {
+      const Index body = side == 0 ? block.i : block.j;
+      if (contacts_.bodies[body].inv_mass > 0.0) before[k][side] = std::exchange(last_of_body[body], k);
+    }
+  }
+  std::vector<std::size_t> first(regions_.count() + 1, bundles_.size());
+  for (std::size_t b = bundles_.size(); b-- > 0;) first[bundles_[b].region] = b;
+  for (std::size_t r = regions_.count(); r-- > 0;) first[r] = std::min(first[r], first[r + 1]);
+  regions_.setBundles(first);
+  for (std::size_t b = 0; b < bundles_.size(); ++b)
+    for (const Index block : bundles_[b].block)
+      if (block != kNone)
+        for (const Index one : before[block])
+          if (one != kNone) regions_.need(b, places_[one].bundle);
+  regions_.finish();
 }
 
 void ContactLanes::forBundles(const std::function<void(std::size_t, std::size_t)>& body) {
-  workers_.share(bundles_.size(), kBundlesOfAPart, [&](auto, auto begin, auto end) { body(begin, end); });
+  if (regions_.count() == 1)
+    return workers_.share(bundles_.size(), kBundlesOfAPart,
+                          [&](auto, auto begin, auto end) { body(begin, end); });
+  regions_.each(workers_, [&](std::size_t region) { body(regions_.begin(region), regions_.end(region)); });
+  body(regions_.end(regions_.count() - 1), bundles_.size());
+}
+
+void ContactLanes::inOrder(const PassRegions::Body& body) {
+  if (regions_.count() == 1) return body(0, bundles_.size());
+  regions_.inOrder(workers_, body);
+  body(regions_.end(regions_.count() - 1), bundles_.size());
 }
 
 // Puts a block into the last bundle, or opens it.
-void ContactLanes::append(std::size_t bundle, Index which) {
+void ContactLanes::append(std::size_t bundle, Index which, std::size_t region) {
   const SolverBlock& block = contacts_.blocks[which];
   if (bundle == bundles_.size()) {
     Bundle fresh{};
     fresh.block.fill(kNone);
     fresh.i.fill(&nobody_);
     fresh.j.fill(&nobody_);
+    fresh.region = region;
     fresh.has_friction = block.has_friction;
     fresh.normal = normal_.size();
     fresh.friction = friction_.size();
@@ -75,7 +122,7 @@ void ContactLanes::append(std::size_t bundle, Index which) {
   Bundle& last = bundles_.back();
   const auto lane = std::find(last.block.begin(), last.block.end(), kNone);
   *lane = which;
-  places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin())};
+  places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin()), block.size};
   last.size = std::max(last.size, block.size);
   normal_.resize(last.normal + static_cast<std::size_t>(last.size));
   if (last.has_friction) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
@@ -112,12 +159,15 @@ void ContactLanes::takeBlock(Place place) {
   const int lane = place.lane;
   int size = 0;
   bundle.i[lane] = bundle.j[lane] = &nobody_;
+  bundle.to_i[lane] = bundle.to_j[lane] = &sinks_[bundle.region];
   if (bundle.block[lane] != kNone) {
     const SolverBlock& block = contacts_.blocks[bundle.block[lane]];
     SolverBody &i = contacts_.bodies[block.i], &j = contacts_.bodies[block.j];
     size = block.size;
     bundle.i[lane] = &i;
     bundle.j[lane] = &j;
+    if (i.inv_mass > 0.0) bundle.to_i[lane] = &i;
+    if (j.inv_mass > 0.0) bundle.to_j[lane] = &j;
     set(bundle.n, lane, block.n);
     set(bundle.t1, lane, block.t1);
     set(bundle.t2, lane, block.t2);
@@ -174,14 +224,14 @@ void ContactLanes::refresh(double now, double left) {
     const SolverBlock& block = contacts_.blocks[k];
     if (const Place place = places_[k]; place.bundle != kNone) {
       Bundle& bundle = bundles_[place.bundle];
-      const bool room = block.size <= bundle.size;
+      const bool room = block.size <= place.room;
       if (!room) bundle.block[place.lane] = kNone, places_[k] = {};
       takeAgain(place);
       if (room) continue;
     }
     if (block.size == 0) continue;
     const bool beside = bundles_.size() > known && accepts(bundles_.back(), block);
-    append(beside ? bundles_.size() - 1 : bundles_.size(), k);
+    append(beside ? bundles_.size() - 1 : bundles_.size(), k, 0);
   }
   for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
@@ -304,7 +354,7 @@ void ContactLanes::giveBack() {
 }
 
 void ContactLanes::giveBackBlock(Index which) {
-  const auto [place, lane] = places_[which];
+  const auto [place, lane, room] = places_[which];
   if (place == kNone) return;
   const Bundle& bundle = bundles_[place];
   const SolverBlock& block = contacts_.blocks[which];

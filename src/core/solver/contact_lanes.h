@@ -10,6 +10,7 @@
 #pragma once
 
 #include "solver/lanes.h"
+#include "solver/pass_regions.h"
 #include "solver/solver_contacts.h"
 
 #include <array>
@@ -48,6 +49,8 @@ class ContactLanes {
   /// Four pairs of a level. The k-th points of them make a row.
   struct Bundle {
     std::array<SolverBody*, kLanes> i, j;
+    std::array<SolverBody*, kLanes> to_i,
+        to_j;                         // that get the velocities: what impulses do not move is not written to
     std::array<Index, kLanes> block;  // in the contacts; kNone: this lane is empty
     Lanes n[3], t1[3], t2[3];
     Lanes turned_i[3], turned_j[3];  // of the surfaces when the points were found
@@ -56,12 +59,15 @@ class ContactLanes {
     int size;
     std::size_t normal, friction;  // its first rows
     bool has_friction;
+    std::size_t region;
   };
 
   /// Where the points of a block are.
   struct Place {
     Index bundle = kNone;  // kNone: it has none
     int lane = 0;
+    int room =
+        0;  // points that it had when it came there; its bundle may have rows for more, by what it stands with
   };
 
  public:
@@ -71,7 +77,11 @@ class ContactLanes {
     std::vector<Bundle> bundles;
     std::vector<NormalRow> normal;
     std::vector<FrictionRow> friction;
-    std::vector<Index> level_of_body, key, first, ordered;  // while they are scheduled
+    PassRegions regions;
+    // while they are scheduled
+    std::vector<Index> level_of_body, level, key, first, ordered;
+    std::vector<std::array<Index, 2>> before;  // by block: the last blocks before it that have its bodies
+    std::vector<Index> last_of_body;
   };
 
   ContactLanes(SolverContacts& contacts, Stores& stores, Workers& workers)
@@ -80,6 +90,7 @@ class ContactLanes {
         stores_(stores),
         places_(stores.places),
         bundles_(stores.bundles),
+        regions_(stores.regions),
         normal_(stores.normal),
         friction_(stores.friction) {
     for (Vec3* zero :
@@ -93,7 +104,7 @@ class ContactLanes {
   /// Takes over the points of the contacts, when they have been found.
   void take();
   /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
-  /// of them than its lane has room for goes behind all others.
+  /// of them than when it got its place goes behind all others.
   void refresh(double now, double left);
   /// Gives the points their impulses, their gaps and what resists there.
   void giveBack();
@@ -117,10 +128,22 @@ class ContactLanes {
   /// The bodies moved by x, and their surfaces turned by theta. A point of the surface at r has gone to
   /// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2.
   void follow();
+  /// Calls `what` for each body, on the threads that have them in their caches.
+  template <class What>
+  void forBodies(const What& what) {
+    if (regions_.count() == 1) {
+      for (SolverBody& s : contacts_.bodies) what(s);
+    } else {
+      regions_.each(workers_, [&](std::size_t region) {
+        for (const Index s : regions_.bodies(region)) what(contacts_.bodies[s]);
+      });
+    }
+  }
 
  private:
   void schedule();
-  void append(std::size_t bundle, Index block);
+  void connectRegions();
+  void append(std::size_t bundle, Index block, std::size_t region);
   bool accepts(const Bundle& bundle, const SolverBlock& block) const;
   void takeBundle(std::size_t bundle);
   void takeBlock(Place place);
@@ -131,16 +154,22 @@ class ContactLanes {
   void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
   /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
   void forBundles(const std::function<void(std::size_t begin, std::size_t end)>& body);
+  /// The same for each bundle after those before it with which it shares a body that impulses move.
+  void inOrder(const PassRegions::Body& body);
+  void warmStart(std::size_t begin, std::size_t end);
   template <Pass kPass, bool kFriction>
-  void solveBundles(const Softness& soft, double h);
+  void solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h);
+  void addUp(std::size_t begin, std::size_t end);
   void follow(std::size_t begin, std::size_t end);
 
   SolverContacts& contacts_;
   Workers& workers_;
   Stores& stores_;
-  SolverBody nobody_{};         // in empty lanes
-  std::vector<Place>& places_;  // by block
+  SolverBody nobody_{};            // in empty lanes
+  std::vector<SolverBody> sinks_;  // by region: get what is written to nobody
+  std::vector<Place>& places_;     // by block
   std::vector<Bundle>& bundles_;
+  PassRegions& regions_;
   std::vector<NormalRow>& normal_;
   std::vector<FrictionRow>& friction_;
 };

@@ -11,8 +11,13 @@ namespace rbs {
 
 using namespace lanes;
 
-RBS_WIDE void ContactLanes::warmStart() {
-  for (const Bundle& bundle : bundles_) {
+void ContactLanes::warmStart() {
+  inOrder([this](std::size_t begin, std::size_t end) { warmStart(begin, end); });
+}
+
+RBS_WIDE void ContactLanes::warmStart(std::size_t begin, std::size_t end) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const Bundle& bundle = bundles_[b];
     Lanes w[6];
     gather(bundle.i, &SolverBody::w, w);
     gather(bundle.j, &SolverBody::w, w + 3);
@@ -37,10 +42,10 @@ RBS_WIDE void ContactLanes::warmStart() {
       v[c] -= bundle.inv_mass_i * impulse;
       v[3 + c] += bundle.inv_mass_j * impulse;
     }
-    scatter(v, &SolverBody::v, bundle.i);
-    scatter(v + 3, &SolverBody::v, bundle.j);
-    scatter(w, &SolverBody::w, bundle.i);
-    scatter(w + 3, &SolverBody::w, bundle.j);
+    scatter(v, &SolverBody::v, bundle.to_i);
+    scatter(v + 3, &SolverBody::v, bundle.to_j);
+    scatter(w, &SolverBody::w, bundle.to_i);
+    scatter(w + 3, &SolverBody::w, bundle.to_j);
   }
 }
 
@@ -48,14 +53,15 @@ RBS_WIDE void ContactLanes::warmStart() {
 // impulses, for all of its points: within a bundle it is enough to keep what they are against each other in
 // that frame.
 template <ContactLanes::Pass kPass, bool kFriction>
-RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
+RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h) {
   Lanes zero, per_second, bias, soft_mass, soft_impulse;
   fill(zero, 0.0);
   fill(per_second, 1.0 / h);
   fill(bias, soft.bias);
   fill(soft_mass, soft.mass);
   fill(soft_impulse, soft.impulse);
-  for (const Bundle& bundle : bundles_) {
+  for (std::size_t b = begin; b < end; ++b) {
+    const Bundle& bundle = bundles_[b];
     Lanes v[6], w[6];
     gather(bundle.i, &SolverBody::v, v);
     gather(bundle.j, &SolverBody::v, v + 3);
@@ -143,32 +149,46 @@ RBS_WIDE void ContactLanes::solveBundles(const Softness& soft, double h) {
       v[c] -= bundle.inv_mass_i * total[c];
       v[3 + c] += bundle.inv_mass_j * total[c];
     }
-    scatter(v, &SolverBody::v, bundle.i);
-    scatter(v + 3, &SolverBody::v, bundle.j);
-    scatter(w, &SolverBody::w, bundle.i);
-    scatter(w + 3, &SolverBody::w, bundle.j);
+    scatter(v, &SolverBody::v, bundle.to_i);
+    scatter(v + 3, &SolverBody::v, bundle.to_j);
+    scatter(w, &SolverBody::w, bundle.to_i);
+    scatter(w + 3, &SolverBody::w, bundle.to_j);
   }
 }
 
 // Without friction not a test of it is left in the loop.
 void ContactLanes::solve(Pass pass, const Softness& soft, double h) {
   const bool has_friction = built::friction && !friction_.empty();
-  if (pass == Pass::Soft)
-    has_friction ? solveBundles<Pass::Soft, built::friction>(soft, h)
-                 : solveBundles<Pass::Soft, false>(soft, h);
-  else
-    has_friction ? solveBundles<Pass::Relax, built::friction>(soft, h)
-                 : solveBundles<Pass::Relax, false>(soft, h);
+  inOrder([&](std::size_t begin, std::size_t end) {
+    if (pass == Pass::Soft)
+      has_friction ? solveBundles<Pass::Soft, built::friction>(begin, end, soft, h)
+                   : solveBundles<Pass::Soft, false>(begin, end, soft, h);
+    else
+      has_friction ? solveBundles<Pass::Relax, built::friction>(begin, end, soft, h)
+                   : solveBundles<Pass::Relax, false>(begin, end, soft, h);
+  });
 }
 
-RBS_WIDE void ContactLanes::addUp() {
-  for (NormalRow& row : normal_) row.sum += row.impulse;
-  for (FrictionRow& row : friction_) row.sum1 += row.impulse1, row.sum2 += row.impulse2;
+void ContactLanes::addUp() {
+  forBundles([this](std::size_t begin, std::size_t end) { addUp(begin, end); });
+}
+
+RBS_WIDE void ContactLanes::addUp(std::size_t begin, std::size_t end) {
+  if (begin == end) return;
+  const auto rowsUpTo = [&](std::size_t b, std::size_t Bundle::*first, std::size_t all) {
+    return b < bundles_.size() ? bundles_[b].*first : all;
+  };
+  for (std::size_t k = bundles_[begin].normal; k < rowsUpTo(end, &Bundle::normal, normal_.size()); ++k)
+    normal_[k].sum += normal_[k].impulse;
+  for (std::size_t k = bundles_[begin].friction; k < rowsUpTo(end, &Bundle::friction, friction_.size());
+       ++k) {
+    FrictionRow& row = friction_[k];
+    row.sum1 += row.impulse1, row.sum2 += row.impulse2;
+  }
 }
 
 void ContactLanes::follow() {
   forBundles([this](std::size_t begin, std::size_t end) { follow(begin, end); });
-  for (SolverBody& body : contacts_.bodies) body.turned_axes = false;
 }
 
 RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {

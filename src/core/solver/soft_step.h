@@ -177,25 +177,26 @@ class SoftStep : public InnerRows {
 
 template <class... Kinds>
 inline void SoftStep<Kinds...>::addLoads() {
-  for (SolverBody& s : contacts_.bodies) {
-    if (s.inv_mass == 0.0) continue;
+  lanes_.forBodies([this](SolverBody& s) {
+    if (s.inv_mass == 0.0) return;
     const Load& load = context_.step.load[s.body];
     s.v += h_ * load.a_W;
     s.v_free = s.v;
     s.w += h_ * (s.inv_inertia_W * load.torque_W);
     s.w_free = s.w;
-  }
+  });
 }
 
 template <class... Kinds>
 inline void SoftStep<Kinds...>::integrate() {
   Bodies& bodies = context_.scene.bodies;
-  for (SolverBody& s : contacts_.bodies) {
+  lanes_.forBodies([&](SolverBody& s) {
+    s.turned_axes = false;
     if (s.inv_mass == 0.0 && context_.step.island[s.body] == kNone) {
       s.moved += h_ * s.v;  // kinematic bodies move on their own clock; here only the gaps follow them
       s.turned += h_ * s.w;
       s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
-      continue;
+      return;
     }
     const Inertia& inertia = bodies.inertia[s.body];
     Vec3 step = h_ * s.v;
@@ -207,11 +208,12 @@ inline void SoftStep<Kinds...>::integrate() {
     s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
-    if (inertia.lazy_orientation) continue;
+    if (inertia.lazy_orientation) return;
     if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
       q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
     } else {
       rotateFreely(q_WB, s.w, inertia, h_);
+      s.w = withoutNegativeZeros(s.w);
     }
     const bool has_axes = !inertia.isotropic || !s.axis_W.isZero(0.0);
     if (has_axes && (s.turned - s.turned_axes_at).squaredNorm() > kAxesTurn * kAxesTurn) {
@@ -219,7 +221,7 @@ inline void SoftStep<Kinds...>::integrate() {
       if (!s.axis_W.isZero(0.0)) s.axis_W = q_WB * Vec3::UnitZ();
       s.turned_axes_at = s.turned, s.turned_axes = true;
     }
-  }
+  });
   lanes_.follow();
 }
 

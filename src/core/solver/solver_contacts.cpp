@@ -65,8 +65,8 @@ Vec3 surfaceSpin(const Bodies& bodies, Index i, const Vec3& w_WB) {
 SolverBody SolverContacts::makeBody(Index i) const {
   const Bodies& store = context_.scene.bodies;
   SolverBody s;
-  s.v = store.twist[i].v_WB;
-  s.w = store.twist[i].w_WB;
+  s.v = withoutNegativeZeros(store.twist[i].v_WB);
+  s.w = withoutNegativeZeros(store.twist[i].w_WB);
   s.v_free = s.v, s.w_free = s.w;
   s.moved.setZero();
   s.turned.setZero(), s.surface_turned.setZero();
@@ -360,7 +360,8 @@ void SolverContacts::storeBlock(const SolverBlock& block, double h, double rest)
     const SolverPoint& point = points[k];
     SolvedPoint& solved = contact.points.emplace_back(solvedPoint(block, point));
     solved.normal = (point.l_n + rest * point.warm_n) / (h + rest);
-    solved.friction_W = (inPlane(block, point.l_t) + rest * point.warm_t_W) / (h + rest);
+    solved.friction_W =
+        withoutNegativeZeros((inPlane(block, point.l_t) + rest * point.warm_t_W) / (h + rest));
   }
 }
 

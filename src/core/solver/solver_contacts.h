@@ -13,7 +13,8 @@
 namespace rbs {
 
 /// A body as the solver moves it.
-struct SolverBody {
+/// Its velocities are in one line of the cache, and no other body is: threads work on bodies beside each other.
+struct alignas(64) SolverBody {
   Vec3 v, w;            // m/s, rad/s
   Vec3 v_free, w_free;  // after this sub-step's load, before its impulses
   Vec3 moved, turned;   // since the start, m, rad
@@ -26,6 +27,13 @@ struct SolverBody {
   bool still;        // nothing moves it: neither impulses nor a motion of its own
   Index body;
 };
+
+/// A pair of which one point fewer is there than rows of its bundle gets impulses of zero there, of either sign (contact_lanes.h).
+/// Added to a number they change nothing, unless that is -0. A sum is -0 only where both of its terms are. So bodies that
+/// begin without -0 stay without, and what a pair does depends on no pair beside it.
+inline Vec3 withoutNegativeZeros(const Vec3& v) {
+  return v + Vec3::Zero();
+}
 
 /// The spin of a body as far as it turns its surface: a body of revolution may turn about its axis, and a sphere about
 /// any, and it stays where it was.
@@ -123,6 +131,8 @@ class SolverContacts {
     }
     return u_n;
   }
+  /// Centre of mass as the bodies are now, m.
+  const Vec3& position(const SolverBody& s) const { return context_.scene.bodies.pose[s.body].p_WB; }
   /// The island of the dynamic bodies of a block.
   Index islandOf(const SolverBlock& block) const;
   /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
