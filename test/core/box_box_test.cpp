@@ -152,6 +152,49 @@ TEST(BoxBox, CrossesEdgesInOnePoint) {
   }
 }
 
+// Upright edge against upright edge. What rounding leaves of an angle between them is none: they meet in a segment.
+TEST(BoxBox, MeetsAlongEdgesThatAreParallelToRounding) {
+  const Box cube{Vec3::Ones()};
+  Random random(35);
+  const Vec3 n = Vec3(1, 1, 0).normalized();
+  for (int k = 0; k < 3000; ++k) {
+    const double gap = random.uniform(1e-4, 1e-2), shift = random.uniform(-0.5, 0.5);
+    const double tilt = k % 10 == 0 ? 0.0 : std::pow(10.0, random.uniform(-17.0, -8.0));
+    const Pose lower = at({0, 0, 0}, turned(tilt, random.direction()));
+    const Pose upper = at(Vec3(1, 1, shift) + gap * n, turned(tilt, random.direction()));
+    const Manifold manifold = collide(cube, lower, cube, upper, 0.02);
+    const std::string where = "pair " + std::to_string(k) + ", tilt " + std::to_string(tilt);
+    ASSERT_EQ(manifold.size, 2) << where;
+    EXPECT_NEAR(std::abs(manifold.points[0].p_W.z() - manifold.points[1].p_W.z()), 1.0 - std::abs(shift),
+                1e-6)
+        << where;
+    for (const int p : {0, 1}) {
+      EXPECT_NEAR(manifold.points[p].separation, gap, 1e-7) << where;
+      EXPECT_TRUE(manifold.points[p].p_W.head<2>().isApprox(
+          Eigen::Vector2d(0.5, 0.5) + 0.5 * gap * n.head<2>(), 1e-6))
+          << where;
+    }
+  }
+}
+
+// Edges that cross at an angle of any size, and where.
+TEST(BoxBox, CrossesEdgesWhereTheirLinesAreNearest) {
+  const Box cube{Vec3::Ones()};
+  Random random(36);
+  const Vec3 n = Vec3(1, 1, 0).normalized();
+  for (int k = 0; k < 3000; ++k) {
+    const double angle = std::pow(10.0, random.uniform(-3.0, -0.2)), height = random.uniform(-0.4, 0.4);
+    const Vec3 middle = Vec3(0.5, 0.5, height) + 0.01 * n;  // of the upper edge, over the other one
+    const double along = random.uniform(-0.4, 0.4);
+    const Quat q = turned(angle, n);
+    const Pose upper = at(middle - q * Vec3(-0.5, -0.5, along), q);
+    const Manifold manifold = collide(cube, Pose(), cube, upper, 0.0101);
+    ASSERT_GE(manifold.size, 1) << angle;
+    EXPECT_NEAR(deepest(manifold), 0.01, 1e-13) << angle;
+    EXPECT_NEAR((manifold.points[0].p_W - (middle - 0.005 * n)).norm(), 0.0, 1e-12 / angle) << angle;
+  }
+}
+
 // Corner over corner along the diagonal: no face and no pair of edges spans the gap.
 TEST(BoxBox, MeetsCornerToCorner) {
   const Box cube{Vec3::Ones()};

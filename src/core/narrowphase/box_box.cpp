@@ -21,6 +21,9 @@ namespace {
 // Below this fraction of the size, the difference of two witness points has lost its direction.
 constexpr double kNoDirection = 4e-7;
 
+// Sine of an angle below which two edges lie along each other.
+constexpr double kAlong = 1e-6;
+
 // A corner of the clipped face: place along the reference face's edges, height over it, and the edge that
 // starts here: 0 to 3 of the incident face, 4 to 7 a side of the reference face.
 struct Corner {
@@ -127,7 +130,11 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
   }
 }
 
-// The nearest points of the lines of the two edges that span the axis, when both lie on the edges.
+// The nearest points of the lines of the two edges that span the axis, when both lie on the edges. With a, b the
+// directions of the edges, w = b - (a.b) a the part of b across a, r from the middle of the one to that of the other, and
+// |w| the sine of their angle,
+//   t = -r.w / w.w,   s = r.a + t a.b
+// are the places along b and a. Edges that are nearly parallel meet in a segment, and rounding would say where on it.
 void addEdgePoint(Manifold& manifold, const PlacedBox& a, const PlacedBox& b, const RelativePose& X_AB,
                   const BoxAxis& axis, double margin) {
   const int i = axis.edge_a, j = axis.edge_b;
@@ -138,8 +145,10 @@ void addEdgePoint(Manifold& manifold, const PlacedBox& a, const PlacedBox& b, co
   on_a[i] = 0.0, on_b_B[j] = 0.0;
   const Vec3 on_b = X_AB.p_AB + X_AB.R_AB * on_b_B;
   const Vec3 along_b = X_AB.R_AB.col(j), r = on_b - on_a;
-  const double cosine = along_b[i], sine_squared = 1.0 - cosine * cosine, r_b = r.dot(along_b);
-  const double s = (r[i] - cosine * r_b) / sine_squared, t = (cosine * r[i] - r_b) / sine_squared;
+  Vec3 across = along_b;
+  across[i] = 0.0;
+  if (across.squaredNorm() < kAlong * kAlong) return;
+  const double t = -r.dot(across) / across.squaredNorm(), s = r[i] + t * along_b[i];
   if (std::abs(s) > (1.0 + kOverhang) * a.half[i] || std::abs(t) > (1.0 + kOverhang) * b.half[j]) return;
   if (axis.separation > margin) return;
   const Vec3 middle_A = 0.5 * (on_a + s * Vec3::Unit(i) + on_b + t * along_b);
