@@ -239,6 +239,32 @@ TEST_P(Overlap, WhatTurnsTooFastForSubStepsGainsNoEnergy) {
     }
 }
 
+// Overlaps that were there before are not blamed on an edit, nor are those that a motion makes.
+TEST_P(Overlap, OnlyWhatAnEditMadeIsBlamedOnIt) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  scene.fidelity = GetParam();
+  scene.bodies.push_back(box("left", Vec3::Ones(), {0.0, 0.0, 0.5}));
+  scene.bodies.push_back(box("right", Vec3::Ones(), {0.5, 0.1, 0.5}));
+  scene.bodies.push_back(box("far", Vec3::Ones(), {50.0, 0.0, 0.5}));
+  World world(ordered(scene));
+  const auto blames = [&] {
+    for (const Warning& warning : world.step().warnings)
+      if (warning.kind == "overlap") return true;
+    return false;
+  };
+  EXPECT_TRUE(blames()) << "the scene begins with an overlap";
+  BodyEdit friction;
+  friction.friction = 0.4;
+  world.editBody(world.find("far"), friction);
+  EXPECT_FALSE(blames());
+  BodyEdit moved;
+  moved.pose = Pose{{50.0, 0.9, 0.5}, Quat::Identity()};
+  world.addBody(box("beside", Vec3::Ones(), {50.0, 1.5, 0.5}));
+  EXPECT_FALSE(blames());
+  world.editBody(world.find("far"), moved);
+  EXPECT_TRUE(blames());
+}
+
 // Contacts push bodies off the motions by which pairs were predicted not to meet. Of a house of cards of 2 mm that
 // comes down, a card was pushed 21 mm through the floor in a step. The plane stops such a body, and reports it at half of
 // the thickness.

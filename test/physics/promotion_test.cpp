@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which islands the default setting hands to the exact step: each bound from both sides.
 #include "make_scene.h"
+#include "narrowphase/collide.h"
 
 #include <gtest/gtest.h>
 
@@ -169,6 +170,101 @@ TEST(ChoiceOfSolver, WhatIsAddedOrEditedCountsAtOnce) {
     edited.editBody(edited.find("box_2"), edit);
     EXPECT_EQ(isExact(edited, 1), ratio >= 10.0) << ratio;
   }
+}
+
+// Towers of twenty. What stands beside another without touching it is no part of its group, though both would touch if one
+// of them leaned. Otherwise three of them would have too many pairs for a direct solve, and fall.
+TEST(ChoiceOfSolver, WhatStandsBesideAnotherIsAGroupOfItsOwn) {
+  for (const double size : {0.03, 0.1, 2.0})
+    for (const double gap : {1e-4, 1e-2, 0.03})
+      for (const double step : {1.0 / 240.0, 1.0 / 60.0, 1.0 / 20.0}) {
+        SceneDef scene = onFloor(step, 0.5);
+        for (int k = 0; k < 180; ++k) {
+          const int tower = k / 20;
+          const double pitch = (1.0 + gap) * size;
+          scene.bodies.push_back(box("block_" + std::to_string(k), Vec3::Constant(size),
+                                     {pitch * (tower % 3), pitch * (tower / 3), (0.5 + k % 20) * size}));
+        }
+        World world(ordered(scene));
+        const Snapshot before = world.snapshot();
+        for (int k = 0; k < 60; ++k) {
+          const StepReport& report = world.step();
+          if (k == 0) continue;
+          ASSERT_EQ(report.residuals.size(), 9u) << size << " m, gap " << gap << ", step of " << step << " s";
+        }
+        const Snapshot after = world.snapshot();
+        for (std::size_t k = 0; k < after.states.size(); ++k)
+          ASSERT_LT((after.states[k].pose.p_WB - before.states[k].pose.p_WB).norm(), 1e-6 * size)
+              << size << " m, gap " << gap << ", step of " << step << " s, body " << k;
+      }
+}
+
+// Sheets so thin that each is near many others: only the next ones count.
+TEST(ChoiceOfSolver, AThinSheetTouchesItsNeighboursAlone) {
+  for (const double thickness : {3e-4, 1e-3})
+    for (const double step : {1.0 / 240.0, 1.0 / 60.0, 1.0 / 20.0}) {
+      SceneDef scene = onFloor(step, 0.3);
+      for (int k = 0; k < 52; ++k)
+        scene.bodies.push_back(
+            box("sheet_" + std::to_string(k), {0.063, 0.088, thickness}, {0.0, 0.0, (0.5 + k) * thickness}));
+      World world(ordered(scene));
+      for (double t = 0.0; t < 1.0; t += step) world.step();
+      for (int k = 0; k < 52; ++k)
+        ASSERT_NEAR(world.pose(world.find("sheet_" + std::to_string(k))).p_WB.z(), (0.5 + k) * thickness,
+                    1e-3 * thickness)
+            << thickness << " m, step of " << step << " s, sheet " << k;
+    }
+}
+
+// What rests beside others is on its own only while it rests: a tower that is knocked over takes the next one with it.
+TEST(ChoiceOfSolver, WhatStandsBesideAnotherIsStruckByIt) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = fidelity;
+    for (int k = 0; k < 10; ++k)
+      scene.bodies.push_back(
+          box("block_" + std::to_string(k), Vec3::Ones(), {1.001 * (k / 5), 0.0, 0.5 + k % 5}));
+    World world(ordered(scene));
+    for (int k = 0; k < 30; ++k) world.step();
+    for (int k = 2; k < 5; ++k)
+      world.applyImpulse(world.find("block_" + std::to_string(k)), Vec3(2000.0 * k, 0.0, 0.0),
+                         world.pose(world.find("block_" + std::to_string(k))).p_WB);
+    double most = 0.0;
+    for (int k = 0; k < 120; ++k) {
+      world.step();
+      for (int upper = 0; upper < 5; ++upper)
+        for (int lower = 5; lower < 10; ++lower) {
+          const auto at = [&](int one) { return world.pose(world.find("block_" + std::to_string(one))); };
+          most = std::max(most, -gap(Box{Vec3::Ones()}, at(upper), Box{Vec3::Ones()}, at(lower)).distance);
+        }
+    }
+    EXPECT_GT(world.pose(world.find("block_9")).p_WB.x(), 1.5) << fidelityName(fidelity);
+    EXPECT_LT(most, 0.05) << fidelityName(fidelity);
+  }
+}
+
+// Slow bodies that are carried meet as they should, whatever the gap was when they came near.
+TEST(ChoiceOfSolver, WhatRestsBesideAnotherIsMetByIt) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const bool impacts : {true, false})
+      for (const double speed : {1e-3, 0.02, 0.1}) {
+        SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+        scene.fidelity = fidelity;
+        if (!impacts) scene.effects[Effect::Impacts] = false;
+        for (const double x : {0.0, 1.0 + 20.3 * speed * scene.step}) {
+          scene.bodies.push_back(box("", Vec3::Ones(), {x, 0.0, 0.5}));
+          scene.bodies.back().material.friction = 0.0;
+          scene.bodies.back().twist.v_WB.x() = x == 0.0 ? speed : 0.0;
+        }
+        World world(ordered(scene));
+        for (int k = 0; k < 60; ++k) world.step();
+        const Snapshot after = world.snapshot();
+        const Vec3 apart = after.states[2].pose.p_WB - after.states[1].pose.p_WB;
+        const std::string where = std::string(fidelityName(fidelity)) + ", " + std::to_string(speed) + " m/s";
+        EXPECT_NEAR(after.states[1].twist.v_WB.x(), 0.5 * speed, 0.01 * speed) << where;
+        EXPECT_NEAR(after.states[2].twist.v_WB.x(), 0.5 * speed, 0.01 * speed) << where;
+        EXPECT_NEAR(apart.x(), 1.0, 0.5 * speed * scene.step) << where;
+      }
 }
 
 // A wall of bricks n wide at its foot has n (n + 1)/2 bricks and n + n (n - 1) pairs.

@@ -4,7 +4,7 @@
 //   Candidate      --touch()-------> Touching        its points bore a force at the end of the last step, or an
 //                                                    impact left the two together
 //   Candidate      --awaitImpact()-> AwaitingImpact  the two will collide before the end of the step
-//   Candidate      --separate()----> Separated       their predicted motions do not meet
+//   Candidate      --separate()----> Separated       their predicted motions do not meet, or they rest apart
 //   Candidate      --depenetrate()-> Depenetrating   they overlap in a crowd (depenetration.h), to the step's end
 //   Touching       --awaitImpact()-> AwaitingImpact  they close, and rebound by their restitution
 //   AwaitingImpact --touch()-------> Touching        they stay together after the impact, or it is left to contacts

@@ -171,11 +171,13 @@ void liftAbovePlane(Context& context, Index plane, Index i) {
   contactOf(context, plane, i).addEarlier(point);
 }
 
+// An edit that moves or reshapes a body forgets its contacts, so that their pairs had no points when the step began.
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   std::vector<Index> deep;
   for (const Contact& contact : context.scene.contacts.active)
-    if (contact.solved && contact.depth() > kDeep * lengthOf(bodies, contact))
+    if (contact.solved && contact.points_before.empty() &&
+        contact.depth() > kDeep * lengthOf(bodies, contact))
       for (const Index i : {contact.i, contact.j})
         if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
   std::sort(deep.begin(), deep.end());

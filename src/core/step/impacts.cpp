@@ -211,6 +211,7 @@ void predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
   const StepStore& step = context.step;
   const auto [i, j] = std::pair(contact.i, contact.j);
   if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return;
+  if (contact.state.isSeparated()) return;
   if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
   const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
   if (prediction.impact) {

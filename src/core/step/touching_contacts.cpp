@@ -1,16 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/touching_contacts.h"
 
+#include "base/tolerances.h"
+#include "narrowphase/collide.h"
+#include "solver/contact_preparation.h"
+
 namespace rbs::touching_contacts {
 
+namespace {
+
+// Two that rest may come together this many times as fast as they move when the step begins.
+constexpr double kSurprise = 4.0;
+// Pairs that a thread takes at a time.
+constexpr std::size_t kPairsOfAPart = 256;
+
+bool isMoved(const Context& context, Index i) {
+  return context.scene.bodies.traits[i].moved_by_forces();
+}
+
+// What is left of the load of a body when contacts carry its weight, m/s^2.
+Vec3 loadBesideWeight(const Context& context, Index i) {
+  if (!isMoved(context, i)) return Vec3::Zero();
+  return context.step.load[i].a_W - context.scene.gravity_W;
+}
+
+// Whether contacts carry a body that hardly moves, or forces do not move it.
+bool rests(const Context& context, Index i) {
+  if (!isMoved(context, i)) return true;
+  const Traits& traits = context.scene.bodies.traits[i];
+  const Twist& twist = context.scene.bodies.twist[i];
+  const double speed = twist.v_WB.norm() + traits.bounding_radius * twist.w_WB.norm();
+  return context.step.supported[i] && speed <= context.step.h() * orEarths(context.scene.gravity_W.norm());
+}
+
+// Whether two that rest stay apart in this step, if what carries them goes on to do so. Where it does not, the search after
+// the step finds them in each other (missed_contacts.h).
+bool stayApart(const Context& context, const Contact& contact) {
+  const Bodies& bodies = context.scene.bodies;
+  const Index i = contact.i, j = contact.j;
+  if (!rests(context, i) || !rests(context, j)) return false;
+  const Traits &a = bodies.traits[i], &b = bodies.traits[j];
+  const Pose &X_i = bodies.pose[i], &X_j = bodies.pose[j];
+  const double h = context.step.h();
+  const Vec3 p_W = X_j.p_WB - X_i.p_WB, u_W = bodies.twist[j].v_WB - bodies.twist[i].v_WB;
+  const double near = approach(h, u_W, reachOf(a, b, p_W, u_W, h) * bodies.twist[i].w_WB.norm(),
+                               reachOf(b, a, p_W, u_W, h) * bodies.twist[j].w_WB.norm(),
+                               loadBesideWeight(context, j) - loadBesideWeight(context, i));
+  return !areWithin(a.shape, X_i, b.shape, X_j, kSurprise * near + kTouch * smallerLength(bodies, i, j),
+                    contact.axis);
+}
+
+}  // namespace
+
 void find(Context& context) {
-  const auto isMoved = [&](Index i) { return context.scene.bodies.traits[i].moved_by_forces(); };
-  for (Contact& contact : context.scene.contacts.active) {
+  std::vector<Contact>& contacts = context.scene.contacts.active;
+  for (Contact& contact : contacts) {
     if (contact.state.isDepenetrating() || !contact.bears()) continue;
-    if (!isMoved(contact.i) && !isMoved(contact.j)) continue;
+    if (!isMoved(context, contact.i) && !isMoved(context, contact.j)) continue;
     contact.state.touch();
-    for (const Index i : {contact.i, contact.j}) context.step.supported[i] = isMoved(i);
+    for (const Index i : {contact.i, contact.j}) context.step.supported[i] = isMoved(context, i);
   }
+  context.step.workers->share(contacts.size(), kPairsOfAPart, [&](auto, auto begin, auto end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      PairState& state = contacts[k].state;
+      if (!state.isTouching() && !state.isDepenetrating() && stayApart(context, contacts[k]))
+        state.separate();
+    }
+  });
 }
 
 }  // namespace rbs::touching_contacts

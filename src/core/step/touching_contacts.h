@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Contacts that touch as a step begins: one of their points bore a force at the end of the last one.
+// What contacts are as a step begins: some touch, since one of their points bore a force at the end of the last one, and some
+// are between bodies that rest side by side without touching.
 #pragma once
 
 #include "state/context.h"
 
 namespace rbs::touching_contacts {
 
-/// Makes their pairs `Touching`, and the bodies that forces move in them supported (StepStore::supported). Costs all
-/// active contacts.
+/// Makes the pairs that touch `Touching`, and the bodies that forces move in them supported (StepStore::supported). Then
+/// makes pairs `Separated` that are not to touch in this step, so that towers beside each other are islands of their own, and a
+/// body in a pile is no neighbour of those behind the next one. Costs all active contacts, and a query of the narrow phase
+/// for each that rests and does not touch.
 void find(Context& context);
 
 }  // namespace rbs::touching_contacts
