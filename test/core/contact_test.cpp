@@ -83,6 +83,26 @@ TEST(Contact, ASecondSolveKeepsTheImpulsesOfThisStepAndNotThoseOfTheLast) {
   EXPECT_EQ(contact.earlier[0].normal_impulse, 3.0);
 }
 
+// A step that begins again twice goes back to the points that the contact had when it began.
+TEST(Contact, SolvesThatAreTakenBackLeaveThePointsOfTheStepBefore) {
+  Contact contact;
+  contact.points = {SolvedPoint()};
+  contact.points[0].feature = 7;
+  contact.exact = true;
+  for (const std::uint32_t feature : {8u, 9u, 10u}) {
+    contact.beginSolve();
+    EXPECT_TRUE(contact.points.empty());
+    contact.points = {SolvedPoint()};
+    contact.points[0].feature = feature;
+    contact.exact = false;
+    contact.solved = false;  // the step begins again
+  }
+  contact.takeBackSolves();
+  ASSERT_EQ(contact.points.size(), 1u);
+  EXPECT_EQ(contact.points[0].feature, 7u);
+  EXPECT_TRUE(contact.exact);
+}
+
 TEST(Contacts, KeepTheirPointsAsLongAsThePairIsFound) {
   const Bodies bodies = balls(4);
   Contacts contacts;
