@@ -13,8 +13,8 @@
 //
 // A direct solve is cheap where the forces of the last step still hold, and dear where bodies tumble; there
 // the errors of the soft step do not show. So only islands are promoted in which nothing moves faster than
-// what gravity adds in a step or two, as seen from something that carries them: what stands in a train stands
-// like that on the ground. Promoted are also the few bodies of which one is crushed, or is about to be: a
+// what gravity adds in a step or two, as seen from something that carries them, or from their centre of mass: what
+// stands in a train, or on a sled, stands like that on the ground. Promoted are also the few bodies of which one is crushed, or is about to be: a
 // heavy body has struck it.
 #include "step/solver_choice.h"
 
@@ -117,10 +117,25 @@ double speedSeenFrom(const Bodies& bodies, Index carrier, Index i) {
          bodies.traits[i].bounding_radius * (own.w_WB - base.w_WB).norm();
 }
 
+// The velocity of the centre of mass of an island.
+Vec3 commonVelocity(const Bodies& bodies, const Island& island) {
+  double mass = 0.0;
+  Vec3 momentum = Vec3::Zero();
+  for (const Index i : island.bodies)
+    mass += bodies.traits[i].mass, momentum += bodies.traits[i].mass * bodies.twist[i].v_WB;
+  return momentum / mass;
+}
+
 // Whether no body of an island moves faster than this as seen from one of its carriers: what forces do not move, and the world
-// where there is none.
+// where there is none; or as seen by one that moves with all of them, as on a sled.
 bool isCalm(const Context& context, const Island& island, double speed) {
   const Bodies& bodies = context.scene.bodies;
+  const Vec3 common_W = commonVelocity(bodies, island);
+  const auto isSlow = [&](Index i) {
+    const Twist& twist = bodies.twist[i];
+    return (twist.v_WB - common_W).norm() + bodies.traits[i].bounding_radius * twist.w_WB.norm() <= speed;
+  };
+  if (std::all_of(island.bodies.begin(), island.bodies.end(), isSlow)) return true;
   std::vector<Index> carriers;
   for (const Edge& edge : island.edges)
     for (const Index i : edge.bodies)
