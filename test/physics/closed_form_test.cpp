@@ -91,6 +91,45 @@ TEST_P(ClosedForm, ABlockSlidesDownAWedgeThatGivesWay) {
   }
 }
 
+// A ball of radius r rolls down a dome of radius R from an angle a, or slides without friction. The dome bears
+// N/(m g) = (17 cos t - 10 cos a)/7 of its weight at an angle t, or 3 cos t - 2 cos a (energy, and the force towards the centre).
+TEST_P(ClosedForm, ABallOnADomePressesLessAndLess) {
+  for (const double step : {1.0 / 240.0, kStep})
+    for (const bool rolls : {true, false})
+      for (const bool cylinder : {false, true}) {
+        SceneDef scene = onFloor(step, 0.0);
+        scene.fidelity = GetParam();
+        scene.bodies.clear();
+        BodyDef dome = body("dome", Sphere{1.0}, Vec3::Zero());
+        if (cylinder) dome.shape = Cylinder{1.0, 2.0};
+        if (cylinder) dome.pose.q_WB = Quat(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitX()));
+        dome.kind = BodyKind::Static;
+        dome.material.friction = rolls ? 5.0 : 0.0;
+        const double start = 0.1;
+        const BodyDef ball = body("ball", Sphere{0.1}, 1.1 * Vec3(std::sin(start), 0.0, std::cos(start)));
+        scene.bodies = {dome, massive(ball, 1.0, rolls ? 5.0 : 0.0)};
+        World world(ordered(scene));
+        const auto angle = [&] {
+          const Vec3 p_W = world.pose(world.find("ball")).p_WB;
+          return std::atan2(p_W.x(), p_W.z());
+        };
+        double worst = 0.0;
+        for (double before = angle(); before < (rolls ? 0.8 : 0.65); before = angle()) {
+          world.step();
+          const double middle = 0.5 * (before + angle());
+          const double force = rolls ? (17.0 * std::cos(middle) - 10.0 * std::cos(start)) / 7.0
+                                     : 3.0 * std::cos(middle) - 2.0 * std::cos(start);
+          double found = 0.0;
+          for (const ContactPoint& point : world.contacts())
+            found += point.normal_impulse / (step * kGravity);
+          worst = std::max(worst, std::abs(found - force));
+          ASSERT_LT(world.time(), 6.0);
+        }
+        EXPECT_LT(worst, bound(0.2, 0.15, 0.01))
+            << step << " s, " << (rolls ? "rolls" : "slides") << (cylinder ? " on a cylinder" : " on a ball");
+      }
+}
+
 // A ball of the mass m slides onto a plank of the mass M on a smooth floor, until it rolls: friction has then passed on
 // J = v/(7/(2 m) + 1/M), for its spin is 5 J/(2 m r).
 TEST_P(ClosedForm, ABallTakesAPlankAlong) {

@@ -204,13 +204,20 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
 // it gains energy for ever. Found in each sub-step (n = 1) the map keeps areas, and the energy stays about what it was
 // (E. Hairer, C. Lubich and G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, IX.8). In a pile of many bodies
 // nothing rocks freely, and to look so often costs half as much again as the whole step.
+//
+// Where both are round, the normal turns as one goes along the other, rolling or not. A contact found once a step lets a ball
+// go straight on over a dome and leave it, and in the next step it falls back on it.
 bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const Traits &a = store.traits[i.body], &b = store.traits[j.body];
-  if (!(a.round || a.revolved || b.round || b.revolved) || (a.round && b.round)) return false;
+  const bool curved_i = a.round || a.revolved, curved_j = b.round || b.revolved;
+  if (!curved_i && !curved_j) return false;
   const Vec3 spin_W = surfaceSpin(store, j.body, j.w) - surfaceSpin(store, i.body, i.w);
-  return spin_W.norm() * left > kRoll &&
+  const Vec3 u_W = j.v - i.v;
+  const double turn =
+      curved_i && curved_j ? (u_W - u_W.dot(block.n) * block.n).norm() / block.pair.length : 0.0;
+  return (spin_W.norm() + turn) * left > kRoll &&
          context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
 }
 

@@ -70,7 +70,7 @@ struct SolverBlock {
   double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
-  bool rolls;                                 // a round surface turns against the other: its points travel
+  bool rolls;                                 // a round surface goes along the other: its points travel
   Vec3 opened_W{0.0, 0.0, 0.0};               // impulse of points that have opened since the start, on j, N s
   double drift_limit;                         // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
