@@ -37,6 +37,7 @@ LONGEST_MESSAGE = 20000  # letters
 LARGEST_LOG = 20000000   # bytes
 REPLACEMENT = '\ufffd'    # of bytes that are no UTF-8
 PROGRESS_PERIOD = 10.0   # s
+CLOSING = 30.0           # s that the recorder may take to close its bag, of which its command does not wait for the end
 
 
 class Failure(Exception):
@@ -96,6 +97,9 @@ class Recording:
     def __exit__(self, *error):
         self.recorder.send_signal(signal.SIGINT)
         self.recorder.wait()
+        end = time.monotonic() + CLOSING
+        while not os.path.exists(self.bag) and time.monotonic() < end:
+            time.sleep(0.1)
 
     def check(self):
         """Raises Failure unless it runs again to the same hashes."""

@@ -60,6 +60,7 @@ void find(Context& context) {
     contact.state.touch();
     for (const Index i : {contact.i, contact.j}) context.step.supported[i] = isMoved(context, i);
   }
+  if (context.step.solver.exact) return;
   context.step.workers->share(contacts.size(), kPairsOfAPart, [&](auto, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
       PairState& state = contacts[k].state;
