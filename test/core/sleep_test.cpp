@@ -315,4 +315,18 @@ TEST(Sleep, SurvivesSavingBitForBitAndARefusedEdit) {
   EXPECT_EQ(world.stateHash(), hash);
 }
 
+// Bodies that rest beside each other without touching, and that have not come to rest at the same time.
+TEST(Sleep, WhatRestsBesideAnotherSleepsWithIt) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = fidelity;
+    scene.effects[Effect::Sleeping] = true;
+    scene.bodies.push_back(box("early", Vec3::Ones(), {0.0, 0.0, 0.5}));
+    scene.bodies.push_back(box("late", Vec3::Ones(), {1.005, 0.0, 0.52}));
+    World world(ordered(scene));
+    while (world.time() < 3.0) world.step();
+    for (int k = 0; k < 5; ++k) EXPECT_EQ(world.step().islands, 0u) << fidelityName(fidelity);
+  }
+}
+
 }  // namespace

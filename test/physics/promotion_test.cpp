@@ -275,6 +275,55 @@ TEST(ChoiceOfSolver, WhatRestsBesideAnotherIsMetByIt) {
       }
 }
 
+// Nor is it past them when its support is taken away, or when contacts alone push it: no impact tells of that.
+TEST(ChoiceOfSolver, WhatRestsBesideAnotherIsMetWhenItLosesItsSupport) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double step : {1.0 / 60.0, 1.0 / 20.0, 1.0 / 10.0}) {
+      SceneDef scene = onFloor(step, 0.5);
+      scene.fidelity = fidelity;
+      const auto hold = [&](const std::string& name, const Vec3& p_W, BodyKind kind) {
+        scene.bodies.push_back(box(name, {0.01, 0.1, 0.02}, p_W));
+        scene.bodies.back().kind = kind;
+      };
+      hold("plate", {0.0, 0.0, 0.5}, BodyKind::Kinematic);
+      for (const double side : {-1.0, 1.0})
+        hold(side < 0.0 ? "left" : "right", {0.0101 * side, 0.0, 0.4985}, BodyKind::Static);
+      scene.bodies.push_back(box("box", Vec3::Constant(0.02), {0.0, 0.0, 0.52}));
+      World world(ordered(scene));
+      for (int k = 0; k < 20; ++k) world.step();
+      BodyEdit falls;
+      falls.twist = Twist{{0.0, 0.0, -2.0}, Vec3::Zero()};
+      world.editBody(world.find("plate"), falls);
+      for (int k = 0; k < 6; ++k) {
+        world.step();
+        ASSERT_GT(stateOf(world, "box").pose.p_WB.z(), 0.518)
+            << fidelityName(fidelity) << ", " << step << " s";
+      }
+    }
+}
+
+TEST(ChoiceOfSolver, WhatRestsBesideAnotherIsPushedByIt) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.3);
+    scene.fidelity = fidelity;
+    scene.bodies.push_back(box("cube", Vec3::Constant(5.0), {0.0, 0.0, 2.5}));
+    scene.bodies.push_back(box("small", Vec3::Constant(0.02), {2.511, 0.0, 0.01}));
+    scene.bodies.push_back(box("pusher", {1.0, 5.0, 5.0}, {-3.0, 0.0, 2.5}));
+    scene.bodies.back().kind = BodyKind::Kinematic;
+    World world(ordered(scene));
+    for (int k = 0; k < 20; ++k) world.step();
+    BodyEdit pushes;
+    pushes.twist = Twist{{5.0, 0.0, 0.0}, Vec3::Zero()};
+    world.editBody(world.find("pusher"), pushes);
+    for (int k = 0; k < 4; ++k) {
+      world.step();
+      const double apart =
+          stateOf(world, "small").pose.p_WB.x() - stateOf(world, "cube").pose.p_WB.x() - 2.51;
+      EXPECT_GT(apart, -0.02) << fidelityName(fidelity) << ", step " << k;
+    }
+  }
+}
+
 // A wall of bricks n wide at its foot has n (n + 1)/2 bricks and n + n (n - 1) pairs.
 TEST(ChoiceOfSolver, ManyPairsAreSoft) {
   for (const int width : {8, 14}) {

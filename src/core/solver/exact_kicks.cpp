@@ -103,8 +103,8 @@ CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
   return result;
 }
 
-// A solve that does not converge leaves three quarters of the budget to the others; fourteen of them spend
-// all.
+// A solve that does not converge takes at most a quarter of the budget, what others have taken of it included: the bound must
+// not depend on them.
 CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double wanted,
                                      double needed) const {
   const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);

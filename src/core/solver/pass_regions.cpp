@@ -2,7 +2,6 @@
 #include "solver/pass_regions.h"
 
 #include <algorithm>
-#include <limits>
 #include <thread>
 
 namespace rbs {
@@ -129,19 +128,21 @@ bool PassRegions::isReady(const Region& region, const Stretch& stretch) const {
   return true;
 }
 
-// As far as it can. Who has taken a region alone writes its progress.
-void PassRegions::goOn(std::size_t r, const Body& body) {
+// As far as it can, and whether it could. Who has taken a region alone writes its progress.
+bool PassRegions::goOn(std::size_t r, const Body& body) {
   const Region& region = regions_[r];
   Progress& progress = progress_[r];
+  const std::size_t first = progress.next;
   for (; progress.next < region.stretches.size(); ++progress.next) {
     const Stretch& stretch = region.stretches[progress.next];
     for (int k = 0; !isReady(region, stretch); ++k) {
-      if (k == kSpins) return;
+      if (k == kSpins) return progress.next > first;
       Workers::relax();
     }
     body(stretch.begin, stretch.end);
     progress.done.store(static_cast<std::uint32_t>(stretch.end - first_[r]), std::memory_order_release);
   }
+  return true;
 }
 
 void PassRegions::walk(const Body& body) {
@@ -156,8 +157,9 @@ void PassRegions::walk(const Body& body) {
       ++idle < kSpins ? Workers::relax() : std::this_thread::yield();
       continue;
     }
-    goOn(r, body);
+    const bool went_on = goOn(r, body);
     taken.store(false, std::memory_order_release);
+    if (!went_on) std::this_thread::yield();
   }
 }
 

@@ -9,14 +9,14 @@
 // go on. This is the point-to-point synchronisation of a sparse triangular solve (J. Park, M. Smelyanskiy, N. Sundaram and
 // P. Dubey, "Sparsifying Synchronization for High-Performance Shared-Memory Sparse Triangular Solver", ISC 2014).
 //
-// A region is not tied to a thread. One that has waited for long is put down, and a thread without a region takes it up: what
-// the system holds up one thread for, it does not hold up all.
+// A region is not tied to a thread. One that has waited for long is put down, and a thread without a region takes it up.
 #pragma once
 
 #include "base/workers.h"
 #include "solver/solver_contacts.h"
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -81,7 +81,7 @@ class PassRegions {
   std::size_t regionOf(std::size_t bundle) const;
   bool isComplete(std::size_t region) const;
   bool isReady(const Region& region, const Stretch& stretch) const;
-  void goOn(std::size_t region, const Body& body);
+  bool goOn(std::size_t region, const Body& body);
   void walk(const Body& body);
 
   std::vector<std::size_t> of_body_;        // by slot; empty: all are in one

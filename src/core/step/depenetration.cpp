@@ -171,7 +171,7 @@ void liftAbovePlane(Context& context, Index plane, Index i) {
   contactOf(context, plane, i).addEarlier(point);
 }
 
-// An edit that moves or reshapes a body forgets its contacts, so that their pairs had no points when the step began.
+// An edit that moves or reshapes a body forgets its contacts, so their pairs had no points when the step began.
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   std::vector<Index> deep;

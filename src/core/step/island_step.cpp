@@ -116,7 +116,8 @@ void advanceExact(Context& context, const std::vector<Island*>& islands) {
     double sum = 0.0;
     for (const std::vector<double>& one : row_seconds) sum += std::accumulate(one.begin(), one.end(), 0.0);
     for (const std::vector<double>& one : row_seconds)
-      for (std::size_t row = 0; row < kInnerRows; ++row) step.row_seconds[row] += wall / sum * one[row];
+      for (std::size_t row = 0; row < kInnerRows; ++row)
+        step.row_seconds[row] += sum > 0.0 ? wall / sum * one[row] : 0.0;
   }
   for (std::size_t k = 0; k < islands.size(); ++k) {
     Island& island = *islands[k];

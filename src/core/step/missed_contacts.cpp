@@ -9,6 +9,7 @@
 #include "step/ways.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -118,6 +119,36 @@ bool mayDeviate(const Context& context, Index i) {
   return !step.bounds[i].holds(sweptBounds(bodies, {}, i, 0.0), kDeviation * traits.length);
 }
 
+// How far two bodies have come together in the step at most, m.
+double mostMovedTogether(const Context& context, Index i, Index j) {
+  const StepStore& step = context.step;
+  const Bodies& bodies = context.scene.bodies;
+  Vec3 moved_W = Vec3::Zero();
+  double turned = 0.0;
+  for (const Index k : {i, j}) {
+    const Pose &before = step.before[k], now = step.poseAt(bodies, k, step.t1);
+    moved_W += (k == i ? -1.0 : 1.0) * (now.p_WB - before.p_WB);
+    if (bodies.traits[k].unbounded) return std::numeric_limits<double>::infinity();
+    turned += kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm() * bodies.traits[k].bounding_radius;
+  }
+  return moved_W.norm() + turned;
+}
+
+// Pairs that rested apart when the step began (touching_contacts.h), and that may have come together by more than is left to the
+// next step.
+IndexPairs stirred(const Context& context) {
+  const StepStore& step = context.step;
+  IndexPairs found;
+  if (step.solver.exact) return found;
+  for (const Contact& contact : context.scene.contacts.active) {
+    const Index i = contact.i, j = contact.j;
+    if (contact.state.isSeparated() && (step.supported[i] || step.supported[j]) &&
+        mostMovedTogether(context, i, j) > mostLeft(context, i, j))
+      found.emplace_back(i, j);
+  }
+  return found;
+}
+
 }  // namespace
 
 bool overlapDeeply(const Context& context, Index i, Index j, double time) {
@@ -134,7 +165,8 @@ IndexPairs findMissedContacts(const Context& context) {
       if (mayDeviate(context, i))
         pushed.emplace_back(i, step.bounds[i].with(sweptBounds(scene.bodies, {}, i, 0.0)));
   }
-  if (pushed.empty()) return {};
+  const IndexPairs near = stirred(context);
+  if (pushed.empty() && near.empty()) return {};
   std::vector<Index> order = scene.pair_search.order;
   sortByPlace(order, step.bounds);
   BoundsTree tree(order, step.bounds);
@@ -147,6 +179,7 @@ IndexPairs findMissedContacts(const Context& context) {
     if (mayCollide(scene.bodies.traits[a], scene.bodies.traits[b]) && isMissed(context, solved, pair))
       found.push_back(pair);
   };
+  for (const auto& [i, j] : near) look(i, j);
   for (const auto& [i, bounds] : pushed) {
     for (const Index j : tree.of(i)) look(i, j);
     for (const Index j : scene.lists.planes) look(i, j);

@@ -96,7 +96,12 @@ void Restart::restoreContacts(Context& context, const IndexPairs& missed, const 
     for (Contact& contact : *list)
       if (begins(contact.key)) contact.solved = false, contact.earlier.clear();
   for (Contact& contact : active)
-    if (begins(contact.key)) contact.state = placeOf(contact.i, contact.j)->state;
+    if (begins(contact.key)) {
+      contact.state = placeOf(contact.i, contact.j)->state;
+      // What rested apart may be pushed together, one pair after the other.
+      const bool rests = context.step.supported[contact.i] || context.step.supported[contact.j];
+      if (rests && !missed.empty() && contact.state.isSeparated()) contact.state.open();
+    }
   for (const auto& [key, points] : at_start_.earlier) {
     if (!begins(key)) continue;
     const Index i = bodies.indexOf(key.i), j = bodies.indexOf(key.j),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/sleep.h"
 
+#include "base/disjoint_sets.h"
 #include "step/depenetration.h"
 
 #include <algorithm>
@@ -49,6 +50,20 @@ void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
       context.step.woken.push_back(i);
 }
 
+// Islands that are near each other go to sleep together: a body that is awake wakes what sleeps near it.
+std::vector<std::vector<Index>> nearIslands(const Context& context) {
+  const StepStore& step = context.step;
+  if (step.islands.empty()) return {};  // nor has `island` any
+  DisjointSets sets(static_cast<Index>(step.islands.size()));
+  for (const Contact& contact : context.scene.contacts.active) {
+    const Index a = step.island[contact.i], b = step.island[contact.j];
+    if (contact.state.isSeparated() && a != kNone && b != kNone) sets.unite(a, b);
+  }
+  std::vector<std::vector<Index>> groups(step.islands.size());
+  for (Index k = 0; k < step.islands.size(); ++k) groups[sets.root(k)].push_back(k);
+  return groups;
+}
+
 // A group goes to sleep as a whole. What touches a kinematic body that moves, or that a user force or a
 // wrench pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it
 // is moved apart without a velocity that tells it.
@@ -61,7 +76,9 @@ void update(Context& context) {
   for (const BodyGrab& grab : scene.grabs) pulled[scene.bodies.indexOf(grab.body)] = 1;
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
-  for (const Island& island : step.islands) {
+  std::vector<char> is_ready(step.islands.size(), 0);
+  for (Index k = 0; k < step.islands.size(); ++k) {
+    const Island& island = step.islands[k];
     const bool parts = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
       return edge.kind == ConstraintKind::Contact &&
              depenetration::isDeep(context, scene.contacts.active[edge.of]);
@@ -78,7 +95,14 @@ void update(Context& context) {
       rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
       ready = ready && rested >= steps && !pulled[i];
     }
-    if (ready) step.falling_asleep.push_back(island.bodies);
+    is_ready[k] = ready;
+  }
+  for (const std::vector<Index>& group : nearIslands(context)) {
+    if (group.empty() || !std::all_of(group.begin(), group.end(), [&](Index k) { return is_ready[k]; }))
+      continue;
+    std::vector<Index>& bodies = step.falling_asleep.emplace_back();
+    for (const Index k : group)
+      bodies.insert(bodies.end(), step.islands[k].bodies.begin(), step.islands[k].bodies.end());
   }
 }
 

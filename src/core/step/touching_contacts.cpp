@@ -5,6 +5,8 @@
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 
+#include <vector>
+
 namespace rbs::touching_contacts {
 
 namespace {
