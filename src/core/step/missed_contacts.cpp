@@ -9,7 +9,6 @@
 #include "step/ways.h"
 
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <tuple>
 
@@ -104,17 +103,22 @@ bool isMissed(const Context& context, const SolvedPairs& solved, const std::pair
   return overlapAt(context, i, j, step.t1) > most || havePassed(context, i, j);
 }
 
-// Whether contacts may have pushed a body where no prediction has looked: off the bounds of its motion, or off a
-// trajectory that an impact has changed. Most bodies hardly move; a turn between the quaternions p and q is at most
+// How far a turn in the step has moved the surface of a body at most, m: that between the quaternions p and q is at most
 // pi |p - q|.
+double mostTurned(const Pose& before, const Pose& now, const Traits& traits) {
+  const double turn = kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm();
+  return turn > 0.0 ? turn * traits.bounding_radius : 0.0;  // that of a plane is infinite
+}
+
+// Whether contacts may have pushed a body where no prediction has looked: off the bounds of its motion, or off a
+// trajectory that an impact has changed. Most bodies hardly move.
 bool mayDeviate(const Context& context, Index i) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   if (step.solver.exact || step.stamp[i] > 0) return true;
   const Traits& traits = bodies.traits[i];
   const Pose &before = step.before[i], &now = bodies.pose[i];
-  const double turn = kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm();
-  if ((now.p_WB - before.p_WB).norm() + turn * traits.bounding_radius <= kDeviation * traits.length)
+  if ((now.p_WB - before.p_WB).norm() + mostTurned(before, now, traits) <= kDeviation * traits.length)
     return false;
   return !step.bounds[i].holds(sweptBounds(bodies, {}, i, 0.0), kDeviation * traits.length);
 }
@@ -128,8 +132,7 @@ double mostMovedTogether(const Context& context, Index i, Index j) {
   for (const Index k : {i, j}) {
     const Pose &before = step.before[k], now = step.poseAt(bodies, k, step.t1);
     moved_W += (k == i ? -1.0 : 1.0) * (now.p_WB - before.p_WB);
-    if (bodies.traits[k].unbounded) return std::numeric_limits<double>::infinity();
-    turned += kPi * (now.q_WB.coeffs() - before.q_WB.coeffs()).norm() * bodies.traits[k].bounding_radius;
+    turned += mostTurned(before, now, bodies.traits[k]);
   }
   return moved_W.norm() + turned;
 }
