@@ -33,7 +33,8 @@ class Workers {
   /// The last value given to setCount(); fewer where the system could not start so many.
   unsigned count() const { return count_; }
 
-  /// Which of the threads the calling one is: 0 is the one that calls share().
+  /// Which of the threads the calling one is: 0 is the one that calls share(). A hint: threads of two Workers have the
+  /// same numbers.
   static unsigned self();
   /// For a loop that waits for another thread.
   static void relax();

@@ -434,10 +434,16 @@ std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batc
   Island& island = islandOf(context.step, batch);
   const std::int64_t all = island.work + kCommonWork;
   const bool cut_short = island.cut_short;
+  std::vector<SeparatingAxis> axes;  // with the counts of their queries
+  for (const Edge& edge : batch.edges)
+    if (edge.kind == ConstraintKind::Contact) axes.push_back(context.scene.contacts.active[edge.of].axis);
   SolveBudget budget{all, context.step.solve_budget.until, kCommonWork};
   const Outcome outcome = runWith(budget, false, context, batch, t0, t1, row_seconds);
   if (outcome == Outcome::TooDear) {
     island.cut_short = cut_short;
+    auto axis = axes.begin();
+    for (const Edge& edge : batch.edges)
+      if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of].axis = *axis++;
     return std::nullopt;
   }
   island.work -= all - budget.work;

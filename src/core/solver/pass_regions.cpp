@@ -148,7 +148,7 @@ bool PassRegions::goOn(std::size_t r, const Body& body) {
 void PassRegions::walk(const Body& body) {
   std::size_t complete = 0;  // regions in a row
   int idle = 0;
-  for (std::size_t k = Workers::self(); complete < count(); ++k) {
+  for (std::size_t k = Workers::self(); complete < count() && !failed_; ++k) {
     const std::size_t r = k % count();
     complete = isComplete(r) ? complete + 1 : 0;
     if (complete > 0) continue;
@@ -157,14 +157,21 @@ void PassRegions::walk(const Body& body) {
       ++idle < kSpins ? Workers::relax() : std::this_thread::yield();
       continue;
     }
-    const bool went_on = goOn(r, body);
-    taken.store(false, std::memory_order_release);
-    if (!went_on) std::this_thread::yield();
+    try {
+      const bool went_on = goOn(r, body);
+      taken.store(false, std::memory_order_release);
+      if (!went_on) std::this_thread::yield();
+    } catch (...) {
+      failed_ = true;
+      throw;
+    }
   }
 }
 
 void PassRegions::inOrder(Workers& workers, const Body& body) {
-  for (std::size_t r = 0; r < count(); ++r) progress_[r].done = 0, progress_[r].next = 0;
+  for (std::size_t r = 0; r < count(); ++r)
+    progress_[r].done = 0, progress_[r].next = 0, progress_[r].taken = false;
+  failed_ = false;
   workers.share(count(), 1, [&](auto, auto, auto) { walk(body); });
 }
 

@@ -46,7 +46,8 @@ class PassRegions {
   /// All needs are known.
   void finish();
 
-  /// Calls `body` for all bundles of the regions, each after those that it needs.
+  /// Calls `body` for all bundles of the regions, each after those that it needs. After an exception of `body` no more
+  /// bundles are done, and it is thrown here.
   void inOrder(Workers& workers, const Body& body);
   /// Calls `body` once for each region, in any order, as a rule on the thread that has its bodies in its cache.
   void each(Workers& workers, const std::function<void(std::size_t region)>& body);
@@ -90,7 +91,8 @@ class PassRegions {
   std::vector<Region> regions_;
   std::vector<char> awaited_;  // by bundle: another region waits for it
   std::unique_ptr<Progress[]> progress_;
-  std::size_t room_ = 0;  // of `progress_`
+  std::atomic<bool> failed_{false};  // a call of the body has thrown
+  std::size_t room_ = 0;             // of `progress_`
 };
 
 }  // namespace rbs

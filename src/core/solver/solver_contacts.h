@@ -28,7 +28,7 @@ struct alignas(64) SolverBody {
   Index body;
 };
 
-/// A pair of which one point fewer is there than rows of its bundle gets impulses of zero there, of either sign (contact_lanes.h).
+/// A pair with fewer points than its bundle has rows gets impulses of zero in the others, of either sign (contact_lanes.h).
 /// Added to a number they change nothing, unless that is -0. A sum is -0 only where both of its terms are. So bodies that
 /// begin without -0 stay without, and what a pair does depends on no pair beside it.
 inline Vec3 withoutNegativeZeros(const Vec3& v) {
