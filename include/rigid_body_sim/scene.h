@@ -26,7 +26,7 @@ namespace rbs {
 /// feels neither torque.
 struct Material {
   /// Coulomb coefficient, 0 to Limits::max_friction; 0 is frictionless. A pair uses the geometric mean of its
-  /// two.
+  /// two, 1e4 at most: more holds no more.
   double friction = 0.6;
   /// Newton's coefficient, 0 (no rebound) to 1 (elastic). A pair uses the larger of its two.
   double restitution = 0.0;

@@ -121,8 +121,8 @@ struct StepReport {
   double seconds = 0.0;             ///< wall time of the step, s
   std::uint32_t pairs = 0;          ///< candidate pairs of the broad phase
   std::uint64_t overlap_tests = 0;  ///< pairs of bounds that the broad phase compared to find them
-  /// Queries of the narrow phase for pairs without a closed form. Of bodies that began the step again, those of
-  /// the last time.
+  /// Queries of the narrow phase for pairs without a closed form. Those of bodies that took the step once more count each
+  /// time; those that predict impacts after an impact do not count.
   std::uint64_t axis_queries = 0;
   std::uint64_t axes_kept = 0;  ///< those that the separating axis of the pair's last query answered
   std::uint32_t contacts = 0;   ///< contact points, also those that nearly touch
@@ -135,7 +135,8 @@ struct StepReport {
   /// the warning "impact_budget" are not counted.
   std::uint32_t deferred_impacts = 0;
   /// Dynamic bodies that the step took once more, because contacts had pushed one into another that it was
-  /// predicted to pass; each time counts.
+  /// predicted to pass; each time counts. Where a sleeping body is reached, all dynamic bodies that are awake take the step once
+  /// more.
   std::uint32_t repeated = 0;
   double deepest_penetration = 0;  ///< largest penetration depth at the end of the step, m, >= 0
   /// Residuals of the islands that have contact points, in the order of their first bodies.

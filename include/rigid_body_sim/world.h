@@ -258,7 +258,8 @@ class World {
   /// for every number, bit for bit. The threads sleep between steps. No edit. Throws InvalidInput for another
   /// number.
   void setThreads(unsigned threads);
-  unsigned threads() const;  ///< the last value given to setThreads()
+  /// The last value given to setThreads(); fewer once the system could not start as many.
+  unsigned threads() const;
 
   // --- reading
 

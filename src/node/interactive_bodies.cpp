@@ -84,6 +84,7 @@ void InteractiveBodies::update(const Snapshot& snapshot) {
     std::swap(news, inbox_);
   }
   if (snapshot.world != world_) forgetWorld(snapshot);
+  scene_ = snapshot.scene;
   for (const MouseEvent& event : news.mouse) handle(event, snapshot);
   if (news.selection) selectNamed(*news.selection, snapshot);
   applyDrags(snapshot);
@@ -102,7 +103,6 @@ void InteractiveBodies::forgetWorld(const Snapshot& snapshot) {
     if (again >= 0) selection_.push_back(snapshot.states[again].id);
   }
   world_ = snapshot.world;
-  scene_ = snapshot.scene;
   for (const auto& [client, drag] : drags_) board_.letGo(drag.marker());
   drags_.clear();
   resizes_ = false;

@@ -87,7 +87,7 @@ class InteractiveBodies {
   MarkerBoard board_;
   ClickTargets targets_;
   std::uint64_t world_ = 0;            ///< number of the world that drags and the selection belong to
-  std::string scene_;                  ///< its name
+  std::string scene_;                  ///< its name, as it was last seen
   std::map<std::string, Drag> drags_;  ///< by client: each client has one mouse
   std::vector<BodyId> selection_;      ///< the last one has the gizmo
   bool resizes_ = false;               ///< whether the selection has handles in place of the gizmo

@@ -59,7 +59,7 @@ void bindNumber(Class& type, const char* name, double Material::*field, const ch
 
 void bindMaterial(Class& type) {
   bindNumber(type, "friction", &Material::friction,
-             "Coulomb's coefficient, 0 to 1e9. A pair uses the geometric mean of its two.");
+             "Coulomb's coefficient, 0 to 1e9. A pair uses the geometric mean of its two, 1e4 at most.");
   bindNumber(type, "restitution", &Material::restitution,
              "Newton's coefficient, 0 (no rebound) to 1 (elastic). A pair uses the larger of its two.");
   bindNumber(type, "rolling_resistance", &Material::rolling_resistance,

@@ -61,6 +61,16 @@ BodiesPanel::BodiesPanel()
   connect(&done_, &QTimer::timeout, this, [this] { showMessage({}, false); });
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
   connect(properties_, &BodyProperties::entered, this, [this] { showMessage({}, false); });
+  // Else Qt hands the focus to a field of another purpose, which takes what is still typed.
+  connect(properties_, &BodyProperties::left, this, [this](const QString& heading) {
+    list_->setFocus();
+    const auto isIt = [&](const rigid_body_sim::BodyDescription& body) {
+      return QString::fromStdString(body.name) == heading;
+    };
+    const auto& bodies = simulator_.bodies();
+    if (std::none_of(bodies.begin(), bodies.end(), isIt) && !heading.endsWith(" bodies"))
+      showMessage(QString("'%1' is gone.").arg(heading), true);
+  });
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodiesPanel::enableActions);

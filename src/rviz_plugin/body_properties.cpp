@@ -6,6 +6,7 @@
 #include "wheel_guard.h"
 
 #include <QAbstractItemView>
+#include <QApplication>
 #include <QColorDialog>
 #include <QRegularExpression>
 #include <QVBoxLayout>
@@ -158,6 +159,8 @@ void BodyProperties::follow() {
   if (isTyping()) findShown();
   if (bodies_.empty()) findSelected();
   show();  // before the form is hidden: a field that loses the focus enters what is typed
+  const QWidget* const focus = QApplication::focusWidget();
+  if (bodies_.empty() && focus && form_->isAncestorOf(focus)) Q_EMIT left(heading_->text());
   hint_->setVisible(bodies_.empty());
   form_->setVisible(!bodies_.empty());
 }

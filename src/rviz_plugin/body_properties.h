@@ -32,6 +32,8 @@ class BodyProperties : public QScrollArea {
  Q_SIGNALS:
   /// A value is entered: what was said before it is about something else.
   void entered();
+  /// The form has nothing to show any more, while one of its fields had the focus. It showed what `heading` names.
+  void left(const QString& heading);
 
  private:
   /// A row of the form: a title, one to three editors, and room for a refusal below them.

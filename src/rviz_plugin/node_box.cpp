@@ -24,13 +24,24 @@ NodeBox::NodeBox() {
   setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
   setMinimumContentsLength(8);
   setToolTip("The simulator that this panel steers: the name of its node");
-  connect(lineEdit(), &QLineEdit::editingFinished, this, [this] { Q_EMIT chosen(node()); });
-  connect(this, qOverload<int>(&QComboBox::activated), this, [this] { Q_EMIT chosen(node()); });
+  connect(lineEdit(), &QLineEdit::returnPressed, this, &NodeBox::choose);
+  connect(lineEdit(), &QLineEdit::editingFinished, this, [this] { setEditText(node_); });
+  connect(this, qOverload<int>(&QComboBox::activated), this, &NodeBox::choose);
+}
+
+void NodeBox::setNode(const QString& node) {
+  node_ = node;
+  setEditText(node);
+}
+
+void NodeBox::choose() {
+  setNode(currentText().trimmed());
+  Q_EMIT chosen(node_);
 }
 
 // Who publishes a status of this type is a simulator. Without a master getTopics() would wait for one.
 void NodeBox::showPopup() {
-  const QString before = node();
+  const QString before = currentText();
   ros::master::V_TopicInfo topics;
   if (ros::master::check()) ros::master::getTopics(topics);
   clear();
@@ -39,7 +50,7 @@ void NodeBox::showPopup() {
     if (topic.datatype == ros::message_traits::datatype<rigid_body_sim::Status>() && name.endsWith("/status"))
       addItem(name.left(name.lastIndexOf('/')));
   }
-  setNode(before);
+  setEditText(before);
   QComboBox::showPopup();
 }
 

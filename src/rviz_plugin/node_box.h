@@ -12,20 +12,26 @@ namespace rbs {
 /// take as a name.
 std::string resolvedNode(const QString& node);
 
-/// Any name can be typed; the list has the simulators that the ROS master knows when it is opened.
+/// Any name can be typed, and Enter takes it: a box that loses the focus shows its node again. The list has the simulators
+/// that the ROS master knows when it is opened.
 class NodeBox : public QComboBox {
   Q_OBJECT
  public:
   NodeBox();
 
-  QString node() const { return currentText().trimmed(); }
-  void setNode(const QString& node) { setEditText(node); }
+  const QString& node() const { return node_; }
+  void setNode(const QString& node);
 
  Q_SIGNALS:
   void chosen(const QString& node);
 
  protected:
   void showPopup() override;
+
+ private:
+  void choose();
+
+  QString node_;
 };
 
 }  // namespace rbs

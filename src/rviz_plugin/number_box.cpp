@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "number_box.h"
 
+#include <QKeyEvent>
+#include <QLineEdit>
 #include <QLocale>
 
 namespace rbs {
@@ -9,6 +11,20 @@ NumberBox::NumberBox() {
   QLocale locale = QLocale::c();
   locale.setNumberOptions(QLocale::OmitGroupSeparator | QLocale::RejectGroupSeparator);
   setLocale(locale);
+  lineEdit()->installEventFilter(this);
+}
+
+bool NumberBox::eventFilter(QObject* object, QEvent* event) {
+  if (event->type() == QEvent::ShortcutOverride) {
+    const QString text = static_cast<QKeyEvent*>(event)->text();
+    const bool is_other =
+        !text.isEmpty() && text[0].isPrint() && !text[0].isDigit() && !QString("+-.,eE").contains(text[0]);
+    if (is_other) {
+      event->ignore();
+      return true;
+    }
+  }
+  return QDoubleSpinBox::eventFilter(object, event);
 }
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {

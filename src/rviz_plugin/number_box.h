@@ -11,6 +11,8 @@ namespace rbs {
 class NumberBox : public QDoubleSpinBox {
  public:
   NumberBox();
+  /// Keys that are no part of a number are shortcuts of the window also while it has the focus.
+  bool eventFilter(QObject* object, QEvent* event) override;
 
  protected:
   QValidator::State validate(QString& text, int& position) const override;

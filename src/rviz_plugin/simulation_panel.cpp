@@ -23,6 +23,11 @@
 #include <algorithm>
 
 namespace rbs {
+namespace {
+
+constexpr int kReadIn = 10000;  // ms
+
+}  // namespace
 
 SimulationPanel::SimulationPanel()
     : controls_(new QWidget),
@@ -83,11 +88,14 @@ void SimulationPanel::layOut() {
   panel->setContentsMargins(6, 4, 6, 4);
   panel->setSpacing(4);
   panel->addWidget(controls_, 1);
+  panel->addWidget(transport_->recordingNote());
   panel->addWidget(answer_);
   panel->addLayout(last_row);
 }
 
 void SimulationPanel::connectWidgets() {
+  read_.setSingleShot(true);
+  connect(&read_, &QTimer::timeout, this, [this] { showMessage({}, false); });
   connect(&simulator_, &SimulatorClient::statusReceived, this, &SimulationPanel::show);
   connect(&simulator_, &SimulatorClient::heardChanged, this, &SimulationPanel::showHeard);
   connect(&simulator_, &SimulatorClient::reported, this, &SimulationPanel::showMessage);
@@ -180,7 +188,8 @@ void SimulationPanel::save(rviz::Config config) const {
 
 void SimulationPanel::follow(const QString& node) {
   node_->setNode(node);
-  showMessage(QString("No simulator answers at '%1'.").arg(node), true);
+  is_heard_ = false;
+  showMessage({}, true);
   scenes_->forgetFile();
   effects_->forgetNeglected();
   simulator_.follow(node);
@@ -222,12 +231,8 @@ void SimulationPanel::look(const rigid_body_sim::Status& status) {
 void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
   enableControls();
-  if (is_heard) {
-    showMessage({}, false);
-  } else {
-    scenes_->forgetFile();  // who answers next may be another simulator of this name
-    showMessage(QString("No simulator answers at '%1'.").arg(simulator_.node()), true);
-  }
+  if (!is_heard) scenes_->forgetFile();  // who answers next may be another simulator of this name
+  showMessage({}, false);
 }
 
 // A recording can be ended also when nothing is heard any more.
@@ -241,9 +246,14 @@ void SimulationPanel::enableEdits(bool is_live) {
     widget->setEnabled(is_live);
 }
 
+// While nothing is heard, that is what there is to say. What is no trouble is over after a while.
 void SimulationPanel::showMessage(const QString& text, bool is_trouble) {
-  answer_->setText(text);
-  showTrouble(*answer_, is_trouble);
+  answer_->setText(is_heard_ ? text : QString("No simulator answers at '%1'.").arg(node_->node()));
+  showTrouble(*answer_, is_trouble || !is_heard_);
+  if (is_trouble || !is_heard_)
+    read_.stop();
+  else
+    read_.start(kReadIn);
 }
 
 QList<SimulationPanel*> SimulationPanel::panels() const {

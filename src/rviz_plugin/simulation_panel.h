@@ -20,6 +20,7 @@
 #include <QPointer>
 #include <QShortcut>
 #include <QTabWidget>
+#include <QTimer>
 
 #include <functional>
 
@@ -88,6 +89,7 @@ class SimulationPanel : public rviz::Panel {
   QCheckBox* wind_;
   NodeBox* node_;
   ElidedText* answer_;
+  QTimer read_;  ///< until the answer has been read
   StatusView* status_;
   QTabWidget* pages_;
   AccuracyView* accuracy_;

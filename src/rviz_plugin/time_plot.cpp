@@ -362,7 +362,8 @@ bool TimePlot::eventFilter(QObject* watched, QEvent* event) {
     case QEvent::Wheel: {
       const auto* wheel = static_cast<QWheelEvent*>(event);
       const double notches = wheel->angleDelta().y() / double(QWheelEvent::DefaultDeltasPerStep);
-      zoom(wheel->pos(), std::pow(kWheel, -notches), wheel->modifiers().testFlag(Qt::ControlModifier));
+      zoom(wheel->position().toPoint(), std::pow(kWheel, -notches),
+           wheel->modifiers().testFlag(Qt::ControlModifier));
       return true;
     }
     case QEvent::ToolTip: {

@@ -103,7 +103,7 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   rows->addLayout(row_);
   rows->addLayout(speed);
   rows->addWidget(seek_bar_);
-  rows->addWidget(note_);
+  note_->setObjectName("recording_note");
   note_->setVisible(false);
 
   connect(slider_, &QSlider::valueChanged, this, [this](int place) { speed_->setValue(factorAt(place)); });
@@ -121,8 +121,7 @@ TransportBar::TransportBar(SimulatorClient& simulator)
   connect(&recorder_, &BagRecorder::stateChanged, this, &TransportBar::showRecording);
   connect(&recorder_, &BagRecorder::reported, this, &TransportBar::note);
   connect(speed_, qOverload<double>(&QDoubleSpinBox::valueChanged), &simulator_, &SimulatorClient::setSpeed);
-  // After Enter the keys are those of the panel again.
-  connect(speed_->findChild<QLineEdit*>(), &QLineEdit::returnPressed, speed_, &QWidget::clearFocus);
+  connect(speed_->findChild<QLineEdit*>(), &QLineEdit::returnPressed, speed_, &QAbstractSpinBox::selectAll);
 }
 
 QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
@@ -198,7 +197,7 @@ void TransportBar::scaleSpeed(double factor) {
 void TransportBar::showSpeed(double factor) {
   const QSignalBlocker quiet_box(speed_), quiet_slider(slider_);
   if (slider_->isSliderDown()) return;
-  if (!speed_->hasFocus()) speed_->setValue(factor);
+  if (!speed_->findChild<QLineEdit*>()->isModified()) speed_->setValue(factor);
   slider_->setValue(placeOf(factor));
 }
 

@@ -34,6 +34,8 @@ class TransportBar : public QWidget {
   bool isRecording() const { return recorder_.state() != BagRecorder::State::Idle; }
   /// Folder of the recordings.
   const QString& folder() const { return folder_; }
+  /// What is said of the recording, for a place where it moves no control.
+  QWidget* recordingNote() const { return note_; }
   void setFolder(const QString& folder) { folder_ = folder; }  ///< of those begun from now on
 
  Q_SIGNALS:

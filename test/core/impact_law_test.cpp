@@ -71,7 +71,10 @@ TEST(ImpactLaw, KeepsMomentumGainsNoEnergyAndEndsTheApproach) {
     ++impacts;
     const double energy = pair.energy();
     const Vec3 momentum = pair.momentum(), angular = pair.angularMomentum();
-    collideBodies(pair.a, pair.b, manifold, mu, e);
+    ImpactLaw law{mu, e};
+    if (seed % 7 < 3)
+      law.radius = 0.05 * (1 + seed % 4), law.roll = 0.1 * (seed % 7), law.spin = 0.3 * (seed % 2);
+    collideBodies(pair.a, pair.b, manifold, law);
     EXPECT_LE(pair.energy(), energy * (1.0 + 1e-11)) << seed;
     EXPECT_LE((pair.momentum() - momentum).norm(), 1e-12 * (1.0 + momentum.norm())) << seed;
     EXPECT_LE((pair.angularMomentum() - angular).norm(), 1e-11 * (1.0 + angular.norm())) << seed;
@@ -81,7 +84,7 @@ TEST(ImpactLaw, KeepsMomentumGainsNoEnergyAndEndsTheApproach) {
     EXPECT_GE(leaving, -1e-11 * approach) << seed;
     EXPECT_LE(leaving, e * approach * (1.0 + 1e-11) + 1e-11 * approach) << seed;
     full += std::abs(leaving - e * approach) <= 1e-10 * approach;
-    if (mu == 0.0) {
+    if (mu == 0.0 && law.radius == 0.0) {
       EXPECT_NEAR(leaving, e * approach, 1e-11 * approach) << seed;
     }
   }
@@ -102,7 +105,7 @@ TEST(ImpactLaw, EndsAtPointsFarAlongTheNormal) {
       const Vec3 n_W = pair.anyVector().normalized();
       const Manifold manifold = pointAt(pair.b.p_WB + far * n_W, n_W);
       const ImpactSide before = pair.b;
-      collideBodies(pair.a, pair.b, manifold, (seed % 3) * 0.4, (seed % 5) / 4.0);
+      collideBodies(pair.a, pair.b, manifold, {(seed % 3) * 0.4, (seed % 5) / 4.0});
       const auto energy = [](const ImpactSide& side) {
         return 0.5 * side.twist.v_WB.squaredNorm() / side.inv_mass +
                0.5 * side.twist.w_WB.dot(side.inv_inertia_W.inverse() * side.twist.w_WB);
@@ -111,6 +114,33 @@ TEST(ImpactLaw, EndsAtPointsFarAlongTheNormal) {
       EXPECT_GE(n_W.dot(pair.b.twist.v_WB), std::min(n_W.dot(before.twist.v_WB), 0.0) - 1e-6)
           << seed << ", " << far << " m";
     }
+}
+
+// A ball that spins and rolls lands on a floor. The normal impulse is m (1 + e) v. Torsional resistance takes up to s R of it
+// from the spin about the normal. Rolling resistance takes up to c R of it from the spin across, and friction that stops
+// the slip adds: with J the friction impulse, L that of rolling, i = 2/5 m R²,
+//   v' = v_x - J/m = R w',   i w' = i w_y + R J - L.
+TEST(ImpactLaw, TakesTurningAwayUpToItsShareOfTheImpulse) {
+  const double m = 2.0, R = 0.1, inertia = 0.4 * m * R * R, fall = 3.0;
+  for (const double e : {0.0, 0.5, 1.0})
+    for (const double s : {0.0, 0.02, 10.0})
+      for (const double c : {0.0, 0.02, 10.0}) {
+        ImpactSide floor, ball;
+        floor.p_WB.setZero(), floor.inv_mass = 0.0, floor.inv_inertia_W.setZero();
+        ball.p_WB = {0.0, 0.0, R}, ball.inv_mass = 1.0 / m;
+        ball.inv_inertia_W = Mat3::Identity() / inertia;
+        const double v_x = 1.0, w_y = 30.0, w_z = 50.0, P = m * (1.0 + e) * fall;
+        ball.twist = {Vec3(v_x, 0.0, -fall), Vec3(0.0, w_y, w_z)};
+        collideBodies(floor, ball, pointAt({0.0, 0.0, 0.0}, Vec3::UnitZ()), {100.0, e, R, c, s});
+        const double spun = std::max(w_z - s * R * P / inertia, 0.0);
+        const double stops =
+            m * v_x * R + inertia * w_y;  // angular momentum about the contact: L stops it, friction does not
+        const double rolls = std::max(stops - c * R * P, 0.0) / (m * R * R + inertia);
+        EXPECT_NEAR(ball.twist.v_WB.z(), e * fall, 1e-9) << e << ", " << s << ", " << c;
+        EXPECT_NEAR(ball.twist.w_WB.z(), spun, 1e-8) << e << ", " << s << ", " << c;
+        EXPECT_NEAR(ball.twist.w_WB.y(), rolls, 1e-8) << e << ", " << s << ", " << c;
+        EXPECT_NEAR(ball.twist.v_WB.x(), R * rolls, 1e-9) << e << ", " << s << ", " << c;
+      }
 }
 
 // A plate lands on one edge of its lower face while the other one rises, more slowly than the blow would make it fall.
@@ -140,7 +170,7 @@ TEST(ImpactLaw, AnEdgeThatRisesIsHeldButDoesNotRebound) {
         const double determinant = W * W - V * V, b1 = -(1.0 + e) * u1, b2 = -u2;
         P1 = (W * b1 - V * b2) / determinant, P2 = (W * b2 - V * b1) / determinant;
       }
-      collideBodies(ground, plate, manifold, 0.0, e);
+      collideBodies(ground, plate, manifold, {0.0, e});
       EXPECT_NEAR(speedAt(a), u1 + W * P1 + V * P2, 1e-10) << "e = " << e << ", rises at " << rises;
       EXPECT_NEAR(speedAt(-a), u2 + V * P1 + W * P2, 1e-10) << "e = " << e << ", rises at " << rises;
     }

@@ -55,6 +55,27 @@ TEST(Sleep, GroupsAtRestAreLeftOutAndStayAsTheyAre) {
   }
 }
 
+// A crowd is moved apart without velocities: its bodies are no faster than what rests.
+TEST(Sleep, NobodyDoesInACrowd) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+  scene.fidelity = Fidelity::Accurate;
+  scene.effects[Effect::Sleeping] = true;
+  for (int k = 0; k < 60; ++k)
+    scene.bodies.push_back(box("box_" + std::to_string(k), Vec3::Constant(1.0), {0.0, 0.0, 0.5}));
+  World world(scene);
+  advance(world, 1.0);
+  EXPECT_EQ(asleep(world), 0u);
+}
+
+TEST(Sleep, TheStepInWhichItBeginsTellsTheTimesOfItsStages) {
+  World world(crates(true));
+  for (int k = 0; k < 300 && asleep(world) == 0; ++k) world.step();
+  ASSERT_GT(asleep(world), 0u);
+  for (const StageInfo& stage : world.pipeline())
+    if (stage.name == "islands.advance" || stage.name == "contacts.solve")
+      EXPECT_GT(stage.seconds, 0.0) << stage.name;
+}
+
 // A sleeper may have a kinematic body at rest beside it, which is nobody's to solve. What falls onto that body is
 // looked at with what is around it.
 TEST(Sleep, GoesOnBesideAKinematicBodyThatSomethingStrikes) {

@@ -200,6 +200,18 @@ class InteractiveBodiesTest(unittest.TestCase):
 
     # --- picking
 
+    def test_0_the_first_undo_of_a_node_keeps_the_selection(self):
+        """By its name it comes before the other tests: their undos are not the first one."""
+        selected = SelectedBodies()
+        self.select.publish("crate")
+        selected.wait_for("crate")
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="other", shape="box", size=Vector3(1, 1, 1), pose=pose_at(8, 0, 5))])
+        call("undo", Trigger)
+        self.client.wait_for(GIZMO)
+        rospy.sleep(0.5)
+        selected.wait_for("crate")
+
     def test_every_body_is_a_light_target_of_its_size(self):
         self.assertEqual(set(self.client.markers), {"crate", "ball"})
         for name in ("crate", "ball"):

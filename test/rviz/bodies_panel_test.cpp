@@ -480,6 +480,29 @@ TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
   EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
 }
 
+// Qt would hand the focus to the next field, the one of the node.
+TEST_F(BodiesPanelTest, TheFocusGoesToTheListWhenTheBodyOfAFieldIsGone) {
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  ValueField& line = field("Mass");
+  line.setFocus();
+  line.selectAll();
+  QTest::keyClicks(&line, "8");
+  rigid_body_sim::NamedBodies::Request request;
+  request.names = {"crate"};
+  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
+  ASSERT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  EXPECT_TRUE(list().hasFocus());
+  QWidget* const focus = QApplication::focusWidget();
+  QTest::keyClicks(focus, ".5");
+  QTest::keyClick(focus, Qt::Key_Return);
+  EXPECT_EQ(panel_.findChild<NodeBox*>()->node(), "/sim");
+  const QList<ElidedText*> texts = panel_.findChildren<ElidedText*>();
+  EXPECT_TRUE(std::any_of(texts.begin(), texts.end(),
+                          [](const ElidedText* text) { return text->text() == "'crate' is gone."; }));
+  call<std_srvs::Trigger>("undo");
+}
+
 // Messages that are not taken are as good as none. What is done meanwhile is not done later, all at once.
 TEST_F(BodiesPanelTest, NothingIsDoneWhileTheSimulatorIsSilent) {
   select({"crate"});

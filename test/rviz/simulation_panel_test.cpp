@@ -4,6 +4,7 @@
 
 #include "effects_view.h"
 #include "icons.h"
+#include "node_box.h"
 #include "pipeline_tree.h"
 #include "scene_bar.h"
 #include "scene_list.h"
@@ -24,6 +25,7 @@
 #include <QLineEdit>
 #include <QMenu>
 #include <QPainter>
+#include <QShortcut>
 #include <QTemporaryDir>
 #include <QTest>
 
@@ -340,12 +342,55 @@ TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
   EXPECT_TRUE(waitFor([&] { return status_.steps == before + 1; }));
 }
 
+TEST_F(SimulationPanelTest, ASecondSpeedIsNoShortcut) {
+  TransportBar bar(simulator_);
+  bar.setVisible(true);
+  QApplication::setActiveWindow(&bar);
+  auto& speed = child<QDoubleSpinBox>(bar);
+  int keys = 0;
+  QShortcut wind(Qt::Key_1, &bar), run(Qt::Key_Space, &bar);
+  QObject::connect(&wind, &QShortcut::activated, [&] { ++keys; });
+  QObject::connect(&run, &QShortcut::activated, [&] { keys += 10; });
+  speed.setFocus();
+  speed.selectAll();
+  QTest::keyClicks(&speed, "2");
+  QTest::keyClick(&speed, Qt::Key_Return);
+  ASSERT_TRUE(waitFor([this] { return status_.requested_speed == 2.0; }));
+  QTest::keyClicks(QApplication::focusWidget(), "1");
+  QTest::keyClick(QApplication::focusWidget(), Qt::Key_Return);
+  EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 1.0; })) << status_.requested_speed;
+  EXPECT_EQ(keys, 0);
+  QTest::keyClick(QApplication::focusWidget(), Qt::Key_Space);
+  EXPECT_EQ(keys, 10) << "what is no part of a number is a shortcut";
+}
+
+TEST(NodeBox, IsChosenByEnterAlone) {
+  NodeBox box;
+  box.setNode("sim");
+  QStringList chosen;
+  QObject::connect(&box, &NodeBox::chosen, [&](const QString& node) { chosen.append(node); });
+  QLineEdit& line = *box.lineEdit();
+  line.selectAll();
+  QTest::keyClicks(&line, "8");
+  QFocusEvent leaves(QEvent::FocusOut);
+  QApplication::sendEvent(&line, &leaves);
+  EXPECT_TRUE(chosen.isEmpty());
+  EXPECT_EQ(box.currentText(), "sim");
+  line.selectAll();
+  QTest::keyClicks(&line, "other");
+  QTest::keyClick(&line, Qt::Key_Return);
+  EXPECT_EQ(chosen, QStringList("other"));
+  EXPECT_EQ(box.node(), "other");
+  EXPECT_EQ(box.currentText(), "other");
+}
+
 TEST_F(SimulationPanelTest, RecordsByItsButtonAndSaysWhereTheBagIs) {
   const QTemporaryDir folder;
   TransportBar bar(simulator_);
   bar.setVisible(true);
   bar.setFolder(folder.path());
-  const auto& note = child<ElidedText>(bar);
+  auto& note = static_cast<ElidedText&>(*bar.recordingNote());
+  note.setParent(&bar);
   EXPECT_FALSE(note.isVisible());
   QTest::mouseClick(&recordButton(bar), Qt::LeftButton);
   EXPECT_TRUE(bar.isRecording());
@@ -367,7 +412,8 @@ TEST_F(SimulationPanelTest, SaysWhyNothingIsRecorded) {
   TransportBar bar(simulator_);
   bar.setVisible(true);
   bar.setFolder("/nowhere");
-  const auto& note = child<ElidedText>(bar);
+  auto& note = static_cast<ElidedText&>(*bar.recordingNote());
+  note.setParent(&bar);
   bar.record();
   ASSERT_TRUE(waitFor([&] { return !bar.isRecording(); }));
   EXPECT_TRUE(note.text().contains("there is no folder /nowhere")) << note.text().toStdString();

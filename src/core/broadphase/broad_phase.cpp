@@ -92,7 +92,7 @@ void sortPairs(std::size_t bodies, IndexPairs& pairs) {
 
 }  // namespace
 
-void run(Context& context) {
+void findPairs(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
   const std::vector<Index>& collidable = scene.lists.collidable;

@@ -13,7 +13,7 @@ namespace rbs::broad_phase {
 
 /// Fills step.bounds, and makes scene.contacts those of every pair of bodies whose swept bounds overlap, that
 /// may collide by group and mask, and of which at least one moves.
-void run(Context& context);
+void findPairs(Context& context);
 
 /// How it searches and why, for people; empty before its first search.
 std::string describe(const SceneStore& scene);

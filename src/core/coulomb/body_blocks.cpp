@@ -17,7 +17,7 @@ namespace {
 constexpr std::int64_t kPointWork = 2000;
 
 // The inverse, by Gauss with partial pivoting; not finite where there is none. Eigen's own is made for large
-// matrices, and many times as dear. The order of the sums is the same: rows are solved for in groups of four
+// matrices, and costs many times as much. The order of the sums is the same: rows are solved for in groups of four
 // and two.
 RBS_INLINE Mat6 inverseOf(Mat6 A) {
   using block::Column;

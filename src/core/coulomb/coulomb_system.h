@@ -102,7 +102,7 @@ class System {
   bool isBudgetSpent() const { return budget_ && budget_->isSpent(); }
   /// Takes so many multiplications from the budget.
   void spend(std::int64_t work) const {
-    if (budget_) budget_->work -= work;
+    if (budget_) budget_->left -= work;
   }
 
   Impulses warmStart(const CoulombProblem& problem) const;

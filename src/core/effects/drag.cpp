@@ -203,12 +203,12 @@ void run(Context& context) {
   StepStore& step = context.step;
   const double h = step.h();
   step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
-  step.airless.resize(step.load.size());
+  step.load_without_drag.resize(step.load.size());
   const ContactForces contacts(context);
   for (const Index i : scene.lists.feelingOf(Effect::Drag)) {
     const Medium medium = mediumOf(context, i);
     const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
-    step.airless[i] = step.load[i].a_W;
+    step.load_without_drag[i] = step.load[i].a_W;
     if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape)) {
       dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, contacts, step.load[i]);
     } else {
@@ -225,10 +225,11 @@ std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, 
   constexpr double kStiff = 10.0;  // k |u| t from which implicit steps are better
   constexpr double kTolerance = 1e-14;
   const Traits& t = context.scene.bodies.traits[i];
-  if (context.step.airless.empty() || t.dragCoefficient() == 0.0 || std::holds_alternative<Box>(t.shape))
+  if (context.step.load_without_drag.empty() || t.dragCoefficient() == 0.0 ||
+      std::holds_alternative<Box>(t.shape))
     return {};
   const Medium medium = mediumOf(context, i);
-  const Vec3 b = context.step.airless[i], air = medium.v_W;
+  const Vec3 b = context.step.load_without_drag[i], air = medium.v_W;
   const double k = dragOf(context.scene, i, medium);
   Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
   const double scale = u.norm() + seconds * b.norm();

@@ -66,8 +66,7 @@ class ContactLanes {
   struct Place {
     Index bundle = kNone;  // kNone: it has none
     int lane = 0;
-    int room =
-        0;  // points that it had when it came there; its bundle may have rows for more, by what it stands with
+    int room = 0;  // most points that it can take: those that it had when it was placed
   };
 
  public:

@@ -33,7 +33,7 @@ double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
 }
 
 // The work that kinematic bodies have done by the impulses of these points, J.
-double Stepper::workByKinematic(const Touching& touching, const PointsOfContacts& opened) const {
+double Stepper::workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const {
   const Bodies& bodies = context_.scene.bodies;
   double work = 0.0;
   const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
@@ -65,9 +65,9 @@ double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
 // the energy of a fall for one step; negative where it has lost. Twice, since the work of a body that turns is known to the
 // first power of the length alone.
 double Stepper::gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const {
-  const double by_led =
+  const double by_kinematic =
       workByKinematic(segment_.touching, opened_) + workByKinematic({}, segment_.opened) - kinematic_before;
-  const double given = std::abs(by_led) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
+  const double given = std::abs(by_kinematic) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
   const double unit = kineticOf(start) + given + fall;
   return (energyOf(segment_.end) - energyOf(start) - 2.0 * given) /

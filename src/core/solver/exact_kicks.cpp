@@ -107,13 +107,13 @@ CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
 // not depend on them.
 CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double wanted,
                                      double needed) const {
-  const std::int64_t most = std::max(budget_.work / 4, whole_budget_ / 64);
-  const SolveBudget part{std::min(budget_.work - budget_.to_leave, most), budget_.until};
+  const std::int64_t most = std::max(budget_.left / 4, whole_budget_ / 64);
+  const SolveBudget part{std::min(budget_.left - budget_.reserved, most), budget_.until};
   SolveBudget left = part;
   problem.budget = &left;
   const CoulombResult result = solveCoulomb(problem, tolerance, wanted, needed);
-  budget_.work -= part.work - left.work;
-  if (!result.converged && left.work <= 0) island().cut_short = true;
+  budget_.left -= part.left - left.left;
+  if (!result.converged && left.left <= 0) island().cut_short = true;
   return result;
 }
 
@@ -170,7 +170,7 @@ bool Stepper::correctOverlaps() {
     solveInBudget(problem, kCoarsest, kCoarsest, kCoarsest);
   }
   if (!findSqueezed(problem)) giveUp(Outcome::NoSolution);
-  if (!hasNotFailed() || !isWayOut(problem)) return false;
+  if (!isGoing() || !isWayOut(problem)) return false;
   leaveSqueezed(problem);
   island_.displace(problem.bodies);
   CoulombBodies bodies = island_.bodies();
@@ -214,7 +214,7 @@ bool Stepper::correctOverlaps() {
 
 // Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an
 // impact without restitution.
-CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
+CoulombResult Stepper::kickAtInstant(TouchingPoints& touching, CoulombBodies& bodies, double seconds,
                                      Friction friction) const {
   CoulombProblem problem{bodies, {}, 0.0};
   problem.points.reserve(touching.points.size());
@@ -277,7 +277,7 @@ CoulombResult Stepper::kickAtInstant(Touching& touching, CoulombBodies& bodies, 
 
 void Stepper::solveVelocities() {
   CoulombBodies after = island_.bodies();
-  Touching touching = touching_;
+  TouchingPoints touching = touching_;
   addResiduals(kickAtInstant(touching, after, 0.0, Friction::Free));
   island_.setTwists(after);
   for (std::size_t k = 0; k < touching_.points.size(); ++k)
@@ -288,7 +288,7 @@ void Stepper::solveVelocities() {
 // beyond tau u_T; and whether that is more than the kick allowed for.
 bool Stepper::updateCurvature(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
                               const std::vector<char>& held, const std::vector<BodyMotion>& start,
-                              const Touching& later, double tau, std::vector<Vec3>& curvature) const {
+                              const TouchingPoints& later, double tau, std::vector<Vec3>& curvature) const {
   bool matters = false;
   const std::vector<BodyMotion> end = island_.save();
   const CoulombBodies drifted = island_.bodies();
@@ -313,7 +313,7 @@ bool Stepper::updateCurvature(const CoulombBodies& drifting, const std::vector<C
 }
 
 // Whether impulses are nearly those of the forces expected.
-bool Stepper::areAsExpected(const Touching& touching, const std::vector<CoulombPoint>& laws,
+bool Stepper::areAsExpected(const TouchingPoints& touching, const std::vector<CoulombPoint>& laws,
                             double seconds) const {
   double change = 0.0;
   for (std::size_t k = 0; k < laws.size(); ++k)
@@ -331,7 +331,7 @@ bool Stepper::areAsExpected(const Touching& touching, const std::vector<CoulombP
 // the warm start did to them, and all is mended that the solve does to it:
 //   share = sum (u_warm - u_start).(u_warm - u_solved) / sum |u_warm - u_solved|^2,
 // which is exact where the two are in proportion, as after any number of equal kicks.
-double Stepper::lastingShare(const CoulombResult& result, const Touching& touching,
+double Stepper::lastingShare(const CoulombResult& result, const TouchingPoints& touching,
                              const std::vector<CoulombPoint>& laws, double seconds,
                              const CoulombBodies& start, const CoulombBodies& solved) const {
   if (!areAsExpected(touching, laws, seconds)) return 1.0;
@@ -355,7 +355,7 @@ double Stepper::lastingShare(const CoulombResult& result, const Touching& touchi
 // Hands the forces of the first kick on as what is expected of the second, with the directions of sliding.
 void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
                                Segment& segment) const {
-  Touching& later = segment.touching;
+  TouchingPoints& later = segment.touching;
   const CoulombBodies drifted = island_.bodies();
   for (std::size_t k = 0; k < kick.points.size(); ++k) {
     const CoulombPoint& law = kick.points[k];
@@ -382,7 +382,7 @@ void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, doubl
 }
 
 void Stepper::expectTorques(const CoulombProblem& kick, const CoulombBodies& drifted, double tau,
-                            Friction friction, Touching& later) const {
+                            Friction friction, TouchingPoints& later) const {
   for (std::size_t k = 0; k < kick.torques.size(); ++k) {
     const TorqueConstraint& law = kick.torques[k];
     const Index m = later.matching(touching_.torques[k]);

@@ -23,6 +23,8 @@ constexpr double kMostSunk = 2e-5, kSoftSunk = 1e-3;
 constexpr double kMostGained = 1e-4;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
+// Cuts at stops that the search for the loss of a contact counts for.
+constexpr int kLossWork = 10;
 
 }  // namespace
 
@@ -81,8 +83,8 @@ void Stepper::findSegment() {
       widenMargin();
       segment_ = trySegment(tau_, Friction::Free);
     }
-    const Touching foreseen = touching_;
-    const std::size_t stops = stops_.size();
+    const TouchingPoints foreseen = touching_;
+    const std::size_t stops = stops_.size(), losses = losses_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
     if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !budget_.isSpent()) {
@@ -90,6 +92,12 @@ void Stepper::findSegment() {
       stops_.push_back(segment_.slip_left.of);
       cutAtStop(tau_, segment_);
     }
+    if (cuts_ >= kLossWork * points && !budget_.isSpent())
+      if (const std::optional<Loss> loss = lossIn(segment_, tau_)) {
+        cuts_ -= points;
+        losses_.push_back(loss->contact);
+        if (cutAtLoss(*loss, tau_, segment_)) cuts_ -= (kLossWork - 1) * points;
+      }
     addUnforeseen();
     const double most_sunk = promoted_ ? kSoftSunk : kMostSunk;
     const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + most_sunk;
@@ -100,6 +108,7 @@ void Stepper::findSegment() {
     if (halvings_ == 0 || budget_.isSpent()) return;
     touching_ = foreseen;
     stops_.resize(stops);
+    losses_.resize(losses);
     longest_ = 0.5 * uncut;
   }
 }

@@ -171,7 +171,7 @@ void Stepper::forgetSqueezed() const {
 }
 
 // By how much something is squeezed further in a step at this instant, a share of its length.
-double Stepper::squeezingOf(const Touching& touching, const CoulombBodies& bodies) const {
+double Stepper::squeezingOf(const TouchingPoints& touching, const CoulombBodies& bodies) const {
   double most = 0.0;
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     const TouchingPoint& point = touching.points[k];

@@ -29,10 +29,11 @@
 // What resists turning (TorqueConstraint) is friction with torques for forces: all that is said of sliding holds
 // for rolling and spinning.
 //
-// Events. Only a stop makes the force jump: a sliding point that comes to rest (or begins to roll) within the
-// segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still
-// against the old direction, passes zero. The onset of sliding and lift-off are continuous in the force, so a
-// step that oversees them is wrong by the third power of its length. Impacts cut the segment from outside
+// Events. Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll) within
+// the segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still against
+// the old direction, passes zero. The other is the loss of a support: a ball runs over an edge. The segment is then cut
+// where it comes. The onset of sliding, and lift-off from what goes on below, are continuous in the force, so a step that
+// misses them has an error of third order in its length. Impacts cut the segment from outside
 // (impact_loop.h).
 #include "solver/exact_stepper.h"
 
@@ -103,7 +104,7 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
       budget_(budget),
-      whole_budget_(budget.work),
+      whole_budget_(budget.left),
       ends_early_(ends_early),
       clock_(clock),
       now_(t0),
@@ -121,17 +122,17 @@ Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t
   slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
 }
 
-Touching Stepper::find(double time, const LastNormals& last) {
+TouchingPoints Stepper::find(double time, const LastNormals& last) {
   clock_.charge(kSolve);
-  Touching found = findTouching(context_, active_, slots_, time, span_, reach_, last);
+  TouchingPoints found = findTouching(context_, active_, slots_, time, span_, reach_, last);
   clock_.charge(kCollide);
-  budget_.work -= kPairWork * static_cast<std::int64_t>(active_.size());
+  budget_.left -= kPairWork * static_cast<std::int64_t>(active_.size());
   return found;
 }
 
 // Whether a pair overlaps after a drift that was too far apart before it to be looked at: others have pushed
 // it together.
-bool Stepper::hasMissedContact(const Touching& later) const {
+bool Stepper::hasMissedContact(const TouchingPoints& later) const {
   return std::any_of(later.points.begin(), later.points.end(), [&](const TouchingPoint& point) {
     return point.gap < -kTouch * point.length && !touching_.has(point.contact);
   });
@@ -139,7 +140,7 @@ bool Stepper::hasMissedContact(const Touching& later) const {
 
 void Stepper::widenMargin() {
   reach_ *= 4.0;
-  const Touching before = std::move(touching_);
+  const TouchingPoints before = std::move(touching_);
   touching_ = find(now_);
   touching_.inherit(before, opened_);
 }
@@ -169,7 +170,7 @@ bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint
 }
 
 // The deepest overlap, as a share of the smaller length of its pair, but for what is squeezed; 0 for none.
-double Stepper::deepestShare(const Touching& touching) const {
+double Stepper::deepestShare(const TouchingPoints& touching) const {
   double deepest = 0.0;
   for (const TouchingPoint& point : touching.points)
     if (!isSqueezed(point)) deepest = std::max(deepest, -point.gap / point.length);
@@ -181,10 +182,10 @@ double Stepper::deepestShare(const Touching& touching) const {
 // however far it looks. Each is taken back with the material of its two bodies: what is apart by d and moves
 // rigidly is apart by n.(p_j - p_i) at the start, where n is its normal after the drift. What the normal
 // turns meanwhile is in the curvature. Nothing if there are none.
-std::optional<Touching> Stepper::withUnforeseen(const Segment& segment, double tau) const {
+std::optional<TouchingPoints> Stepper::withUnforeseen(const Segment& segment, double tau) const {
   const Bodies& bodies = context_.scene.bodies;
   const std::vector<BodyMotion> start = island_.save();
-  std::optional<Touching> all;
+  std::optional<TouchingPoints> all;
   for (std::size_t m = 0; m < segment.touching.points.size(); ++m) {
     TouchingPoint point = segment.touching.points[m];
     CoulombPoint law = segment.touching.law[m];
@@ -257,7 +258,7 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
   if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.
     island_.drift(bodies_at_start, tau);
-    const Touching ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
+    const TouchingPoints ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     updateCurvature(bodies_at_start, kick.points, held, start, ahead, tau, curvature);
     island_.restore(start);
   }
@@ -285,14 +286,14 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
     island_.restore(start);
   }
 
-  Touching& later = segment.touching;
+  TouchingPoints& later = segment.touching;
   expectSecondKick(
       kick, lastingShare(segment.first, touching_, kick.points, 0.5 * tau, bodies_at_start, kick.bodies), tau,
       friction, segment);
   bodies_at_start = island_.bodies();
   CoulombBodies after = bodies_at_start;
   island_.addLoad(after, 0.5 * tau);
-  Touching aimed = later;
+  TouchingPoints aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
   segment.squeezing = squeezingOf(later, after);
@@ -302,6 +303,7 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
     const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;
     point.force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);
     point.impulse_W += impulse_W;
+    segment.push.push_back(2.0 / tau * aimed.law[k].impulse[2]);
     later.law[k].slide.setZero();
   }
   for (std::size_t k = 0; k < later.torques.size(); ++k) {
@@ -323,6 +325,7 @@ void Stepper::collide() {
 void Stepper::prepare() {
   start_ = island_.save();
   before_solves_ = island().residuals;
+  was_cut_short_ = island().cut_short;
   expectLastForces(context_.scene.contacts, touching_);
   longest_ = end_ - now_;
 }
@@ -330,24 +333,24 @@ void Stepper::prepare() {
 // Goes back to the start, where another method is to begin.
 void Stepper::giveUp(Outcome why) {
   outcome_ = why;
-  island().cut_short = why == Outcome::TooDear;
+  island().cut_short = was_cut_short_ || why == Outcome::OverBudget;
   island_.restore(start_);
   island().residuals = before_solves_;
 }
 
 // A sub-step is a segment.
 bool Stepper::beginSubStep() {
-  if (!hasNotFailed() || end_ - now_ <= 1e-12 * step_.h()) return false;
+  if (!isGoing() || end_ - now_ <= 1e-12 * step_.h()) return false;
   limitSegment();
   if (!budget_.isOut()) return true;
-  giveUp(Outcome::TooDear);
+  giveUp(Outcome::OverBudget);
   return false;
 }
 
 // Goes over the segment again with the points that it met and that were not among those of now.
 void Stepper::addUnforeseen() {
   for (int more = 0; more < kMostCorrections && segment_.first.converged; ++more) {
-    std::optional<Touching> other = withUnforeseen(segment_, tau_);
+    std::optional<TouchingPoints> other = withUnforeseen(segment_, tau_);
     if (!other) return;
     std::swap(touching_, *other);
     Segment next = trySegment(tau_, Friction::Free);
@@ -363,17 +366,17 @@ void Stepper::addUnforeseen() {
 
 void Stepper::solve() {
   if (correctOverlaps()) {
-    const Touching before = std::move(touching_);
+    const TouchingPoints before = std::move(touching_);
     touching_ = find(now_);
     touching_.inherit(before, opened_);
   }
-  if (!hasNotFailed()) return;
+  if (!isGoing()) return;
   const std::vector<BodyMotion> start = island_.save();
   const double kinematic_before = workByKinematic(touching_, opened_);
   solveVelocities();
   findSegment();
-  const Outcome failure = budget_.isOut() ? Outcome::TooDear : Outcome::NoSolution;
-  if (hasNotFailed() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);
+  const Outcome failure = budget_.isOut() ? Outcome::OverBudget : Outcome::NoSolution;
+  if (isGoing() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);
   addResiduals(segment_.first);
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
@@ -383,7 +386,7 @@ void Stepper::solve() {
 
 // Goes to where the segment ends.
 void Stepper::integrate() {
-  if (!hasNotFailed()) return;
+  if (!isGoing()) return;
   island_.restore(segment_.end);
   touching_ = std::move(segment_.touching);
   opened_.insert(opened_.end(), segment_.opened.begin(), segment_.opened.end());
@@ -392,8 +395,8 @@ void Stepper::integrate() {
 }
 
 void Stepper::store() {
-  if (!ends_early_ && budget_.isOut()) giveUp(Outcome::TooDear);
-  if (!hasNotFailed()) return;
+  if (!ends_early_ && budget_.isOut()) giveUp(Outcome::OverBudget);
+  if (!isGoing()) return;
   storeTouching(touching_, opened_, active_, context_.scene.contacts);
   forgetSqueezed();
 }
@@ -417,12 +420,12 @@ Outcome runWith(SolveBudget& budget, bool ends_early, Context& context, const Is
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1) {
   if (!(t1 > t0)) return Outcome::Done;
   StepStore& step = context.step;
-  std::int64_t& own = islandOf(step, batch).work;
-  std::int64_t& common = step.solve_budget.work;
+  std::int64_t& own = islandOf(step, batch).work_left;
+  std::int64_t& common = step.solve_budget.left;
   const std::int64_t all = own + kCommonWork;
   SolveBudget budget{all, step.solve_budget.until, kCommonWork - common};
   const Outcome outcome = runWith(budget, true, context, batch, t0, t1, step.row_seconds);
-  const std::int64_t spent = std::min(all - budget.work, own + common), of_own = std::min(spent, own);
+  const std::int64_t spent = std::min(all - budget.left, own + common), of_own = std::min(spent, own);
   own -= of_own;
   common -= spent - of_own;
   return outcome;
@@ -432,21 +435,21 @@ std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batc
                                        std::vector<double>& row_seconds) {
   if (!(t1 > t0)) return Outcome::Done;
   Island& island = islandOf(context.step, batch);
-  const std::int64_t all = island.work + kCommonWork;
+  const std::int64_t all = island.work_left + kCommonWork;
   const bool cut_short = island.cut_short;
   std::vector<SeparatingAxis> axes;  // with the counts of their queries
   for (const Edge& edge : batch.edges)
     if (edge.kind == ConstraintKind::Contact) axes.push_back(context.scene.contacts.active[edge.of].axis);
   SolveBudget budget{all, context.step.solve_budget.until, kCommonWork};
   const Outcome outcome = runWith(budget, false, context, batch, t0, t1, row_seconds);
-  if (outcome == Outcome::TooDear) {
+  if (outcome == Outcome::OverBudget) {
     island.cut_short = cut_short;
     auto axis = axes.begin();
     for (const Edge& edge : batch.edges)
       if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of].axis = *axis++;
     return std::nullopt;
   }
-  island.work -= all - budget.work;
+  island.work_left -= all - budget.left;
   return outcome;
 }
 

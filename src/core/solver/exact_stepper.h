@@ -8,7 +8,7 @@
 #include "solver/inner_step.h"
 #include "solver/island_motion.h"
 #include "solver/methods.h"
-#include "solver/touching.h"
+#include "solver/touching_points.h"
 
 #include <Eigen/Core>
 
@@ -39,7 +39,7 @@ inline constexpr double kPushedGap = 1e-3;
 class Stepper : public InnerRows {
  public:
   /// @param ends_early where the budget is out in the last segment, its solves end with the best they have; false:
-  ///   TooDear
+  ///   OverBudget
   Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
           bool ends_early, InnerClock& clock);
 
@@ -49,9 +49,9 @@ class Stepper : public InnerRows {
   void solve();
   void integrate();
   void store();
-  /// NoSolution and TooDear leave the island as it was.
+  /// NoSolution and OverBudget leave the island as it was.
   Outcome outcome() const { return outcome_; }
-  bool hasNotFailed() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
+  bool isGoing() const { return outcome_ == Outcome::Done || outcome_ == Outcome::NoRoom; }
 
  private:
   static constexpr int kMostHalvings = 8;  // of a segment
@@ -72,20 +72,26 @@ class Stepper : public InnerRows {
   // How a segment ends.
   struct Segment {
     std::vector<BodyMotion> end;
-    Touching touching;
+    TouchingPoints touching;
     PointsOfContacts opened;      // in between
     CoulombResult first, second;  // of its kicks
+    std::vector<double> push;     // by point of its end: the normal force there, N
     Left slip_left;
     double squeezing = 0.0;  // at its end: see squeezingOf()
+  };
+  // A contact that loses most of its force in a segment.
+  struct Loss {
+    Index contact;
+    double push;  // normal force before, N
   };
   enum class Friction { Free, KeepsDirection };
 
   // A segment (exact_step.cpp). solve() corrects overlaps, makes the velocities of now obey the law, and finds a segment;
   // integrate() goes to its end.
-  Touching find(double time, const LastNormals& last = {});
+  TouchingPoints find(double time, const LastNormals& last = {});
   void widenMargin();
-  bool hasMissedContact(const Touching& later) const;
-  double deepestShare(const Touching& touching) const;
+  bool hasMissedContact(const TouchingPoints& later) const;
+  double deepestShare(const TouchingPoints& touching) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
   Segment trySegment(double tau, Friction friction);
   // Points that a segment met and that were not known when it began.
@@ -93,7 +99,7 @@ class Stepper : public InnerRows {
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
-  std::optional<Touching> withUnforeseen(const Segment& segment, double tau) const;
+  std::optional<TouchingPoints> withUnforeseen(const Segment& segment, double tau) const;
   void addUnforeseen();
   void giveUp(Outcome why);
   Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
@@ -107,31 +113,36 @@ class Stepper : public InnerRows {
   // Kicks (exact_kicks.cpp): Coulomb problems, what is expected of them, and what the drift between two of them curves.
   CoulombResult solveKick(CoulombProblem& problem, double tau) const;
   CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double wanted, double needed) const;
-  CoulombResult kickAtInstant(Touching& touching, CoulombBodies& bodies, double seconds,
+  CoulombResult kickAtInstant(TouchingPoints& touching, CoulombBodies& bodies, double seconds,
                               Friction friction) const;
   void solveVelocities();
   bool updateCurvature(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
                        const std::vector<char>& held, const std::vector<BodyMotion>& start,
-                       const Touching& later, double tau, std::vector<Vec3>& curvature) const;
-  bool areAsExpected(const Touching& touching, const std::vector<CoulombPoint>& laws, double seconds) const;
-  double lastingShare(const CoulombResult& result, const Touching& touching,
+                       const TouchingPoints& later, double tau, std::vector<Vec3>& curvature) const;
+  bool areAsExpected(const TouchingPoints& touching, const std::vector<CoulombPoint>& laws,
+                     double seconds) const;
+  double lastingShare(const CoulombResult& result, const TouchingPoints& touching,
                       const std::vector<CoulombPoint>& laws, double seconds, const CoulombBodies& start,
                       const CoulombBodies& solved) const;
   void expectSecondKick(const CoulombProblem& kick, double lasting, double tau, Friction friction,
                         Segment& segment) const;
   void expectTorques(const CoulombProblem& kick, const CoulombBodies& drifted, double tau, Friction friction,
-                     Touching& later) const;
+                     TouchingPoints& later) const;
   void addResiduals(const CoulombResult& result);
   // Overlaps, taken away by a displacement.
   bool correctOverlaps();
   bool isWayOut(const CoulombProblem& problem) const;
 
-  // Where sliding stops, a segment ends (exact_stops.cpp).
+  // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
   Slip slipNow() const;
   Vec3 turningOf(const CoulombBodies& bodies, const TorqueConstraint& torque) const;
-  Left slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
+  Left slipLeft(const Slip& slip, const TouchingPoints& later, const CoulombBodies& bodies,
                 Friction friction) const;
   void cutAtStop(double& tau, Segment& segment);
+  double pushAtStart(Index contact) const;
+  double pushAtEnd(const Segment& segment, Index contact) const;
+  std::optional<Loss> lossIn(const Segment& segment, double tau);
+  bool cutAtLoss(const Loss& loss, double& tau, Segment& segment);
 
   // What no displacement frees gives way by its overlap (exact_squeeze.cpp).
   bool letYield(CoulombProblem& problem) const;
@@ -143,13 +154,13 @@ class Stepper : public InnerRows {
   double elasticEnergy() const;
   void giveWay(const TouchingPoint& point, double tau, bool at_instant, CoulombPoint& law) const;
   void forgetSqueezed() const;
-  double squeezingOf(const Touching& touching, const CoulombBodies& bodies) const;
+  double squeezingOf(const TouchingPoints& touching, const CoulombBodies& bodies) const;
   void judgeSqueezing();
 
   // Energy that nothing has given (exact_energy.cpp).
   double kineticOf(const std::vector<BodyMotion>& motions) const;
   double energyOf(const std::vector<BodyMotion>& motions) const;
-  double workByKinematic(const Touching& touching, const PointsOfContacts& opened) const;
+  double workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const;
   double workOfTorques(const std::vector<BodyMotion>& start) const;
   double gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const;
 
@@ -168,12 +179,14 @@ class Stepper : public InnerRows {
   int corrections_, cuts_;
   bool promoted_;                // by a setting that has another method for it
   double slow_;                  // a slip below is none
-  Touching touching_;            // now
+  TouchingPoints touching_;      // now
   std::vector<Index> squeezed_;  // contacts of what no displacement frees
   PointsOfContacts opened_;      // so far
   std::vector<Stop> stops_;      // at which segments have been cut
+  std::vector<Index> losses_;    // contacts at whose loss segments have been cut, or would have been
   std::vector<BodyMotion> start_;
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
+  bool was_cut_short_ = false;           // the island, before this interval
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
   int halvings_ = kMostHalvings;         // of it, left
   int good_ = 0;                         // good ones since it was halved or lengthened

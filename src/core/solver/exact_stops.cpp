@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a segment ends early: at a point whose sliding stops, or a pair that stops turning.
+// Where a segment ends early: at a point whose sliding stops, a pair that stops turning, or a contact that comes off at once.
 #include "solver/exact_stepper.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
 
 namespace rbs::exact_step {
 
@@ -12,6 +15,15 @@ namespace {
 // In a heap that comes to rest a point may stop and slide again without end. It cuts a step no more often
 // than this.
 constexpr int kMostStops = 2;
+// A contact that keeps less than this share of its force may have come off within the segment. What a body bears that
+// matters is more than this share of what its load would ask for.
+constexpr double kKept = 0.5, kBorne = 0.01;
+// The contact is on while it keeps this share of what it loses. A loss that differs from an even one by less than kEven at a
+// half and a quarter of the segment is none of an instant.
+constexpr double kOn = 0.9, kEven = 0.2;
+// Halvings of the segment in which the loss is looked for; and the share of it that is as good as none.
+constexpr int kLossHalvings = 12;
+constexpr double kInstant = 1e-3;
 
 }  // namespace
 
@@ -41,7 +53,7 @@ Stepper::Slip Stepper::slipNow() const {
   return slip;
 }
 
-Stepper::Left Stepper::slipLeft(const Slip& slip, const Touching& later, const CoulombBodies& bodies,
+Stepper::Left Stepper::slipLeft(const Slip& slip, const TouchingPoints& later, const CoulombBodies& bodies,
                                 Friction friction) const {
   Left least;
   const auto keeps = [&](const Vec3& left_W, const Vec3& before_W, const Stop& of) {
@@ -97,6 +109,81 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
   }
   tau = high;
   segment = trySegment(tau, Friction::Free);
+}
+
+// Normal force of a contact as the segment begins, as far as it is known, N.
+double Stepper::pushAtStart(Index contact) const {
+  double push = 0.0;
+  for (std::size_t k = touching_.firstOf(contact);
+       k < touching_.points.size() && touching_.points[k].contact == contact; ++k)
+    push += std::max(touching_.law[k].frame.col(2).dot(touching_.points[k].force_W), 0.0);
+  return push;
+}
+
+double Stepper::pushAtEnd(const Segment& segment, Index contact) const {
+  const std::vector<TouchingPoint>& points = segment.touching.points;
+  double push = 0.0;
+  for (std::size_t k = segment.touching.firstOf(contact); k < points.size() && points[k].contact == contact;
+       ++k)
+    push += segment.push[k];
+  return push;
+}
+
+// The contact that loses most of its force in a segment. Each is asked for once in an interval. Nothing is known of the force
+// of a contact that is new in this step, but what a short segment says.
+std::optional<Stepper::Loss> Stepper::lossIn(const Segment& segment, double tau) {
+  std::optional<Segment> instant;
+  const auto pushBefore = [&](Index contact) {
+    const double known = pushAtStart(contact);
+    if (known > 0.0 || !context_.scene.contacts.active[contact].points.empty()) return known;
+    if (!instant) instant = trySegment(kInstant * tau, Friction::Free);
+    return pushAtEnd(*instant, contact);
+  };
+  std::optional<Loss> found;
+  double most = 0.0;
+  for (std::size_t k = 0; k < touching_.points.size(); ++k) {
+    const TouchingPoint& point = touching_.points[k];
+    const bool is_first = k == 0 || touching_.points[k - 1].contact != point.contact;
+    if (!is_first || std::find(losses_.begin(), losses_.end(), point.contact) != losses_.end()) continue;
+    if (pushAtStart(point.contact) == 0.0 && point.gap > kTouch * point.length) continue;
+    double mass = std::numeric_limits<double>::infinity();
+    for (const Index slot : {touching_.law[k].i, touching_.law[k].j})
+      if (slot != kNone) mass = std::min(mass, island_.bodies()[slot].mass);
+    const double after = pushAtEnd(segment, point.contact),
+                 least = kBorne * mass * island_.loadSpeed() / step_.h();
+    if (after > kKept * least && pushAtStart(point.contact) == 0.0) continue;
+    const double before = pushBefore(point.contact), lost = before - after;
+    if (before < least || lost < (1.0 - kKept) * before) continue;
+    if (lost > most) most = lost, found = Loss{point.contact, before};
+  }
+  return found;
+}
+
+// Finds where a contact comes off, by bisection: the longest segment at whose end it still bears its force. One that is a little
+// too long ends with less: the first kick holds the body until it just touches what is no longer below it. A force that
+// falls evenly comes to its end by itself, and such a segment stays as it is. The next segment begins with a contact that
+// comes off in the first part of 2^-kLossHalvings of it.
+bool Stepper::cutAtLoss(const Loss& loss, double& tau, Segment& segment) {
+  const double after = pushAtEnd(segment, loss.contact);
+  double low = 0.0, high = tau;
+  bool is_even = true;
+  std::optional<Segment> held;
+  for (int k = 0; k < kLossHalvings && !budget_.isSpent(); ++k) {
+    const double middle = 0.5 * (low + high);
+    Segment trial = trySegment(middle, Friction::Free);
+    const double kept = (pushAtEnd(trial, loss.contact) - after) / (loss.push - after);
+    is_even = is_even && std::abs(kept - (1.0 - middle / tau)) < kEven;
+    if (k == 1 && is_even) return false;
+    if (kept > kOn) {
+      low = middle, held = std::move(trial);
+    } else {
+      high = middle;
+    }
+  }
+  if (!held) return false;
+  tau = low;
+  segment = std::move(*held);
+  return true;
 }
 
 }  // namespace rbs::exact_step

@@ -21,7 +21,7 @@ class Flight : public InnerRows {
   bool beginSubStep() { return !std::exchange(begun_, true); }
   void integrate() {
     Bodies& bodies = context_.scene.bodies;
-    [[maybe_unused]] const bool in_air = !context_.step.airless.empty();
+    [[maybe_unused]] const bool in_air = !context_.step.load_without_drag.empty();
     for (const Index i : batch_.bodies) {
       const Load& load = context_.step.load[i];
       std::optional<FlightEnd> end;

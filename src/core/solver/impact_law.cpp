@@ -54,11 +54,12 @@ Vec3 axisOf(const ImpactSide& a, const ImpactSide& b) {
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
 // point needs one pass; the many points of a face converge linearly, and where that takes too long the
 // solvers of whole islands take over. Convergence is asked of the velocities: the impulses of more than three
-// points are not unique, and where the points do not quite lie in a plane they drift on without an effect.
+// points are not unique, and where the points do not quite lie in a plane they drift on without an effect. These solvers
+// take every impact in which something resists turning.
 class Impact {
  public:
-  Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, double friction)
-      : a_(a), b_(b), axis_W_(axisOf(a, b)), mu_(friction), size_(manifold.size) {
+  Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, const ImpactLaw& law)
+      : a_(a), b_(b), axis_W_(axisOf(a, b)), law_(law), size_(manifold.size) {
     const auto [t1, t2] = tangents(manifold.n_W);
     frame_ << t1, t2, manifold.n_W;
     for (int k = 0; k < size_; ++k) {
@@ -80,13 +81,13 @@ class Impact {
     constexpr int kMaxPasses = 30;
     constexpr double kConverged = 1e-14;  // share of the speeds
     bool still = false;
-    for (int pass = 0; pass < kMaxPasses && !still; ++pass) {
+    for (int pass = 0; pass < kMaxPasses && !still && !resistsTurning(); ++pass) {
       const Twist a_before = a.twist, b_before = b.twist;
       for (int k = 0; k < size_; ++k) {
         ImpactPoint& c = points_[k];
         Vec3 q = relative(a, b, c) - c.W * c.impulse;
         q[2] += e * std::min(c.closing_in, 0.0);
-        const Vec3 impulse = solveContact(c.W, q, mu_);
+        const Vec3 impulse = solveContact(c.W, q, law_.friction);
         push(a, frame_, c.m_a, c.impulse - impulse);
         push(b, frame_, c.m_b, impulse - c.impulse);
         c.impulse = impulse;
@@ -97,6 +98,7 @@ class Impact {
     double gain = 0.0;
     for (int k = 0; k < size_; ++k)
       gain += 0.5 * points_[k].impulse.dot(points_[k].velocity_in + relative(a, b, points_[k]));
+    if (resistsTurning()) gain += 0.5 * torque_.dot(turning(a_, b_) + turning(a, b));
     return gain;
   }
 
@@ -108,6 +110,13 @@ class Impact {
   }
 
  private:
+  bool resistsTurning() const { return law_.radius > 0.0 && (law_.roll > 0.0 || law_.spin > 0.0); }
+
+  // R times the angular velocity of b against a, in the contact frame, m/s.
+  Vec3 turning(const ImpactSide& a, const ImpactSide& b) const {
+    return law_.radius * (frame_.transpose() * (b.twist.w_WB - a.twist.w_WB));
+  }
+
   // As one Coulomb problem of two bodies.
   void solveTogether(double e, ImpactSide& a, ImpactSide& b) {
     CoulombProblem problem{{}, {}, closingSpeedIn()};
@@ -127,7 +136,7 @@ class Impact {
       point.r_i = c.r_a, point.r_j = c.r_b;
       point.frame = frame_;
       point.axis_W = axis_W_;
-      point.mu = mu_;
+      point.mu = law_.friction;
       Vec3 prescribed_W = Vec3::Zero();
       if (j == kNone) prescribed_W += velocityAt(b_.twist, c.r_b);
       if (i == kNone) prescribed_W -= velocityAt(a_.twist, c.r_a);
@@ -135,11 +144,24 @@ class Impact {
       point.bias[2] += e * std::min(c.closing_in, 0.0);
       problem.points.push_back(point);
     }
+    if (resistsTurning()) {
+      TorqueConstraint torque;
+      torque.i = i, torque.j = j;
+      torque.first = 0, torque.size = static_cast<Index>(size_);
+      torque.frame = frame_;
+      torque.radius = law_.radius, torque.roll = law_.roll, torque.spin = law_.spin;
+      Vec3 prescribed_W = Vec3::Zero();
+      if (j == kNone) prescribed_W += b_.twist.w_WB;
+      if (i == kNone) prescribed_W -= a_.twist.w_WB;
+      torque.bias = law_.radius * (frame_.transpose() * prescribed_W);
+      problem.torques.push_back(torque);
+    }
     solveCoulomb(problem, 1e-12);
     a = a_, b = b_;
     if (i != kNone) a.twist = {problem.bodies[i].v, problem.bodies[i].w};
     if (j != kNone) b.twist = {problem.bodies[j].v, problem.bodies[j].w};
     for (int k = 0; k < size_; ++k) points_[k].impulse = problem.points[k].impulse;
+    if (resistsTurning()) torque_ = problem.torques.front().impulse;
   }
 
   double closingSpeedIn() const {
@@ -168,9 +190,10 @@ class Impact {
 
   const ImpactSide a_, b_;
   const Vec3 axis_W_;
-  double mu_;
+  const ImpactLaw law_;
   int size_;
   Mat3 frame_;
+  Vec3 torque_ = Vec3::Zero();  // over R, on b, in the contact frame, N s
   std::array<ImpactPoint, Manifold::kPoints> points_;
 };
 
@@ -192,16 +215,16 @@ double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& ma
 }
 
 std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
-                                                  double friction, double restitution) {
-  Impact impact(a, b, manifold, friction);
+                                                  const ImpactLaw& law) {
+  Impact impact(a, b, manifold, law);
   const double speed = closingSpeed(a, b, manifold);
   const double mass = 1.0 / (a.inv_mass + b.inv_mass);
   const double rounding = kRoundedGain * mass * speed * speed;
-  const double gain = impact.solve(restitution, a, b);
+  const double gain = impact.solve(law.restitution, a, b);
   if (gain <= rounding) return impact.impulses_W();
   // The root of gain(e) by false position, where an end that stays counts half as much each time (Illinois
   // method: M. Dowell, P. Jarratt, BIT 11, 1971).
-  double low = 0.0, high = restitution, at_low = impact.solve(0.0, a, b), at_high = gain;
+  double low = 0.0, high = law.restitution, at_low = impact.solve(0.0, a, b), at_high = gain;
   for (int k = 0, side = 0; k < kMostSolves && at_low < 0.0 && high - low > kRoundedGain; ++k) {
     const double e = std::clamp(low - at_low * (high - low) / (at_high - at_low), low, high);
     const double at_e = impact.solve(e, a, b);

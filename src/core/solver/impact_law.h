@@ -19,18 +19,26 @@ struct ImpactSide {
   Vec3 axis_W = Vec3::Zero();
 };
 
+/// What the two bodies of an impact resist.
+struct ImpactLaw {
+  double friction, restitution;
+  /// The length R of the pair, m, and its coefficients of rolling and torsional resistance (rolling.h); 0: none.
+  double radius = 0.0, roll = 0.0, spin = 0.0;
+};
+
 /// Largest speed at which a point of the manifold closes, m/s; 0 when none does.
 double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold);
 
 /// Changes both twists by the impulses of the impact.
 ///
 /// Law: Newton's restitution (each closing point leaves at e times the speed at which it came) with Coulomb
-/// friction, on the exact circular cone, acting against the sliding that is left at the end of the impact.
+/// friction, on the exact circular cone, acting against the sliding that is left at the end of the impact. What resists
+/// rolling and spinning acts in the same way against the turning that is left, up to its share of the normal impulse.
 /// Where that would create energy, which Newton's law can do in eccentric impacts with friction, e is
 /// lowered to the largest value that does not (e = 0 never does).
 ///
 /// Returns the impulses on b, in W, N s, by point of the manifold.
 std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, const Manifold& manifold,
-                                                  double friction, double restitution);
+                                                  const ImpactLaw& law);
 
 }  // namespace rbs

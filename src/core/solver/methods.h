@@ -31,10 +31,10 @@ namespace exact_step {
 enum class Outcome {
   Done,
   NoRoom,      ///< done, but bodies that forces do not move squeeze others, which gave way
-  NoSolution,  ///< found; or, at a setting that only promotes islands to it, the solvers did not converge
-  TooDear,     ///< what the island may cost was spent before the end
+  NoSolution,  ///< no contact forces were found; at the settings that promote islands also: no converged ones
+  OverBudget,  ///< what the island may cost was spent before the end
 };
-/// Bodies in contact, by Coulomb's law without softness; one island at a time. NoSolution and TooDear leave the
+/// Bodies in contact, by Coulomb's law without softness; one island at a time. NoSolution and OverBudget leave the
 /// island as it was, for another method.
 Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1);
 /// The same by what the island has of its own (SolveBudget), so that islands can be advanced at the same time; nothing where

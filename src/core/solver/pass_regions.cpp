@@ -128,8 +128,9 @@ bool PassRegions::isReady(const Region& region, const Stretch& stretch) const {
   return true;
 }
 
-// As far as it can, and whether it could. Who has taken a region alone writes its progress.
-bool PassRegions::goOn(std::size_t r, const Body& body) {
+// Does the bundles of a region until one has to wait for long. Whether it did any. Only the thread that has taken a region
+// writes its progress.
+bool PassRegions::solveReady(std::size_t r, const Body& body) {
   const Region& region = regions_[r];
   Progress& progress = progress_[r];
   const std::size_t first = progress.next;
@@ -145,7 +146,7 @@ bool PassRegions::goOn(std::size_t r, const Body& body) {
   return true;
 }
 
-void PassRegions::walk(const Body& body) {
+void PassRegions::takeRegions(const Body& body) {
   std::size_t complete = 0;  // regions in a row
   int idle = 0;
   for (std::size_t k = Workers::self(); complete < count() && !failed_; ++k) {
@@ -158,7 +159,7 @@ void PassRegions::walk(const Body& body) {
       continue;
     }
     try {
-      const bool went_on = goOn(r, body);
+      const bool went_on = solveReady(r, body);
       taken.store(false, std::memory_order_release);
       if (!went_on) std::this_thread::yield();
     } catch (...) {
@@ -172,7 +173,7 @@ void PassRegions::inOrder(Workers& workers, const Body& body) {
   for (std::size_t r = 0; r < count(); ++r)
     progress_[r].done = 0, progress_[r].next = 0, progress_[r].taken = false;
   failed_ = false;
-  workers.share(count(), 1, [&](auto, auto, auto) { walk(body); });
+  workers.share(count(), 1, [&](auto, auto, auto) { takeRegions(body); });
 }
 
 void PassRegions::each(Workers& workers, const std::function<void(std::size_t region)>& body) {

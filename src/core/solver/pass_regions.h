@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Passes over levels (contact_lanes.h), shared by threads.
 //
-// A level is too short for threads to meet at its end: a microsecond, or less. So the bodies are split by place into regions,
-// one a thread, and a pair is in the region of one of its bodies. A thread takes the bundles of a region in the order of
-// their levels. Most of them touch bodies of that region alone. A bundle with a body that a pair of another region changes
-// before it waits until that region has come so far. So every pair reads the velocities that it reads on one thread: a pass
-// gives the same bits for any number of threads and any regions. A wait is for a lower level, so some region can always
-// go on. This is the point-to-point synchronisation of a sparse triangular solve (J. Park, M. Smelyanskiy, N. Sundaram and
+// A level takes a microsecond or less, which is too short for threads to wait for each other at its end. So bodies are split
+// by place into regions, at most one for each thread, and a pair belongs to the region of one of its bodies. A thread solves
+// the bundles of a region in the order of their levels. Where a bundle reads a body that another region writes, it waits
+// until that region has come so far. So every pair reads the velocities that it reads on one thread: a pass gives the same
+// bits for any number of threads. A wait is always for a lower level, so there is no deadlock. This is the point-to-point synchronisation of a sparse triangular solve (J. Park, M. Smelyanskiy, N. Sundaram and
 // P. Dubey, "Sparsifying Synchronization for High-Performance Shared-Memory Sparse Triangular Solver", ISC 2014).
 //
 // A region is not tied to a thread. One that has waited for long is put down, and a thread without a region takes it up.
@@ -29,8 +28,8 @@ class PassRegions {
   /// Does what is to be done with the bundles from `begin` to before `end`.
   using Body = std::function<void(std::size_t begin, std::size_t end)>;
 
-  /// Splits the bodies into as many regions as there are threads, along the axis along which they wait least for each
-  /// other. One region where sharing costs more than it saves: there are few pairs, or most would wait. `level` is by
+  /// Splits the bodies into as many regions as there are threads, or fewer where there are few pairs, along the axis along
+  /// which they wait least for each other. One region where sharing costs more than it saves: there are few pairs, or most would wait. `level` is by
   /// block, and kNone for one without points.
   void split(const SolverContacts& contacts, const std::vector<Index>& level, unsigned threads);
   std::size_t count() const { return bodies_.size(); }
@@ -82,8 +81,8 @@ class PassRegions {
   std::size_t regionOf(std::size_t bundle) const;
   bool isComplete(std::size_t region) const;
   bool isReady(const Region& region, const Stretch& stretch) const;
-  bool goOn(std::size_t region, const Body& body);
-  void walk(const Body& body);
+  bool solveReady(std::size_t region, const Body& body);
+  void takeRegions(const Body& body);
 
   std::vector<std::size_t> of_body_;        // by slot; empty: all are in one
   std::vector<std::vector<Index>> bodies_;  // by region

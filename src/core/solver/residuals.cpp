@@ -70,7 +70,7 @@ Need need(const SceneAnalysis& c) {
   return {true, "the solver residuals of every island are checked in every step"};
 }
 
-void run(Context& context) {
+void check(Context& context) {
   const Bodies& bodies = context.scene.bodies;
   StepStore& step = context.step;
   for (const std::vector<Index>* list : {&context.scene.lists.in_islands, &context.scene.lists.kinematic})

@@ -15,6 +15,6 @@ void add(IslandResiduals& residuals, const IslandResiduals& solve);
 
 /// Puts the deepest penetration and the residuals of the islands in contact into the report. A body whose
 /// state is not finite is put back to where the step found it and frozen, and the report says so.
-void run(Context& context);
+void check(Context& context);
 
 }  // namespace rbs::residuals

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contact points of a batch of islands: where its bodies touch, what resists there, and what the last
-// step and the next one know of it. Shared by the methods that solve contacts by impulses.
+// The contact points of the soft step: where the bodies of a batch of islands touch, what resists there, and what
+// the last step and the next one know of it.
 #pragma once
 
 #include "base/algebra.h"
@@ -28,9 +28,9 @@ struct alignas(64) SolverBody {
   Index body;
 };
 
-/// A pair with fewer points than its bundle has rows gets impulses of zero in the others, of either sign (contact_lanes.h).
-/// Added to a number they change nothing, unless that is -0. A sum is -0 only where both of its terms are. So bodies that
-/// begin without -0 stay without, and what a pair does depends on no pair beside it.
+/// A pair with fewer points than its bundle has rows (contact_lanes.h) gets impulses of +0 or -0 in the others. They change
+/// no number but -0, and a sum is -0 only where both of its terms are. So velocities that begin without -0 stay without, and
+/// what a pair does depends on no pair beside it.
 inline Vec3 withoutNegativeZeros(const Vec3& v) {
   return v + Vec3::Zero();
 }

@@ -103,7 +103,7 @@ struct SceneStore {
   std::uint64_t steps = 0;
   bool just_edited = true;  ///< no step has been taken since the last edit
 
-  /// Coulomb coefficient of a pair: the geometric mean; 0 when friction is off.
+  /// Coulomb coefficient of a pair: the geometric mean, 1e4 at most; 0 when friction is off.
   double frictionOf(Index i, Index j) const;
   /// Newton's coefficient of a pair: the larger; 0 when restitution is off.
   double restitutionOf(Index i, Index j) const;
@@ -187,26 +187,27 @@ struct Stores;
 struct RestartStores;
 
 struct StepStore {
-  double t0 = 0.0, t1 = 0.0;           ///< s
-  SolverSettings solver;               ///< resolved from the scene's Setting
-  std::vector<Load> load;              ///< by body; those of ballistic bodies are not filled in
-  std::vector<Vec3> airless;           ///< by body: load.a_W without the drag; empty: there is none
-  Vec3 air;                            ///< velocity of the air where there is drag, m/s
-  std::vector<double> submerged;       ///< by body: share of its volume in the fluid; empty without a fluid
-  std::vector<Bounds> bounds;          ///< by body: where it may be during the step
-  std::vector<char> supported;         ///< by body: some contact carried it in the last step
-  std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
-  std::vector<PendingImpact> impacts;  ///< found at the start of the step
-  std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its trajectory
+  double t0 = 0.0, t1 = 0.0;            ///< s
+  SolverSettings solver;                ///< resolved from the scene's Setting
+  std::vector<Load> load;               ///< by body; those of ballistic bodies are not filled in
+  std::vector<Vec3> load_without_drag;  ///< by body: load.a_W without the drag; empty: there is none
+  Vec3 air;                             ///< velocity of the air where there is drag, m/s
+  std::vector<double> submerged;        ///< by body: share of its volume in the fluid; empty without a fluid
+  std::vector<Bounds> bounds;           ///< by body: where it may be during the step
+  std::vector<char> supported;          ///< by body: some contact carried it in the last step
+  std::vector<char> crowded;            ///< by body: some contact of it is depenetrating; empty: of none
+  std::vector<PendingImpact> impacts;   ///< found at the start of the step
+  std::vector<std::uint32_t> stamp;     ///< by body: how often an impact has changed its trajectory
   std::vector<std::pair<double, Pose>>
-      turned;  ///< by body with a stamp: when that was last, and where it was
+      last_impact;  ///< by body with a stamp: when that was, and where the body was
   /// Pairs of the impacts that have been resolved, also before the step began again, and what was `reached` then.
-  IndexPairs met;
+  IndexPairs impacted;
   /// Pairs of a body that began the step again and came, on a new trajectory, near one that had not.
   IndexPairs reached;
   /// Pairs that already overlapped when an impact brought them to the contact solver, because contacts had pushed
-  /// them together unforeseen; and pairs of a sleeper, which no prediction has woken.
-  IndexPairs late;
+  /// them together unforeseen.
+  IndexPairs overlapping;
+  std::vector<Index> disturbed;  ///< sleepers in an impact that no prediction has woken
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
   std::vector<double> row_seconds;  ///< by row of the inner step

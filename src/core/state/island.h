@@ -36,7 +36,7 @@ struct Island {
   bool exact = false;     ///< the exact step solves its constraints
   IslandResiduals residuals;
   /// What its exact solves may still cost before they take of what all may, see SolveBudget.
-  std::int64_t work = 0;
+  std::int64_t work_left = 0;
   bool cut_short = false;                           ///< an exact solve has been ended by its budget
   std::uint32_t impacts = 0, deferred_impacts = 0;  ///< its part of the StepReport, and so are the warnings
   std::vector<Warning> warnings;

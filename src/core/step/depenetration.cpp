@@ -29,10 +29,6 @@ constexpr double kThroughPlane = 0.5;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
 
-double lengthOf(const Bodies& bodies, const Contact& contact) {
-  return smallerLength(bodies, contact.i, contact.j);
-}
-
 // By how much the balls inscribed in two bodies overlap, m; negative when they are apart.
 double inscribedOverlap(const Bodies& bodies, const Contact& contact) {
   return innerRadius(bodies.traits[contact.i].shape) + innerRadius(bodies.traits[contact.j].shape) -
@@ -89,7 +85,7 @@ std::vector<Vec3> waysApart(const Context& context, const std::vector<Contact*>&
   std::vector<Index> others(bodies.size(), 0);
   for (const Contact* crowding : crowded) {
     const Contact& contact = *crowding;
-    const double length = lengthOf(bodies, contact);
+    const double length = smallerLength(bodies, contact.i, contact.j);
     const Vec3 nudge = kNudge * length * (upright * (placeOnDisc(contact.j) - placeOnDisc(contact.i)));
     const Vec3 offset = across * (bodies.pose[contact.j].p_WB - bodies.pose[contact.i].p_WB) + nudge;
     if (offset.isZero(0.0)) continue;
@@ -177,7 +173,7 @@ void warn(Context& context) {
   std::vector<Index> deep;
   for (const Contact& contact : context.scene.contacts.active)
     if (contact.solved && contact.points_before.empty() &&
-        contact.depth() > kDeep * lengthOf(bodies, contact))
+        contact.depth() > kDeep * smallerLength(bodies, contact.i, contact.j))
       for (const Index i : {contact.i, contact.j})
         if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
   std::sort(deep.begin(), deep.end());
@@ -194,7 +190,8 @@ void warn(Context& context) {
 
 bool isDeep(const Context& context, const Contact& contact) {
   const Bodies& bodies = context.scene.bodies;
-  return shareACentre(bodies, contact) || contact.depth() > kDeep * lengthOf(bodies, contact);
+  return shareACentre(bodies, contact) ||
+         contact.depth() > kDeep * smallerLength(bodies, contact.i, contact.j);
 }
 
 Need need(const SceneAnalysis& c) {

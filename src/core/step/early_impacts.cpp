@@ -5,7 +5,7 @@
 #include "solver/contact_preparation.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
-#include "step/ways.h"
+#include "step/paths.h"
 
 #include <algorithm>
 #include <utility>
@@ -38,7 +38,8 @@ class IslandBefore {
     Island& island = context.step.islands[place_];
     const Island advanced = std::move(island);
     island = island_;
-    island.work = advanced.work, island.exact = advanced.exact, island.cut_short = advanced.cut_short;
+    island.work_left = advanced.work_left, island.exact = advanced.exact,
+    island.cut_short = advanced.cut_short;
     for (std::size_t k = 0; k < poses_.size(); ++k) {
       context.scene.bodies.pose[island.bodies[k]] = poses_[k];
       context.scene.bodies.twist[island.bodies[k]] = twists_[k];
@@ -106,7 +107,7 @@ double deviation(const Traits& traits, const Motion& trajectory, double time, co
 }
 
 // The way of a body from one pose to another, with the acceleration of its trajectory and a constant spin.
-Motion wayAlong(const Motion& trajectory, double t0, const Pose& from, double t1, const Pose& to) {
+Motion pathBetween(const Motion& trajectory, double t0, const Pose& from, double t1, const Pose& to) {
   Motion way = Motion::between(t0, from, t1, to);
   way.a_W = trajectory.a_W;
   way.twist.v_WB -= 0.5 * (t1 - t0) * trajectory.a_W;
@@ -134,8 +135,8 @@ std::optional<double> timeOfEarlyImpact(const Context& context, const Trajectori
     const double travel = (X_i1.p_WB - X_i0.p_WB - X_j1.p_WB + X_j0.p_WB).norm() + turned(a, X_i0, X_i1) +
                           turned(b, X_j0, X_j1);
     if (s_1 > travel) return {};
-    const auto met = metOnWay(a.shape, wayAlong(trajectory_i, start, X_i0, time, X_i1), b.shape,
-                              wayAlong(trajectory_j, start, X_j0, time, X_j1), start, time);
+    const auto met = impactOnPaths(a.shape, pathBetween(trajectory_i, start, X_i0, time, X_i1), b.shape,
+                                   pathBetween(trajectory_j, start, X_j0, time, X_j1), start, time);
     return met && met->time > start && met->beyond > kLate * length ? std::optional(met->time) : std::nullopt;
   }
   const double s_0 = gap(a.shape, X_i0, b.shape, X_j0).distance;

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What contacts bring together before its time.
 //
-// Impacts are predicted as if each body went on alone. In an island that is brought to an impact its contacts have
-// pushed bodies off that trajectory, and two that no contact keeps apart may be in each other: the impact between them would
-// come late, from inside. So what has been brought there goes back, and both are looked at when they were about to
-// touch. With the separations s_0 > 0 at t_0, where both began, and s_1 < 0 at t_1, where the impact is, that is, as of a
-// steady approach, at
+// Impacts are predicted as if no contact acted. While an island is advanced to an impact, its contacts push bodies off these
+// trajectories, and two of them may overlap when it arrives: the impact between them would come late, from inside. Then the
+// island is put back, and the pair is looked at when it first touched. For a steady approach from the separation s_0 > 0 at
+// t_0 to s_1 < 0 at t_1 that is
 //   t = t_0 + (t_1 - t_0) s_0/(s_0 - s_1);
-// and where s_0 is no more than rounding, when they are in each other by as little. A thin body may even be through the
-// other, and apart from it again: then t is when the two first touch on ways from where they began to where they are, with the
-// acceleration that was expected of them and constant spins.
-// From there the two are predicted anew. What contacts do to them in the little time that is left is little.
+// where s_0 is no more than rounding, when they overlap by as little. A thin body may already be through the other. Then t
+// is the time of impact on the paths from where they began to where they are, with the expected accelerations and constant
+// spins. The pair is predicted again from t. What contacts do to it in the little time that is left is little.
 #pragma once
 
 #include "state/context.h"

@@ -22,13 +22,13 @@ namespace rbs {
 
 namespace {
 
-// Whether an island may be off its predicted motion at `time`: by its contacts or without those that were expected, by
-// torques, or as the air slows it. At the exact settings only: an overlap is none there that soft contacts leave anyway.
+// Whether an island may have left its predicted trajectory by `time`. Contacts, torques and drag cause that, and so does a
+// support that is gone. Asked at the exact settings alone: soft contacts leave larger overlaps than this prevents.
 bool isWatched(const StepStore& step, const Island& island, double time) {
   if (!step.solver.exact || !island.exact || island.bodies.empty() || island.time >= time) return false;
-  const auto strays = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
-  return !island.flies() || !step.airless.empty() ||
-         std::any_of(island.bodies.begin(), island.bodies.end(), strays);
+  const auto mayDeviate = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
+  return !island.flies() || !step.load_without_drag.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), mayDeviate);
 }
 
 // In the order that a sweep leaves, neighbours stand far apart: queries would meet most groups of the tree.
@@ -49,7 +49,7 @@ class ImpactLoop {
         order_(byPlace(context.scene.pair_search.order, step_.bounds)),
         tree_(order_, step_.bounds),
         sets_(islands::candidateSets(context)) {
-    // Cutting an island with contacts costs a solve of all its pairs. What a step may spend on cuts is a few
+    // Cutting an island with contacts costs a solve of all its pairs. What an attempt at the step may spend on cuts is a few
     // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after
     // is the contact solver's, which stops it and lets it rebound at the end of the step. Each set of bodies
     // that may meet has its own budget: what it does cannot depend on others.
@@ -102,7 +102,7 @@ class ImpactLoop {
     // What other impacts have sent off its trajectory is not awaited any more.
     for (Index k = 0; k < contacts_.active.size(); ++k)
       if (contacts_.active[k].state.awaitsImpact())
-        separateOrConnect(contacts_.active[k].i, contacts_.active[k].j, false);
+        separateOrConnect(contacts_.active[k].i, contacts_.active[k].j);
   }
 
   struct Later {
@@ -150,7 +150,8 @@ class ImpactLoop {
   // A sleeper that comes into play is a wall here. The step is to begin again with it awake.
   void noteSleeper(Index i, Index j) {
     const std::vector<Traits>& traits = context_.scene.bodies.traits;
-    if (traits[i].asleep || traits[j].asleep) step_.late.emplace_back(i, j);
+    for (const Index one : {i, j})
+      if (traits[one].asleep) step_.disturbed.push_back(one);
   }
 
   enum class Brought {
@@ -274,13 +275,13 @@ class ImpactLoop {
       return;
     }
     ++islandOf(impact).impacts;
-    step_.met.emplace_back(impact.i, impact.j);
+    step_.impacted.emplace_back(impact.i, impact.j);
     if (outcome == impacts::Outcome::Stay) leaveToContacts(impact.i, impact.j);
     const std::uint64_t before = query_budget_;
     for (const Index i : {impact.i, impact.j}) {
       if (step_.island[i] == kNone) continue;  // no impact changes the trajectory of a body in no island
       ++step_.stamp[i];
-      step_.turned[i] = {impact.time, context_.scene.bodies.pose[i]};
+      step_.last_impact[i] = {impact.time, context_.scene.bodies.pose[i]};
       queryNeighbours(i);
     }
     if (query_budget_ < before) charge(kQueriesPerImpact);
@@ -326,15 +327,15 @@ class ImpactLoop {
     has_edge_.resize(contacts_.active.size(), 0);
     if (!has_edge_[contact]) {
       has_edge_[contact] = 1;
-      if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time)) step_.late.emplace_back(i, j);
+      if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time))
+        step_.overlapping.emplace_back(i, j);
       island.edges.push_back(islands::edgeOf(contacts_, contact));
     }
   }
 
-  // A pair without a pending impact: the contact solver's business if they touch or their trajectories are not
-  // known.
-  void separateOrConnect(Index i, Index j, bool touches) {
-    if (!touches && impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
+  // A pair that does not touch and has no pending impact: the contact solver's business if their trajectories are not known.
+  void separateOrConnect(Index i, Index j) {
+    if (impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
       contacts_.active[placeOf(i, j)].state.separate();
     } else {
       connect(i, j, false);
@@ -434,7 +435,7 @@ class ImpactLoop {
 
   void consider(Index i, Index j, double from) {
     if (!mayCollide(context_.scene.bodies.traits[i], context_.scene.bodies.traits[j])) return;
-    if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::find()
+    if (step_.isCrowded(i) && step_.isCrowded(j)) return;  // as in impacts::predict()
     const Index place = contacts_.find(std::min(i, j), std::max(i, j), found_);
     PairState* const state = place == kNone ? nullptr : &contacts_.active[place].state;
     if (state && state->isDepenetrating()) return;
@@ -447,8 +448,8 @@ class ImpactLoop {
       queue_.push(*prediction.impact);
       if (state) state->awaitImpact();
     } else if (state && (state->awaitsImpact() || (state->isSeparated() && prediction.touches))) {
-      separateOrConnect(std::min(i, j), std::max(i, j),
-                        prediction.touches);  // what it waited for will not come
+      const auto [a, b] = std::minmax(i, j);  // what it waited for will not come
+      prediction.touches ? connect(a, b, false) : separateOrConnect(a, b);
     }
   }
 

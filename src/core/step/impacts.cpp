@@ -6,7 +6,7 @@
 #include "narrowphase/time_of_impact.h"
 #include "solver/contact_preparation.h"
 #include "solver/impact_law.h"
-#include "step/depenetration.h"
+#include "solver/rolling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -183,15 +183,8 @@ Motion trajectoryOf(const Context& context, Index i) {
   return trajectory;
 }
 
-double separationAt(const Context& context, Index i, Index j, double time) {
-  const std::vector<Traits>& traits = context.scene.bodies.traits;
-  return gap(traits[i].shape, trajectoryOf(context, i).at(time), traits[j].shape,
-             trajectoryOf(context, j).at(time))
-      .distance;
-}
-
 bool losesEnergy(const SceneStore& scene, Index i, Index j) {
-  return scene.restitutionOf(i, j) < 1.0 || scene.frictionOf(i, j) > 0.0;
+  return scene.restitutionOf(i, j) < 1.0 || scene.frictionOf(i, j) > 0.0 || rolling::resists(scene, i, j);
 }
 
 bool isFree(const Context& context, Index i) {
@@ -210,6 +203,7 @@ namespace {
 void predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts) {
   const StepStore& step = context.step;
   const auto [i, j] = std::pair(contact.i, contact.j);
+  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
   if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return;
   if (contact.state.isSeparated()) return;
   if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
@@ -224,11 +218,9 @@ void predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
 
 }  // namespace
 
-void find(Context& context) {
+void predict(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
-  // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without
-  // number.
   constexpr std::size_t kPairsOfAPart = 128;
   std::vector<std::vector<PendingImpact>> parts(Workers::parts(contacts.size(), kPairsOfAPart));
   step.workers->share(contacts.size(), kPairsOfAPart, [&](auto part, auto begin, auto end) {
@@ -238,6 +230,20 @@ void find(Context& context) {
     step.impacts.insert(step.impacts.end(), part.begin(), part.end());
 }
 
+namespace {
+
+ImpactLaw lawOf(const SceneStore& scene, Index i, Index j, const Vec3& n_W) {
+  ImpactLaw law{scene.frictionOf(i, j), scene.restitutionOf(i, j)};
+  if (!rolling::resists(scene, i, j)) return law;
+  const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
+  law.radius = rolling::radius(scene.bodies, i, j, n_W);
+  law.roll = a.rolling_resistance + b.rolling_resistance;
+  law.spin = a.torsional_resistance + b.torsional_resistance;
+  return law;
+}
+
+}  // namespace
+
 Outcome resolve(Context& context, Contact& contact, double time) {
   Bodies& bodies = context.scene.bodies;
   const Index i = contact.i, j = contact.j;
@@ -245,9 +251,8 @@ Outcome resolve(Context& context, Contact& contact, double time) {
   const Twist before_a = at_impact.a.twist, before_b = at_impact.b.twist;
   const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
   if (speed <= 0.0) return Outcome::Miss;
-  const double e = context.scene.restitutionOf(i, j);
-  const auto impulses_W =
-      collideBodies(at_impact.a, at_impact.b, at_impact.manifold, context.scene.frictionOf(i, j), e);
+  const ImpactLaw law = lawOf(context.scene, i, j, at_impact.manifold.n_W);
+  const auto impulses_W = collideBodies(at_impact.a, at_impact.b, at_impact.manifold, law);
   for (int k = 0; k < at_impact.manifold.size; ++k) {
     const ManifoldPoint& point = at_impact.manifold.points[k];
     SolvedPoint solved;
@@ -261,7 +266,7 @@ Outcome resolve(Context& context, Contact& contact, double time) {
   bodies.twist[i].w_WB += at_impact.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += at_impact.b.twist.v_WB - before_b.v_WB;
   bodies.twist[j].w_WB += at_impact.b.twist.w_WB - before_b.w_WB;
-  return e * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
+  return law.restitution * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
 }
 
 }  // namespace rbs::impacts

@@ -12,7 +12,7 @@ namespace rbs::impacts {
 
 /// Finds the pairs that will impact during the step, and takes them out of the contact solve with those that
 /// will not even touch.
-void find(Context& context);
+void predict(Context& context);
 
 /// What is predicted of a pair from some time to the end of the step.
 struct Prediction {
@@ -26,9 +26,6 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
 /// A body's trajectory from where it has been advanced to. A supported body is predicted to keep its velocities:
 /// what carries it cancels its load.
 Motion trajectoryOf(const Context& context, Index i);
-
-/// Separation of two bodies on their trajectories at a time, m; negative where they overlap.
-double separationAt(const Context& context, Index i, Index j, double time);
 
 /// Whether a body's trajectory is known: nothing carries it now, and no torque turns it by more than matters.
 bool isFree(const Context& context, Index i);

@@ -3,12 +3,13 @@
 
 #include "base/algebra.h"
 #include "base/text.h"
+#include "base/tolerances.h"
+#include "solver/contact_preparation.h"
 #include "solver/inner_step.h"
 #include "solver/methods.h"
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -18,17 +19,20 @@ namespace rbs {
 namespace {
 
 // Contact forces that an exact setting does not find do not exist, as where moving bodies leave another one
-// no room; or they are out of reach of its solvers. The name of a kinematic body in contact tells the first.
+// no room; or they are out of reach of its solvers. A kinematic body that overlaps another one tells the first. Said once a
+// step.
 void reportUnsolved(const Context& context, const IslandBatch& batch, Island& island) {
+  const auto isSaid = [](const Warning& warning) { return warning.kind == "unsolved"; };
+  if (std::any_of(island.warnings.begin(), island.warnings.end(), isSaid)) return;
   const Bodies& bodies = context.scene.bodies;
   const Contact* squeezes = nullptr;
-  double nearest = std::numeric_limits<double>::infinity();
+  double deepest = 0.0;  // share of the smaller length of a pair
   for (const Edge& edge : batch.edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];
     if (!bodies.traits[contact.i].is_kinematic() && !bodies.traits[contact.j].is_kinematic()) continue;
-    for (const SolvedPoint& point : contact.points)
-      if (point.separation < nearest) nearest = point.separation, squeezes = &contact;
+    const double share = contact.depth() / smallerLength(bodies, contact.i, contact.j);
+    if (share > std::max(deepest, kTouch)) deepest = share, squeezes = &contact;
   }
   if (squeezes == nullptr) {
     island.warnings.push_back(
@@ -56,16 +60,16 @@ void reportCutShort(Context& context, const Island& island) {
                            "choose a faster setting"});
 }
 
-// The soft step takes an island that the exact step could not take. One that is too dear stays with it until the end of
+// The soft step takes an island that the exact step could not take. One that is over its budget stays with it until the end of
 // the step.
 void finishExact(Context& context, const IslandBatch& batch, exact_step::Outcome outcome, double t0,
                  double t1) {
   Island& island = context.step.islands[context.step.island[batch.bodies.front()]];
   using exact_step::Outcome;
   if (outcome == Outcome::Done) return;
-  if (outcome == Outcome::TooDear) island.exact = false;
+  if (outcome == Outcome::OverBudget) island.exact = false;
   if (outcome != Outcome::NoRoom) soft_step::advance(context, batch, t0, t1);
-  if (context.step.solver.exact && outcome != Outcome::TooDear) reportUnsolved(context, batch, island);
+  if (context.step.solver.exact && outcome != Outcome::OverBudget) reportUnsolved(context, batch, island);
 }
 
 void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
@@ -80,7 +84,7 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 }
 
 // Whether an island is advanced by sub-steps of its own.
-bool isHasty(const Context& context, const Island& island) {
+bool needsOwnSubSteps(const Context& context, const Island& island) {
   return soft_step::longestSubStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
 }
 
@@ -141,7 +145,7 @@ void advanceToEnd(Context& context) {
     if (island.time >= step.t1) continue;
     if (!island.flies() && island.exact) {
       exact.push_back(&island);
-    } else if (island.time > step.t0 || (!island.flies() && isHasty(context, island))) {
+    } else if (island.time > step.t0 || (!island.flies() && needsOwnSubSteps(context, island))) {
       advanceTo(context, island, step.t1);
     } else {
       Together& batch = island.flies() ? flying : connected;

@@ -86,7 +86,7 @@ void connect(Context& context, const std::vector<Index>& bodies, const std::vect
     step.island[i] = step.island[root];
     Island& island = step.islands[step.island[i]];
     island.bodies.push_back(i);
-    island.work += kWorkPerBody;
+    island.work_left += kWorkPerBody;
   }
   for (const Edge& edge : edges)
     if (const Index first = firstMover(edge); first != kNone)
@@ -100,7 +100,7 @@ DisjointSets candidateSets(const Context& context) {
     if (island[i] != kNone && island[j] != kNone) sets.unite(i, j);
   };
   for (const Contact& contact : context.scene.contacts.active) unite(contact.i, contact.j);
-  for (const auto& [i, j] : context.step.met) unite(i, j);
+  for (const auto& [i, j] : context.step.impacted) unite(i, j);
   return sets;
 }
 
@@ -111,7 +111,7 @@ Index merge(Context& context, Index a, Index b) {
   for (const Index body : gone.bodies) step.island[body] = a;
   kept.exact = isExactTogether(context, kept, gone);
   residuals::add(kept.residuals, gone.residuals);
-  kept.work += gone.work;
+  kept.work_left += gone.work_left;
   kept.cut_short = kept.cut_short || gone.cut_short;
   kept.impacts += gone.impacts;
   kept.deferred_impacts += gone.deferred_impacts;

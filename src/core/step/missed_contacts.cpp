@@ -6,7 +6,7 @@
 #include "broadphase/bounds_tree.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
-#include "step/ways.h"
+#include "step/paths.h"
 
 #include <algorithm>
 #include <optional>
@@ -16,9 +16,9 @@ namespace rbs {
 
 namespace {
 
-// Overlaps, shares of the smaller length. Below kMissed there is none. Up to kParted contacts part the two in the next step,
-// on the side from which they came; up to kPast an impact does.
-constexpr double kMissed = 1e-7, kParted = 0.1, kPast = 0.5;
+// Overlaps, shares of the smaller length. Below kMissed there is none. Up to kSoftLimit contacts part the two in the next step,
+// on the side from which they came; up to kReboundLimit an impact does.
+constexpr double kMissed = 1e-7, kSoftLimit = 0.1, kReboundLimit = 0.5;
 // Share of its length by which a body may leave the bounds of its predicted motion.
 constexpr double kDeviation = 0.02;
 
@@ -51,7 +51,8 @@ bool awaitsRebound(const Context& context, Index i, Index j) {
 
 // The overlap that the next step takes care of, m.
 double mostLeft(const Context& context, Index i, Index j) {
-  return (awaitsRebound(context, i, j) ? kPast : kParted) * smallerLength(context.scene.bodies, i, j);
+  return (awaitsRebound(context, i, j) ? kReboundLimit : kSoftLimit) *
+         smallerLength(context.scene.bodies, i, j);
 }
 
 double overlapAt(const Context& context, Index i, Index j, double time) {
@@ -62,7 +63,7 @@ double overlapAt(const Context& context, Index i, Index j, double time) {
 }
 
 // The straight way of a body to where it has ended the step, from where it began it or an impact changed its trajectory last.
-Motion wayOf(const Context& context, Index i) {
+Motion pathOf(const Context& context, Index i) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   Motion way;
@@ -71,7 +72,7 @@ Motion wayOf(const Context& context, Index i) {
   way.twist = bodies.twist[i];
   if (step.island[i] == kNone) return way;
   way.pose = step.before[i];
-  if (step.stamp[i] > 0) std::tie(way.t0, way.pose) = step.turned[i];
+  if (step.stamp[i] > 0) std::tie(way.t0, way.pose) = step.last_impact[i];
   return step.t1 > way.t0 ? Motion::between(way.t0, way.pose, step.t1, bodies.pose[i]) : way;
 }
 
@@ -80,8 +81,8 @@ bool havePassed(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const Shape &a = bodies.traits[i].shape, &b = bodies.traits[j].shape;
-  const Motion way_i = wayOf(context, i), way_j = wayOf(context, j);
-  const auto met = metOnWay(a, way_i, b, way_j, std::max(way_i.t0, way_j.t0), step.t1);
+  const Motion path_i = pathOf(context, i), path_j = pathOf(context, j);
+  const auto met = impactOnPaths(a, path_i, b, path_j, std::max(path_i.t0, path_j.t0), step.t1);
   return met && met->beyond > mostLeft(context, i, j);
 }
 
@@ -137,7 +138,7 @@ double mostMovedTogether(const Context& context, Index i, Index j) {
   return moved_W.norm() + turned;
 }
 
-// Pairs that rested apart when the step began (touching_contacts.h), and that may have come together by more than is left to the
+// Pairs that rested apart when the step began (contact_states.h), and that may have come together by more than is left to the
 // next step.
 IndexPairs stirred(const Context& context) {
   const StepStore& step = context.step;

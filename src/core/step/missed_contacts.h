@@ -10,10 +10,10 @@
 
 namespace rbs {
 
-/// Of the bodies that contacts may have pushed, at the end of the step; i < j, in canonical order. An overlap counts
-/// that contacts would not part again in the next step, or not on the side from which the two came; at the exact
-/// settings any overlap of a pair that the solver has not looked at, or, where it rebounds, one past the middle: an
-/// impact in the next step gives it the rebound that contact would take.
+/// Of the bodies that contacts may have pushed, at the end of the step; i < j, in canonical order. A pair is missed when its
+/// overlap exceeds a share of the smaller length. At the fast settings that is 0.1, beyond which soft contacts may push a
+/// body out on the wrong side. At the exact ones it is 1e-7, since they leave no overlap in pairs that they solve; and 0.5 for
+/// a pair with restitution, since an impact in the next step still gives it its rebound.
 IndexPairs findMissedContacts(const Context& context);
 
 /// Whether two bodies, where they are at `time`, overlap so deeply.

@@ -14,12 +14,12 @@
 #include "solver/residuals.h"
 #include "solver/rolling.h"
 #include "step/ballistic.h"
+#include "step/contact_states.h"
 #include "step/depenetration.h"
 #include "step/impacts.h"
 #include "step/islands.h"
 #include "step/sleep.h"
 #include "step/step_controller.h"
-#include "step/touching_contacts.h"
 
 #include <algorithm>
 #include <array>
@@ -94,23 +94,24 @@ constexpr std::array kStages{
     Stage{"user_force.spring", grabs::need, grabs::run,
           [](const SceneStore& scene, const StepStore&) { return bodyItems(scene.grabs.size()); }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
-    Stage{"broadphase.pairs", needOf<Effect::Collision>, broad_phase::run, bodiesOn<&BodyLists::collidable>,
-          broad_phase::describe},
+    Stage{"broadphase.pairs", needOf<Effect::Collision>, broad_phase::findPairs,
+          bodiesOn<&BodyLists::collidable>, broad_phase::describe},
     Stage{"sleep.wake", needOf<Effect::Sleeping>, sleep::findWoken,
           [](const SceneStore& scene, const StepStore&) {
             return Items{asleep(scene), "asleep", "asleep"};
           }},
     Stage{"depenetration.find", depenetration::need, depenetration::find, candidates},
-    Stage{"contacts.classify", needOf<Effect::Collision>, touching_contacts::find, candidates},
-    Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::find, candidates},
+    Stage{"contacts.classify", needOf<Effect::Collision>, contact_states::classify, candidates},
+    Stage{"impacts.predict", needOf<Effect::Impacts>, impacts::predict, candidates},
     Stage{"islands.build", islands::need, islands::build,
           [](const SceneStore&, const StepStore& step) {
             return Items{step.islands.size(), "island", "islands"};
           }},
-    Stage{"islands.advance", islands::need, step_controller::run, bodiesOn<&BodyLists::in_islands>},
+    Stage{"islands.advance", islands::need, step_controller::advanceIslands,
+          bodiesOn<&BodyLists::in_islands>},
     Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
     Stage{"depenetration.separate", depenetration::need, depenetration::separate, candidates},
-    Stage{"residuals.check", residuals::need, residuals::run, bodiesOn<&BodyLists::in_islands>},
+    Stage{"residuals.check", residuals::need, residuals::check, bodiesOn<&BodyLists::in_islands>},
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&BodyLists::in_islands>},
 };
 
@@ -190,8 +191,8 @@ void Pipeline::filter(const SceneAnalysis& analysis) {
   active_.clear();
   for (std::size_t row = 0; row < kStages.size(); ++row)
     if (kStages[row].need(analysis).active) active_.push_back(row);
-  seconds_.assign(kStages.size(), 0.0);
-  row_seconds_.assign(kInnerRows, 0.0);
+  seconds_.resize(kStages.size());
+  row_seconds_.resize(kInnerRows);
 }
 
 void Pipeline::restartClocks() {
@@ -227,7 +228,7 @@ std::vector<StageInfo> Pipeline::describe(const SceneAnalysis& analysis, const S
     if (kStages[row].method && rows.back().active)
       if (const std::string method = kStages[row].method(scene); !method.empty())
         rows.back().reason += "; " + method;
-    if (kStages[row].run != step_controller::run) continue;
+    if (kStages[row].run != step_controller::advanceIslands) continue;
     for (std::size_t part = 0; part < kParts.size(); ++part)
       add(kParts[part], part < kInnerRows ? row_seconds_[part] : 0.0, kStages[row].name);
   }

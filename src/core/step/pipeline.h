@@ -9,12 +9,12 @@
 
 namespace rbs {
 
-/// The stages a scene needs, in order. Made anew when the analysis changes its mind.
+/// The stages a scene needs, in order. Filtered again when the analysis of the scene changes.
 class Pipeline {
  public:
   void filter(const SceneAnalysis& analysis);
-  /// Runs one step and times every stage. It ends early, before anything has moved, when bodies are to be
-  /// woken for it (step.woken).
+  /// Runs one step and times every stage. It ends early where sleeping bodies have to wake for it (step.woken); all
+  /// bodies are then where the step began.
   void run(Context& context);
   /// Times are sums from here on.
   void restartClocks();

@@ -124,8 +124,8 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
   StepStore& step = context.step;
   IndexPairs all = missed;
   all.insert(all.end(), step.reached.begin(), step.reached.end());
-  step.met.insert(step.met.end(), step.reached.begin(), step.reached.end());
-  step.reached.clear(), step.late.clear();
+  step.impacted.insert(step.impacted.end(), step.reached.begin(), step.reached.end());
+  step.reached.clear(), step.overlapping.clear();
   const std::vector<char> again = concernedBy(context, all);
   restoreContacts(context, missed, again);
 
@@ -151,7 +151,7 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
         edge.of = contacts.find(edge.bodies[0], edge.bodies[1], contacts.active.size());
   const std::size_t kept = step.islands.size();
   islands::build(context, back);
-  for (std::size_t k = kept; k < step.islands.size(); ++k) step.islands[k].work >>= times;
+  for (std::size_t k = kept; k < step.islands.size(); ++k) step.islands[k].work_left >>= times;
   sortIslands(step);
   step.report.repeated += static_cast<std::uint32_t>(back.size());
 }

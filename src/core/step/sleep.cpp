@@ -50,6 +50,8 @@ void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
       context.step.woken.push_back(i);
 }
 
+namespace {
+
 // Islands that are near each other go to sleep together: a body that is awake wakes what sleeps near it.
 std::vector<std::vector<Index>> nearIslands(const Context& context) {
   const StepStore& step = context.step;
@@ -64,9 +66,11 @@ std::vector<std::vector<Index>> nearIslands(const Context& context) {
   return groups;
 }
 
-// A group goes to sleep as a whole. What touches a kinematic body that moves, or that a user force or a
-// wrench pulls, or that wind blows at, stays awake: what holds it changes. So does what overlaps deeply: it
-// is moved apart without a velocity that tells it.
+}  // namespace
+
+// A group goes to sleep as a whole. What is near a kinematic body that moves, or pulled by a user force or a
+// wrench, or blown at by wind, stays awake: what holds it changes. So does what overlaps deeply: it is moved
+// apart without a velocity that tells it.
 void update(Context& context) {
   SceneStore& scene = context.scene;
   StepStore& step = context.step;
@@ -87,16 +91,18 @@ void update(Context& context) {
       return edge.kind == ConstraintKind::Contact && scene.contacts.active[edge.of].bears();
     });
     bool ready = carried && !blown;
-    for (const Edge& edge : island.edges)
-      for (const Index i : edge.bodies)
-        ready = ready && (i == kNone || scene.bodies.traits[i].moved_by_forces() || !moves(scene, i));
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
-      rested = !parts && isStill(scene, i, step.h()) ? std::min(rested + 1, steps) : 0;
+      const bool rests = !parts && !step.isCrowded(i) && isStill(scene, i, step.h());
+      rested = rests ? std::min(rested + 1, steps) : 0;
       ready = ready && rested >= steps && !pulled[i];
     }
     is_ready[k] = ready;
   }
+  for (const Contact& contact : scene.contacts.active)
+    for (const auto& [i, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
+      if (step.island[i] != kNone && step.island[other] == kNone && moves(scene, other))
+        is_ready[step.island[i]] = 0;
   for (const std::vector<Index>& group : nearIslands(context)) {
     if (group.empty() || !std::all_of(group.begin(), group.end(), [&](Index k) { return is_ready[k]; }))
       continue;

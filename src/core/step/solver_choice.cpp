@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one sweep a
-// sub-step carries an impulse one contact further. So three things are bad for it, whatever its stiffness: a
-// tower of n bodies sags by about n²/2 times the sag of one; a body on one r times lighter sinks in r times
-// as deep; and a slender body on its end has contacts that are hardly independent. A direct solve does not
-// mind any of them.
-//
-// What sinks in also turns. So two more things are bad for the soft step however few the bodies are: thrust
-// between them, as in an arch, which they hold by friction only while they stand as they were put; and weight
-// near the edge of what it stands on. And a light body that a heavy one presses on sinks in until it is
-// squirted out. What lies on a free body by a point or a line, as a log on a box, is in neutral equilibrium: the
-// box sinks in under it and tilts towards it, and it rolls off.
-//
-// A direct solve is cheap where the forces of the last step still hold, and dear where bodies tumble; there
-// the errors of the soft step do not show. So only islands are promoted in which nothing moves faster than
-// what gravity adds in a step or two, as seen from something that carries them, or from their centre of mass: what
-// stands in a train, or on a sled, stands like that on the ground. Promoted are also the few bodies of which one is crushed, or is about to be: a
-// heavy body has struck it.
+// A soft contact sinks in by F/(m w²), with w a fixed fraction of the rate of the sub-steps, and one pass a sub-step carries
+// an impulse one contact further. So the soft step does badly on
+//   towers         a tower of n bodies sags by about n²/2 times the sag of one
+//   mass ratios    a body on one r times lighter sinks in r times as deep
+//   slender bodies on end: their contacts are hardly independent
+//   arches         thrust, which friction holds only while the bodies stand as they were put
+//   weight near an edge, and bodies that lie on a free one by a point or a line: what sinks in also tilts
+//   crushed bodies a light one that a heavy one presses on sinks in until it is squirted out.
+// A direct solve minds none of them. It is cheap where the forces of the last step still hold, and expensive where bodies
+// tumble; there the errors of the soft step do not show. So only islands are promoted that are small and calm: nothing moves
+// faster than what gravity adds in a step or two, as seen from something that carries them, or from their centre of mass. What
+// stands in a train, or on a sled, stands like that on the ground. Crushed bodies are promoted whatever their speed.
 #include "step/solver_choice.h"
 
 #include "step/depenetration.h"
@@ -166,8 +161,7 @@ bool isJolted(const Context& context, const Island& island, double least, double
   });
 }
 
-// Whether the soft step would do badly on an island that a direct solve can afford: by counts of the state
-// before the step alone, so that every machine decides alike. An island that was exact in the last step
+// Whether the soft step would do badly on an island that a direct solve can afford. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
 bool isPromoted(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
@@ -223,7 +217,7 @@ bool isCrushing(const Context& context, const Island& island) {
     return false;
   const Bodies& bodies = context.scene.bodies;
   const double h = context.step.h() / settings.sub_steps;
-  // Or has rebounded in this step: what rattles touches as good as all the time.
+  // Or has given an impulse earlier in this step: what rattles touches as good as all the time.
   const auto touches = [&](const Edge& edge) {
     if (edge.kind != ConstraintKind::Contact) return false;
     const Contact& contact = context.scene.contacts.active[edge.of];

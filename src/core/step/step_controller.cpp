@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/step_controller.h"
 
+#include "base/text.h"
 #include "step/impact_loop.h"
 #include "step/island_step.h"
 #include "step/missed_contacts.h"
@@ -42,13 +43,13 @@ bool wakeAmong(Context& context, const IndexPairs& pairs) {
 constexpr int kMostTimes = 3, kMostTimesExact = 8;
 
 // At the exact settings no overlap is left in silence.
-void reportMissed(Context& context, const IndexPairs& missed) {
+void reportMissed(Context& context, const IndexPairs& missed, int times) {
   const std::vector<std::string>& names = context.scene.bodies.name;
   for (const auto& [i, j] : missed)
     context.step.report.warnings.push_back(
         {"missed_contact", "contacts push body '" + names[i] + "' into or through body '" + names[j] +
-                               "', also when the step is taken " + std::to_string(kMostTimesExact) +
-                               " times. Shorten the step"});
+                               "' in a step that was taken " + count(times, "time", "times") +
+                               ". Shorten the step"});
 }
 
 // Each push may reach one body further. At the fast settings what is left after a few times is left to the next step.
@@ -58,13 +59,14 @@ void advanceUntilNoneIsMissed(Context& context) {
   Restart restart(context);
   for (int times = 1;; ++times) {
     takeImpacts(context);
-    if (wakeAmong(context, context.step.late)) return restart.giveBack(context);
+    sleep::wakeGroups(context, context.step.disturbed);
+    if (!context.step.disturbed.empty()) return restart.giveBack(context);
     advanceToEnd(context);
     const bool last = times == most_times || context.step.solve_budget.isLate();
     IndexPairs missed = last ? IndexPairs() : findMissedContacts(context);
     if (wakeAmong(context, missed)) return restart.giveBack(context);
-    missed.insert(missed.end(), context.step.late.begin(), context.step.late.end());
-    if (last && exact && times == most_times) reportMissed(context, findMissedContacts(context));
+    missed.insert(missed.end(), context.step.overlapping.begin(), context.step.overlapping.end());
+    if (last && exact) reportMissed(context, findMissedContacts(context), times);
     if (last || (missed.empty() && context.step.reached.empty())) return;
     restart.beginAgain(context, missed, times);
   }
@@ -78,7 +80,7 @@ void moveKinematicBodies(Context& context) {
 
 }  // namespace
 
-void run(Context& context) {
+void advanceIslands(Context& context) {
   if (mayMissContacts(context)) {
     advanceUntilNoneIsMissed(context);
   } else {
@@ -88,7 +90,7 @@ void run(Context& context) {
   if (!context.step.woken.empty()) return;  // the step begins again, with more bodies awake
   moveKinematicBodies(context);
   reportIslands(context);
-  context.step.met.clear();
+  context.step.impacted.clear();
 }
 
 }  // namespace rbs::step_controller

@@ -9,6 +9,6 @@ namespace rbs::step_controller {
 /// Advances every island to the end of the step. At each impact the two islands that it concerns are advanced
 /// to its time, the impact is resolved, the islands are merged if the bodies stay together, and go on over
 /// the rest of the step.
-void run(Context& context);
+void advanceIslands(Context& context);
 
 }  // namespace rbs::step_controller

@@ -306,14 +306,14 @@ void World::Impl::advance(double to) {
   // Where none may meet no stage looks for pairs, and those found before would go on pushing. Sleepers keep theirs.
   if (!scene.effects[Effect::Collision] && analysis.asleep == 0) scene.contacts = {};
   assert(invariants::hold(invariants::broken(scene)));
-  const std::int64_t work = step.solve_budget.work;
+  const std::int64_t work = step.solve_budget.left;
   double seconds = 0.0;
   std::uint32_t repeated = 0;
   do {
     sleep::wake(scene, step.woken);
     if (!step.woken.empty()) recount();
     step.begin(scene, scene.time, to);
-    step.solve_budget.work = work;
+    step.solve_budget.left = work;
     pipeline.run(context);
     seconds += step.report.seconds, repeated += step.report.repeated;
   } while (!step.woken.empty());
@@ -366,7 +366,7 @@ const StepReport& World::step() {
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {
     const StepReport before = w.step.report;
-    w.step.solve_budget.work = kCommonWork;
+    w.step.solve_budget.left = kCommonWork;
     for (Contact& contact : w.scene.contacts.active)
       if (!w.scene.isAsleep(contact)) contact.addEarlier();
     w.advance(part == parts ? start + h : start + h * part / parts);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "step/touching_contacts.h"
+#include "step/contact_states.h"
 
 #include "base/tolerances.h"
 #include "narrowphase/collide.h"
@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace rbs::touching_contacts {
+namespace rbs::contact_states {
 
 namespace {
 
@@ -54,7 +54,7 @@ bool stayApart(const Context& context, const Contact& contact) {
 
 }  // namespace
 
-void find(Context& context) {
+void classify(Context& context) {
   std::vector<Contact>& contacts = context.scene.contacts.active;
   for (Contact& contact : contacts) {
     if (contact.state.isDepenetrating() || !contact.bears()) continue;
@@ -72,4 +72,4 @@ void find(Context& context) {
   });
 }
 
-}  // namespace rbs::touching_contacts
+}  // namespace rbs::contact_states

@@ -5,13 +5,13 @@
 
 #include "state/context.h"
 
-namespace rbs::touching_contacts {
+namespace rbs::contact_states {
 
 /// Makes the pairs that touch `Touching`, and the bodies that forces move in them supported (StepStore::supported). Then, at
 /// the fast settings, makes pairs `Separated` that are not to touch in this step, so that towers beside each other are islands
 /// of their own, and a body in a pile is no neighbour of those behind the next one. The exact settings solve groups of any
 /// size, and a pair that is missed costs them more than many that do not touch. Costs all active contacts, and a query of
 /// the narrow phase for each that rests and does not touch.
-void find(Context& context);
+void classify(Context& context);
 
-}  // namespace rbs::touching_contacts
+}  // namespace rbs::contact_states

@@ -32,7 +32,7 @@ struct TouchingTorque {
 /// A point with its normal and its impulse, and without its force.
 SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W);
 
-struct Touching {
+struct TouchingPoints {
   std::vector<TouchingPoint> points;  ///< by contact
   std::vector<CoulombPoint>
       law;  ///< of the same points, without impulse, and driven by kinematic sides alone
@@ -48,13 +48,13 @@ struct Touching {
   void add(const TouchingPoint& point, const CoulombPoint& its_law);
   /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
   /// opened ones.
-  void inherit(const Touching& other, PointsOfContacts& opened);
+  void inherit(const TouchingPoints& other, PointsOfContacts& opened);
 };
 
 /// The normals along which contacts have just borne a force: those of points and the impulses that a kick
 /// found for them.
 struct LastNormals {
-  const Touching* touching = nullptr;              ///< null: nothing has been solved yet in this step
+  const TouchingPoints* touching = nullptr;        ///< null: nothing has been solved yet in this step
   const std::vector<CoulombPoint>* law = nullptr;  ///< of these points, with impulses
   double seconds = 0.0;                            ///< in which the impulses were given
 
@@ -65,14 +65,14 @@ struct LastNormals {
 /// Finds the points of an island's contacts at a time to which its bodies have been advanced. Points are kept
 /// when they can close within a span, s, at `reach` times the speeds that they have now. `slots` are
 /// the places of bodies in the Coulomb problem; those that forces do not move have none.
-Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach, const LastNormals& last);
+TouchingPoints findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
+                            double time, double span, double reach, const LastNormals& last);
 
 /// Takes the forces of the last step for what is expected.
-void expectLastForces(const Contacts& contacts, Touching& touching);
+void expectLastForces(const Contacts& contacts, TouchingPoints& touching);
 
 /// Leaves the points and their forces in these contacts, and the impulses of points that have opened.
-void storeTouching(const Touching& touching, const PointsOfContacts& opened, const std::vector<Index>& active,
-                   Contacts& contacts);
+void storeTouching(const TouchingPoints& touching, const PointsOfContacts& opened,
+                   const std::vector<Index>& active, Contacts& contacts);
 
 }  // namespace rbs

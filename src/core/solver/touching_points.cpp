@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "solver/touching.h"
+#include "solver/touching_points.h"
 
 #include "base/algebra.h"
 #include "base/tolerances.h"
@@ -15,7 +15,7 @@ namespace {
 
 // The torque constraint of a contact whose points have just been found, from the `first` on; none where it resists
 // nothing.
-void addTorque(const Context& context, Index contact, std::size_t first, Touching& out) {
+void addTorque(const Context& context, Index contact, std::size_t first, TouchingPoints& out) {
   const SceneStore& scene = context.scene;
   const Index i = scene.contacts.active[contact].i, j = scene.contacts.active[contact].j;
   if (first == out.law.size() || !rolling::resists(scene, i, j)) return;
@@ -41,11 +41,11 @@ void addTorque(const Context& context, Index contact, std::size_t first, Touchin
 
 }  // namespace
 
-Touching findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
-                      double time, double span, double reach, const LastNormals& last) {
+TouchingPoints findTouching(const Context& context, const std::vector<Index>& active, const Slots& slots,
+                            double time, double span, double reach, const LastNormals& last) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
-  Touching out;
+  TouchingPoints out;
   out.points.reserve(4 * active.size());
   out.law.reserve(4 * active.size());
   for (const Index k : active) {
@@ -88,20 +88,20 @@ Touching findTouching(const Context& context, const std::vector<Index>& active, 
   return out;
 }
 
-Index Touching::matching(const TouchingPoint& other) const {
+Index TouchingPoints::matching(const TouchingPoint& other) const {
   for (std::size_t p = firstOf(other.contact); p < points.size() && points[p].contact == other.contact; ++p)
     if (points[p].feature == other.feature) return static_cast<Index>(p);
   return kNone;
 }
 
-std::size_t Touching::firstOf(Index contact) const {
+std::size_t TouchingPoints::firstOf(Index contact) const {
   const auto p = std::lower_bound(points.begin(), points.end(), contact,
                                   [](const TouchingPoint& point, Index k) { return point.contact < k; });
   return p != points.end() && p->contact == contact ? static_cast<std::size_t>(p - points.begin())
                                                     : points.size();
 }
 
-void Touching::add(const TouchingPoint& point, const CoulombPoint& its_law) {
+void TouchingPoints::add(const TouchingPoint& point, const CoulombPoint& its_law) {
   auto place = static_cast<std::ptrdiff_t>(firstOf(point.contact));
   while (place < static_cast<std::ptrdiff_t>(points.size()) && points[place].contact == point.contact)
     ++place;
@@ -125,7 +125,7 @@ LastNormal LastNormals::of(Index k, const Contact& contact, double least) const 
   return last;
 }
 
-Index Touching::matching(const TouchingTorque& other) const {
+Index TouchingPoints::matching(const TouchingTorque& other) const {
   const auto c = std::lower_bound(torques.begin(), torques.end(), other.contact,
                                   [](const TouchingTorque& torque, Index k) { return torque.contact < k; });
   return c != torques.end() && c->contact == other.contact ? static_cast<Index>(c - torques.begin()) : kNone;
@@ -141,7 +141,7 @@ SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W) {
   return solved;
 }
 
-void Touching::inherit(const Touching& other, PointsOfContacts& opened) {
+void TouchingPoints::inherit(const TouchingPoints& other, PointsOfContacts& opened) {
   for (TouchingPoint& point : points) {
     const Index m = other.matching(point);
     if (m == kNone) continue;
@@ -157,7 +157,7 @@ void Touching::inherit(const Touching& other, PointsOfContacts& opened) {
       opened.emplace_back(other.points[k].contact, solvedPoint(other.points[k], other.law[k].frame.col(2)));
 }
 
-void expectLastForces(const Contacts& contacts, Touching& touching) {
+void expectLastForces(const Contacts& contacts, TouchingPoints& touching) {
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
     TouchingPoint& point = touching.points[k];
     const Vec3 n_W = touching.law[k].frame.col(2);
@@ -166,8 +166,8 @@ void expectLastForces(const Contacts& contacts, Touching& touching) {
   }
 }
 
-void storeTouching(const Touching& touching, const PointsOfContacts& opened, const std::vector<Index>& active,
-                   Contacts& contacts) {
+void storeTouching(const TouchingPoints& touching, const PointsOfContacts& opened,
+                   const std::vector<Index>& active, Contacts& contacts) {
   for (const Index k : active) contacts.active[k].beginSolve(), contacts.active[k].exact = true;
   for (const auto& [k, point] : opened) contacts.active[k].addEarlier(point);
   for (std::size_t k = 0; k < touching.points.size(); ++k) {
