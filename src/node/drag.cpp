@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drag.h"
 
+#include "rigid_body_sim/queries.h"
+
 #include <algorithm>
 
 namespace rbs {
@@ -35,6 +37,29 @@ BodyEdit resizeBy(const Resize& grip, const Vec3& handle_W, const Shape& shape, 
   const double growth = reach(*edit.shape, -grip.n_B) - reach(shape, -grip.n_B);
   edit.pose = Pose{pose.p_WB + pose.q_WB * (growth * grip.n_B), pose.q_WB};
   return edit;
+}
+
+// The pose next to this one at which a body overlaps none that forces do not move: what is pulled into the floor or a wall stays
+// on it. It leaves the deepest of them first. In a corner too narrow for it, it stays where the last push has put it.
+Pose outsideOfFixed(const Snapshot& now, int which, Pose pose) {
+  constexpr int kMostPushes = 16;
+  const BodyDescription& body = (*now.bodies)[which];
+  std::optional<Snapshot> moved;  // made only where there is something to leave
+  for (int k = 0; k < kMostPushes; ++k) {
+    std::optional<Neighbour> deepest;
+    for (const Neighbour& near : overlaps(now, body.shape, pose)) {
+      const BodyDescription& other = (*now.bodies)[now.find(near.body)];
+      const bool is_met = (body.group & other.mask) != 0 && (other.group & body.mask) != 0;
+      if (near.body == now.states[which].id || other.kind == BodyKind::Dynamic || !is_met) continue;
+      if (near.distance < 0.0 && (!deepest || near.distance < deepest->distance)) deepest = near;
+    }
+    if (!deepest) return pose;
+    if (!moved) moved = now;
+    moved->states[which].pose = pose;
+    const ClosestPoints between = closestPoints(*moved, deepest->body, now.states[which].id);
+    pose.p_WB -= between.distance * between.n_W;
+  }
+  return pose;
 }
 
 }  // namespace
@@ -86,7 +111,7 @@ void Drag::apply(World& world, const Snapshot& now) {
   } else if (by_force) {
     applyUserForce(world);
   } else {
-    setPose(world, world.pose(body_));
+    setPose(world, now, i);
   }
 }
 
@@ -111,11 +136,13 @@ std::optional<std::pair<Vec3, Vec3>> Drag::spring(const Snapshot& now) const {
 }
 
 // A pulled body keeps its orientation R_WB, so its gripped point is at p_W when p_WB = p_W - R_WB p_B.
-void Drag::setPose(World& world, const Pose& pose) const {
+void Drag::setPose(World& world, const Snapshot& now, int which) const {
   BodyEdit edit;
   if (const Pull* grip = std::get_if<Pull>(&grip_)) {
     const Vec3 p_W = pointAt(handle_, grip->p_B);
-    edit.pose = Pose{p_W - pose.q_WB * grip->p_B, pose.q_WB};
+    const Quat q_WB = world.pose(body_).q_WB;
+    edit.pose = Pose{p_W - q_WB * grip->p_B, q_WB};
+    if ((*now.bodies)[which].kind == BodyKind::Dynamic) edit.pose = outsideOfFixed(now, which, *edit.pose);
   } else {
     edit.pose = handle_;
   }

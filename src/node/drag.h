@@ -55,7 +55,8 @@ class Drag {
   /// Whether apply() has something to do.
   bool due(const Snapshot& now) const;
   /// Moves the body to where the mouse is. A dynamic body of a running world is moved by a spring (Pull) or a
-  /// kinematic target (Carry). Any other body gets the new pose at once. Throws InvalidInput.
+  /// kinematic target (Carry). Any other body gets the new pose at once; a dynamic one that is pulled stays outside of
+  /// bodies that forces do not move. Throws InvalidInput.
   void apply(World& world, const Snapshot& now);
   /// The spring that pulls the body: its point on the body and its point at the mouse, in W, m. Empty: none does.
   std::optional<std::pair<Vec3, Vec3>> spring(const Snapshot& now) const;
@@ -67,7 +68,7 @@ class Drag {
 
   bool isBeyondClick() const;
   void applyUserForce(World& world);
-  void setPose(World& world, const Pose& pose) const;
+  void setPose(World& world, const Snapshot& now, int which) const;
 
   BodyId body_;
   std::string marker_;

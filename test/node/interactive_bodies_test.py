@@ -528,6 +528,21 @@ class InteractiveBodiesTest(unittest.TestCase):
         wait(lambda: distance(position("crate"), [0, 3, 7]) < 1e-9, "the last motion counts")
         wait(lambda: abs(self.client.markers["crate"].pose.position.y - 3) < 1e-6, "the target is there too")
 
+    def test_paused_drag_stays_outside_of_the_floor_and_of_walls(self):
+        call("spawn_bodies", SpawnBodies, bodies=[
+            BodySpec(name="floor", shape="plane"),
+            BodySpec(name="wall", shape="box", kind="static", size=Vector3(1, 20, 10), pose=pose_at(-5, 0, 5))])
+        self.client.wait_for("wall")
+        self.client.press("crate", hit=[0.5, 0.2, 5.1])
+        self.client.move("crate", pose_at(0, 2, -3))
+        wait(lambda: distance(position("crate"), [0, 2, 0.5]) < 1e-6, "the crate lies on the floor")
+        self.client.move("crate", pose_at(-4.2, 2, -3))
+        wait(lambda: distance(position("crate"), [-4, 2, 0.5]) < 1e-6, "it stands in the corner")
+        self.client.move("crate", pose_at(4.2, 0, 5))
+        wait(lambda: distance(position("crate"), [4.2, 0, 5]) < 1e-6, "what can be pushed is no obstacle")
+        self.client.release("crate", pose_at(0, 3, 7))
+        wait(lambda: distance(position("crate"), [0, 3, 7]) < 1e-9, "the last motion counts")
+
     def test_running_drag_pulls_and_lets_go_with_its_velocity(self):
         call("resume", Trigger)
         self.client.press("crate", hit=[0, 0, 5])

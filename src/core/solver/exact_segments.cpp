@@ -92,7 +92,7 @@ void Stepper::findSegment() {
       stops_.push_back(segment_.slip_left.of);
       cutAtStop(tau_, segment_);
     }
-    if (cuts_ >= kLossWork * points && !budget_.isSpent())
+    if (island_.indices().size() == 1 && cuts_ >= kLossWork * points && !budget_.isSpent())
       if (const std::optional<Loss> loss = lossIn(segment_, tau_)) {
         cuts_ -= points;
         losses_.push_back(loss->contact);

@@ -234,11 +234,24 @@ std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
 Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
   const std::vector<BodyMotion> start = island_.save();
+  const CoulombBodies at_start = island_.bodies();
   const Slip slip = slipNow();
+  CoulombProblem kick = firstKick(slip, tau, friction);
+  Segment segment;
+  solveAndDrift(kick, at_start, tau, segment);
+  const double lasting =
+      lastingShare(segment.first, touching_, kick.points, 0.5 * tau, at_start, kick.bodies);
+  expectSecondKick(kick, lasting, tau, friction, segment);
+  solveSecondKick(slip, tau, friction, segment);
+  segment.end = island_.save();
+  island_.restore(start);
+  return segment;
+}
+
+// With the impulses that the forces of now would give, and half of the load.
+CoulombProblem Stepper::firstKick(const Slip& slip, double tau, Friction friction) const {
   CoulombProblem kick{island_.bodies(), touching_.law, 0.0};
-  CoulombBodies bodies_at_start = kick.bodies;
   island_.addLoad(kick.bodies, 0.5 * tau);
-  const CoulombBodies loaded = kick.bodies;
   const bool keeps = friction == Friction::KeepsDirection;
   for (std::size_t k = 0; k < slip.points.size(); ++k) {
     CoulombPoint& law = kick.points[k];
@@ -252,25 +265,30 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
     if (keeps && !u.head<2>().isZero(0.0)) law.rolls = u.head<2>().normalized();
     if (keeps && u[2] != 0.0) law.spins = std::copysign(1.0, u[2]);
   }
+  return kick;
+}
 
-  std::vector<char> held = heldPoints(bodies_at_start);
-  std::vector<Vec3> curvature(slip.points.size(), Vec3::Zero());
+// The first kick and the drift, again while the curvature that the drift shows asks for another kick.
+void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau,
+                            Segment& segment) {
+  const std::vector<BodyMotion> start = island_.save();
+  const CoulombBodies loaded = kick.bodies;
+  std::vector<char> held = heldPoints(at_start);
+  std::vector<Vec3> curvature(kick.points.size(), Vec3::Zero());
   if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.
-    island_.drift(bodies_at_start, tau);
+    island_.drift(at_start, tau);
     const TouchingPoints ahead = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
-    updateCurvature(bodies_at_start, kick.points, held, start, ahead, tau, curvature);
+    updateCurvature(at_start, kick.points, held, start, ahead, tau, curvature);
     island_.restore(start);
   }
-
-  Segment segment;
   double deepest = std::numeric_limits<double>::infinity();
   for (int corrections = 0;; ++corrections) {
-    for (std::size_t k = 0; k < slip.points.size(); ++k)
+    for (std::size_t k = 0; k < kick.points.size(); ++k) {
       kick.points[k].bias = touching_.law[k].bias + curvature[k] / tau +
                             Vec3(0.0, 0.0, std::max(touching_.points[k].gap, 0.0) / tau);
-    for (std::size_t k = 0; k < slip.points.size(); ++k)
       giveWay(touching_.points[k], tau, false, kick.points[k]);
+    }
     kick.bodies = loaded;
     segment.first = solveKick(kick, tau);
     for (std::size_t k = 0; k < held.size() && touching_.torques.empty(); ++k)
@@ -285,19 +303,19 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);
   }
+}
 
+// The other half of the load, and impulses at the points that touch after the drift.
+void Stepper::solveSecondKick(const Slip& slip, double tau, Friction friction, Segment& segment) {
   TouchingPoints& later = segment.touching;
-  expectSecondKick(
-      kick, lastingShare(segment.first, touching_, kick.points, 0.5 * tau, bodies_at_start, kick.bodies), tau,
-      friction, segment);
-  bodies_at_start = island_.bodies();
-  CoulombBodies after = bodies_at_start;
+  const CoulombBodies drifted = island_.bodies();
+  CoulombBodies after = drifted;
   island_.addLoad(after, 0.5 * tau);
   TouchingPoints aimed = later;
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
   segment.squeezing = squeezingOf(later, after);
-  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, bodies_at_start, after);
+  const double lasting = lastingShare(segment.second, later, aimed.law, 0.5 * tau, drifted, after);
   for (std::size_t k = 0; k < later.points.size(); ++k) {
     TouchingPoint& point = later.points[k];
     const Vec3 impulse_W = aimed.law[k].frame * aimed.law[k].impulse;
@@ -313,9 +331,6 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
   }
   if (friction == Friction::Free || (segment.first.converged && segment.second.converged))
     segment.slip_left = slipLeft(slip, later, after, friction);
-  segment.end = island_.save();
-  island_.restore(start);
-  return segment;
 }
 
 void Stepper::collide() {

@@ -35,6 +35,8 @@ inline bool isWithinCone(const Vec3& force, double mu) {
 /// Share of the smaller length of a pair up to which a pushed point is taken for closed: more than the
 /// curvature of a drift leaves.
 inline constexpr double kPushedGap = 1e-3;
+/// The least that is asked of a solve, however short the drift or small the overlap that it is about.
+inline constexpr double kCoarsest = 1e-6;
 
 class Stepper : public InnerRows {
  public:
@@ -94,6 +96,9 @@ class Stepper : public InnerRows {
   double deepestShare(const TouchingPoints& touching) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
   Segment trySegment(double tau, Friction friction);
+  CoulombProblem firstKick(const Slip& slip, double tau, Friction friction) const;
+  void solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau, Segment& segment);
+  void solveSecondKick(const Slip& slip, double tau, Friction friction, Segment& segment);
   // Points that a segment met and that were not known when it began.
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
@@ -129,9 +134,11 @@ class Stepper : public InnerRows {
   void expectTorques(const CoulombProblem& kick, const CoulombBodies& drifted, double tau, Friction friction,
                      TouchingPoints& later) const;
   void addResiduals(const CoulombResult& result);
-  // Overlaps, taken away by a displacement.
+
+  // Overlaps, taken away by a displacement (exact_overlaps.cpp).
   bool correctOverlaps();
   bool isWayOut(const CoulombProblem& problem) const;
+  void giveAngularMomentumBack(const CoulombProblem& displaced);
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
   Slip slipNow() const;

@@ -4,107 +4,42 @@
 
 #include "rigid_body_sim/scene.h"
 
+#include <array>
+#include <cstddef>
+
 namespace rbs {
 
 struct SolverSettings {
-  bool exact = false;             ///< contacts by the exact step, else by the soft step
-  bool promotes = false;          ///< hands small islands that the soft step does badly to the exact step
-  std::uint32_t sub_steps = 1;    ///< of the soft step
-  bool all_points = true;         ///< solves every point of a manifold, else the four that span most of it
-  double tolerance = 0.0;         ///< of the exact step: residuals in impulse and velocity, as Setting says
-  double wanted_tolerance = 0.0;  ///< what a few iterations more may reach, at most `tolerance`
-  int corrections = 0;  ///< of the exact step: solves that the curvature of a drift may ask for anew
-  /// Of the exact step: contact points, summed over the times that stops of sliding may cut a step.
-  int cuts = 0;
-  /// Closing speed below which an impact is left to the contact solver, as a fraction of what gravity adds in
-  /// a step.
-  double slowest_impact = 0.0;
-  double smallest_gap = 0.0;  ///< gap too small to matter, as a fraction of the smaller length
-  double collapse_interval =
-      0.0;  ///< share of the step in which further impacts of a pair count as inelastic collapse
+  bool exact;               ///< contacts by the exact step, else by the soft step
+  bool promotes;            ///< hands small islands that the soft step does badly to the exact step
+  std::uint32_t sub_steps;  ///< of the soft step
+  bool all_points;          ///< solves every point of a manifold, else the four that span most of it
+  double tolerance;         ///< of the exact step: residuals in impulse and velocity, as Setting says
+  double wanted_tolerance;  ///< what a few iterations more may reach, at most `tolerance`
+  int corrections;          ///< of the exact step: solves that the curvature of a drift may ask for anew
+  int cuts;  ///< of the exact step: contact points, summed over the times that jumps of a force may cut a step
+  /// Closing speed below which an impact is left to the contact solver, as a share of what gravity adds in a step.
+  double slowest_impact;
+  double smallest_gap;  ///< gap too small to matter, as a share of the smaller length
+  double
+      collapse_interval;  ///< share of the step in which further impacts of a pair count as inelastic collapse
 };
 
-/// Four sub-steps, and four points of a manifold. With fewer, a wall of 60 rows comes down and takes longer, since
-/// its bodies then drift so far in a step that their points are found anew (docs/performance.md).
-constexpr SolverSettings previewSettings() {
-  SolverSettings s;
-  s.exact = false;
-  s.promotes = false;
-  s.sub_steps = 4;
-  s.all_points = false;
-  s.tolerance = 1e-6;
-  s.wanted_tolerance = 1e-6;
-  s.corrections = 0;
-  s.cuts = 0;
-  s.slowest_impact = 0.5;
-  s.smallest_gap = 1e-6;
-  s.collapse_interval = 1e-3;
-  return s;
-}
+/// By Fidelity: fast; fast, with the exact step for small islands that need it; exact to a millionth, and further where that
+/// is quick; exact to what doubles can tell. With fewer than four sub-steps a wall of 60 rows comes down and takes longer,
+/// since its bodies then drift so far in a step that their points are found anew (docs/performance.md).
+// clang-format off
+inline constexpr std::array<SolverSettings, 4> kSettings{{
+    // exact promotes sub_steps all_points tolerance wanted corrections  cuts slowest_impact smallest_gap collapse_interval
+    {  false,   false,        4,     false,     1e-6,  1e-6,          0,    0,           0.5,        1e-6,             1e-3},  // Preview
+    {  false,    true,        8,      true,     1e-9,  1e-9,          0,    0,           0.5,        1e-6,             1e-3},  // Interactive
+    {   true,   false,        8,      true,     1e-6,  1e-9,          1,  400,          1e-5,       1e-12,             1e-6},  // Accurate
+    {   true,   false,        8,      true,    1e-12, 1e-12,          4, 10000,         1e-7,       1e-12,             1e-6},  // Reference
+}};
+// clang-format on
 
-/// Eight sub-steps, and the exact step for small islands that need it.
-constexpr SolverSettings interactiveSettings() {
-  SolverSettings s;
-  s.exact = false;
-  s.promotes = true;
-  s.sub_steps = 8;
-  s.all_points = true;
-  s.tolerance = 1e-9;
-  s.wanted_tolerance = 1e-9;
-  s.corrections = 0;
-  s.cuts = 0;
-  s.slowest_impact = 0.5;
-  s.smallest_gap = 1e-6;
-  s.collapse_interval = 1e-3;
-  return s;
-}
-
-/// The exact step to a millionth, and further where that is quick.
-constexpr SolverSettings accurateSettings() {
-  SolverSettings s;
-  s.exact = true;
-  s.promotes = false;
-  s.sub_steps = 8;
-  s.all_points = true;
-  s.tolerance = 1e-6;
-  s.wanted_tolerance = 1e-9;
-  s.corrections = 1;
-  s.cuts = 400;
-  s.slowest_impact = 1e-5;
-  s.smallest_gap = 1e-12;
-  s.collapse_interval = 1e-6;
-  return s;
-}
-
-/// The exact step to what doubles can tell.
-constexpr SolverSettings referenceSettings() {
-  SolverSettings s;
-  s.exact = true;
-  s.promotes = false;
-  s.sub_steps = 8;
-  s.all_points = true;
-  s.tolerance = 1e-12;
-  s.wanted_tolerance = 1e-12;
-  s.corrections = 4;
-  s.cuts = 10000;
-  s.slowest_impact = 1e-7;
-  s.smallest_gap = 1e-12;
-  s.collapse_interval = 1e-6;
-  return s;
-}
-
-constexpr SolverSettings settingsNamed(Fidelity fidelity) {
-  switch (fidelity) {
-    case Fidelity::Preview:
-      return previewSettings();
-    case Fidelity::Interactive:
-      return interactiveSettings();
-    case Fidelity::Accurate:
-      return accurateSettings();
-    case Fidelity::Reference:
-      break;
-  }
-  return referenceSettings();
+constexpr const SolverSettings& settingsNamed(Fidelity fidelity) {
+  return kSettings[static_cast<std::size_t>(fidelity)];
 }
 
 /// The numbers of its quality level, but for those that the setting gives itself.

@@ -3,13 +3,12 @@
 
 #include "base/algebra.h"
 #include "base/text.h"
-#include "base/tolerances.h"
-#include "solver/contact_preparation.h"
 #include "solver/inner_step.h"
 #include "solver/methods.h"
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -19,20 +18,26 @@ namespace rbs {
 namespace {
 
 // Contact forces that an exact setting does not find do not exist, as where moving bodies leave another one
-// no room; or they are out of reach of its solvers. A kinematic body that overlaps another one tells the first. Said once a
+// no room; or they are out of reach of its solvers. A kinematic body that closes on another one tells the first. Said once a
 // step.
 void reportUnsolved(const Context& context, const IslandBatch& batch, Island& island) {
   const auto isSaid = [](const Warning& warning) { return warning.kind == "unsolved"; };
   if (std::any_of(island.warnings.begin(), island.warnings.end(), isSaid)) return;
   const Bodies& bodies = context.scene.bodies;
   const Contact* squeezes = nullptr;
-  double deepest = 0.0;  // share of the smaller length of a pair
+  double nearest = std::numeric_limits<double>::infinity();
   for (const Edge& edge : batch.edges) {
     if (edge.kind != ConstraintKind::Contact) continue;
     const Contact& contact = context.scene.contacts.active[edge.of];
     if (!bodies.traits[contact.i].is_kinematic() && !bodies.traits[contact.j].is_kinematic()) continue;
-    const double share = contact.depth() / smallerLength(bodies, contact.i, contact.j);
-    if (share > std::max(deepest, kTouch)) deepest = share, squeezes = &contact;
+    for (const SolvedPoint& point : contact.points) {
+      const auto speedOf = [&](Index i) {
+        if (!bodies.traits[i].is_kinematic()) return 0.0;
+        return point.n_W.dot(velocityAt(bodies.twist[i], point.p_W - bodies.pose[i].p_WB));
+      };
+      const bool closes = speedOf(contact.i) > speedOf(contact.j);
+      if (closes && point.separation < nearest) nearest = point.separation, squeezes = &contact;
+    }
   }
   if (squeezes == nullptr) {
     island.warnings.push_back(

@@ -55,7 +55,6 @@ namespace {
 // Islands that are near each other go to sleep together: a body that is awake wakes what sleeps near it.
 std::vector<std::vector<Index>> nearIslands(const Context& context) {
   const StepStore& step = context.step;
-  if (step.islands.empty()) return {};  // nor has `island` any
   DisjointSets sets(static_cast<Index>(step.islands.size()));
   for (const Contact& contact : context.scene.contacts.active) {
     const Index a = step.island[contact.i], b = step.island[contact.j];
@@ -80,6 +79,7 @@ void update(Context& context) {
   for (const BodyGrab& grab : scene.grabs) pulled[scene.bodies.indexOf(grab.body)] = 1;
   for (const TimedWrench& wrench : scene.wrenches) pulled[scene.bodies.indexOf(wrench.body)] = 1;
   const bool blown = scene.effects[Effect::Drag] && scene.settings.wind;
+  if (step.islands.empty()) return;  // nor has `island` any
   std::vector<char> is_ready(step.islands.size(), 0);
   for (Index k = 0; k < step.islands.size(); ++k) {
     const Island& island = step.islands[k];
