@@ -35,8 +35,10 @@ void NodeBox::setNode(const QString& node) {
 }
 
 void NodeBox::choose() {
-  setNode(currentText().trimmed());
-  Q_EMIT chosen(node_);
+  const QString node = currentText().trimmed();
+  if (node == node_) return;
+  setNode(node);
+  Q_EMIT chosen(node);
 }
 
 // Who publishes a status of this type is a simulator. Without a master getTopics() would wait for one.

@@ -6,6 +6,19 @@
 #include <QLocale>
 
 namespace rbs {
+namespace {
+
+// Whether it is a key that is no part of a number, which a widget could keep from the shortcuts.
+bool leaveToShortcuts(QEvent* event) {
+  if (event->type() != QEvent::ShortcutOverride) return false;
+  const QString text = static_cast<QKeyEvent*>(event)->text();
+  const bool is_other =
+      !text.isEmpty() && text[0].isPrint() && !text[0].isDigit() && !QString("+-.,eE").contains(text[0]);
+  if (is_other) event->ignore();
+  return is_other;
+}
+
+}  // namespace
 
 NumberBox::NumberBox() {
   QLocale locale = QLocale::c();
@@ -14,17 +27,13 @@ NumberBox::NumberBox() {
   lineEdit()->installEventFilter(this);
 }
 
+// Both the line and the box take keys for themselves before they are shortcuts.
 bool NumberBox::eventFilter(QObject* object, QEvent* event) {
-  if (event->type() == QEvent::ShortcutOverride) {
-    const QString text = static_cast<QKeyEvent*>(event)->text();
-    const bool is_other =
-        !text.isEmpty() && text[0].isPrint() && !text[0].isDigit() && !QString("+-.,eE").contains(text[0]);
-    if (is_other) {
-      event->ignore();
-      return true;
-    }
-  }
-  return QDoubleSpinBox::eventFilter(object, event);
+  return leaveToShortcuts(event) || QDoubleSpinBox::eventFilter(object, event);
+}
+
+bool NumberBox::event(QEvent* event) {
+  return leaveToShortcuts(event) || QDoubleSpinBox::event(event);
 }
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {

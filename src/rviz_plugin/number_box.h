@@ -15,6 +15,7 @@ class NumberBox : public QDoubleSpinBox {
   bool eventFilter(QObject* object, QEvent* event) override;
 
  protected:
+  bool event(QEvent* event) override;
   QValidator::State validate(QString& text, int& position) const override;
   /// Without zeros at the end.
   QString textFromValue(double value) const override;

@@ -209,7 +209,7 @@ class InteractiveBodiesTest(unittest.TestCase):
             BodySpec(name="other", shape="box", size=Vector3(1, 1, 1), pose=pose_at(8, 0, 5))])
         call("undo", Trigger)
         self.client.wait_for(GIZMO)
-        rospy.sleep(0.5)
+        time.sleep(0.5)
         selected.wait_for("crate")
 
     def test_every_body_is_a_light_target_of_its_size(self):
@@ -530,7 +530,7 @@ class InteractiveBodiesTest(unittest.TestCase):
 
     def test_paused_drag_stays_outside_of_the_floor_and_of_walls(self):
         call("spawn_bodies", SpawnBodies, bodies=[
-            BodySpec(name="floor", shape="plane"),
+            BodySpec(name="floor", shape="plane", kind="static"),
             BodySpec(name="wall", shape="box", kind="static", size=Vector3(1, 20, 10), pose=pose_at(-5, 0, 5))])
         self.client.wait_for("wall")
         self.client.press("crate", hit=[0.5, 0.2, 5.1])

@@ -220,9 +220,8 @@ TEST_P(ExactRolling, AHeapOfMarblesComesToRest) {
   for (const BodyState& state : world.snapshot().states) EXPECT_LE(state.twist.v_WB.norm(), 1e-6);
 }
 
-// Fourteen marbles fall into a narrow box. Newton's method alone took up to 40,000 iterations a step and left
-// one island in sixteen unsolved.
-TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
+// Fourteen marbles over a narrow box, each start a little different.
+SceneDef marblesOverABox(int start) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.5);
   scene.fidelity = Fidelity::Accurate;
   const auto wall = [&](const std::string& name, const Vec3& size, const Vec3& p_W) {
@@ -237,7 +236,7 @@ TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
   }
   for (int k = 0; k < 14; ++k) {
     const double x = k & 1 ? 0.1025 : -0.1025, y = k & 2 ? 0.1025 : -0.1025;
-    const double jitter = 1e-3 * ((7 * k) % 5 - 2);
+    const double jitter = 1e-3 * (((7 + start) * k) % 5 - 2);
     scene.bodies.push_back(
         ball("marble_" + std::to_string(k), kRadius, {x + jitter, y - 0.5 * jitter, 0.105 + 0.21 * (k / 4)}));
     scene.bodies.back().material.friction = 0.5;
@@ -245,20 +244,27 @@ TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
     scene.bodies.back().material.torsional_resistance = 0.01;
     scene.bodies.back().twist = {{0.2 * (k % 3 - 1), 0.1 * (k % 5 - 2), 0.0}, {0.5 * (k % 4), 1.0, 0.3 * k}};
   }
-  World world(ordered(scene));
+  return scene;
+}
+
+// Newton's method alone took up to 40,000 iterations a step and left one island in sixteen unsolved.
+TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
   int solved = 0, failed = 0;
-  std::uint32_t most = 0;
-  double worst = 0.0;
-  for (int k = 0; k < 60 * 3; ++k)
-    for (const IslandResiduals& island : world.step().residuals) {
-      ++(island.converged ? solved : failed);
-      most = std::max(most, island.iterations);
-      worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
-    }
-  EXPECT_LE(failed, 0.01 * solved);
-  EXPECT_LT(worst, 1e-4);
-  EXPECT_LT(most, 4000u);
-  for (const BodyState& state : world.snapshot().states) EXPECT_LT(state.twist.v_WB.norm(), 1e-3);
+  for (int start = 0; start < 5; ++start) {
+    World world(ordered(marblesOverABox(start)));
+    std::uint32_t most = 0;
+    double worst = 0.0;
+    for (int k = 0; k < 60 * 3; ++k)
+      for (const IslandResiduals& island : world.step().residuals) {
+        ++(island.converged ? solved : failed);
+        most = std::max(most, island.iterations);
+        worst = std::max({worst, island.signorini, island.coulomb, island.dissipation});
+      }
+    EXPECT_LT(worst, 1e-4) << start;
+    EXPECT_LT(most, 4000u) << start;
+    for (const BodyState& state : world.snapshot().states) EXPECT_LT(state.twist.v_WB.norm(), 1e-3) << start;
+  }
+  EXPECT_LE(failed, 0.015 * solved) << "of " << solved;  // 1.0 % in 40 starts
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, ExactRolling, ::testing::Values(Fidelity::Accurate, Fidelity::Reference),
