@@ -22,8 +22,8 @@ constexpr std::size_t kBundlesOfAPart = 64;  // that a thread takes at a time
 void ContactLanes::schedule() {
   constexpr int kSizes = 8;  // pairs with more points than that stand with those that have as many
   const std::vector<SolverBlock>& blocks = contacts_.blocks;
-  auto& [places, bundles, normal, friction, regions, level_of_body, level, key, first, ordered, before,
-         last_of_body] = stores_;
+  auto& [places, bundles, starts, axes, normal, friction, sums, regions, level_of_body, level, key, first,
+         ordered, before, last_of_body] = stores_;
   level_of_body.assign(contacts_.bodies.size(), 0);
   level.assign(blocks.size(), kNone);
   Index levels = 0;
@@ -52,8 +52,11 @@ void ContactLanes::schedule() {
     if (key[k] != kNone) ordered[first[key[k]]++] = static_cast<Index>(k);
 
   bundles.clear();
+  starts.clear();
+  axes.clear();
   normal.clear();
   friction.clear();
+  sums.clear();
   places.assign(blocks.size(), {});
   for (std::size_t k = 0; k < ordered.size();) {
     const Index group = key[ordered[k]] / kSizes;
@@ -118,6 +121,8 @@ void ContactLanes::append(std::size_t bundle, Index which, std::size_t region) {
     fresh.normal = normal_.size();
     fresh.friction = friction_.size();
     bundles_.push_back(fresh);
+    starts_.emplace_back();
+    axes_.emplace_back();
   }
   Bundle& last = bundles_.back();
   const auto lane = std::find(last.block.begin(), last.block.end(), kNone);
@@ -125,6 +130,7 @@ void ContactLanes::append(std::size_t bundle, Index which, std::size_t region) {
   places_[which] = {static_cast<Index>(bundle), static_cast<int>(lane - last.block.begin()), block.size};
   last.size = std::max(last.size, block.size);
   normal_.resize(last.normal + static_cast<std::size_t>(last.size));
+  sums_.resize(normal_.size());
   if (last.has_friction) friction_.resize(last.friction + static_cast<std::size_t>(last.size));
 }
 
@@ -150,7 +156,8 @@ void ContactLanes::take() {
 
 void ContactLanes::takeBundle(std::size_t bundle) {
   for (int lane = 0; lane < kLanes; ++lane) takeBlock({static_cast<Index>(bundle), lane});
-  findRows(bundles_[bundle], {true, true, true, true});
+  findTurns(bundle);
+  findMasses(bundle, {true, true, true, true});
 }
 
 // Where a lane has fewer points than its bundle has rows, the others are all zero.
@@ -168,12 +175,16 @@ void ContactLanes::takeBlock(Place place) {
     bundle.j[lane] = &j;
     if (i.inv_mass > 0.0) bundle.to_i[lane] = &i;
     if (j.inv_mass > 0.0) bundle.to_j[lane] = &j;
-    set(bundle.n, lane, block.n);
-    set(bundle.t1, lane, block.t1);
-    set(bundle.t2, lane, block.t2);
-    set(bundle.turned_i, lane, block.turned_i);
-    set(bundle.turned_j, lane, block.turned_j);
-    bundle.shift[lane] = block.n.dot(block.moved_j - block.moved_i);
+    const auto inFrame = [&](const Vec3& a) {
+      return Vec3(block.n.dot(a), block.t1.dot(a), block.t2.dot(a));
+    };
+    set(bundle.frame[0], lane, block.n);
+    set(bundle.frame[1], lane, block.t1);
+    set(bundle.frame[2], lane, block.t2);
+    Start& start = starts_[place.bundle];
+    set(start.turned_i, lane, inFrame(block.turned_i));
+    set(start.turned_j, lane, inFrame(block.turned_j));
+    start.shift[lane] = block.n.dot(block.moved_j - block.moved_i);
     bundle.mu[lane] = block.pair.mu;
     bundle.push[lane] = block.pair.push;
     bundle.inv_mass_i[lane] = i.inv_mass;
@@ -181,26 +192,29 @@ void ContactLanes::takeBlock(Place place) {
     for (int k = 0; k < size; ++k) {
       const SolverPoint& point = contacts_.points[block.first + k];
       NormalRow& row = normal_[bundle.normal + k];
-      set(row.arm_i, lane, point.r_i);
-      set(row.arm_j, lane, point.r_j);
-      row.gap[lane] = point.gap;
+      set(row.arm_i, lane, inFrame(point.r_i));
+      set(row.arm_j, lane, inFrame(point.r_j));
       row.open[lane] = point.open;
       row.impulse[lane] = point.l_n;
-      row.sum[lane] = point.sum_n;
+      SumRow& sum = sums_[bundle.normal + k];
+      row.gap[lane] = point.gap;
+      sum.n[lane] = point.sum_n;
+      sum.t1[lane] = point.sum_t[0], sum.t2[lane] = point.sum_t[1];
       if (!bundle.has_friction) continue;
       FrictionRow& friction = friction_[bundle.friction + k];
       friction.impulse1[lane] = point.l_t[0], friction.impulse2[lane] = point.l_t[1];
-      friction.sum1[lane] = point.sum_t[0], friction.sum2[lane] = point.sum_t[1];
     }
   }
   for (int k = size; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
     set(row.arm_i, lane, Vec3::Zero());
     set(row.arm_j, lane, Vec3::Zero());
-    row.gap[lane] = row.open[lane] = row.impulse[lane] = row.sum[lane] = 0.0;
+    row.gap[lane] = row.open[lane] = row.impulse[lane] = 0.0;
+    SumRow& sum = sums_[bundle.normal + k];
+    sum.n[lane] = sum.t1[lane] = sum.t2[lane] = 0.0;
     if (!bundle.has_friction) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
-    friction.impulse1[lane] = friction.impulse2[lane] = friction.sum1[lane] = friction.sum2[lane] = 0.0;
+    friction.impulse1[lane] = friction.impulse2[lane] = 0.0;
   }
 }
 
@@ -209,7 +223,8 @@ void ContactLanes::refresh(double now, double left) {
     takeBlock(place);
     std::array<bool, kLanes> changed{};
     changed[place.lane] = true;
-    findRows(bundles_[place.bundle], changed);
+    findTurns(place.bundle);
+    findMasses(place.bundle, changed);
   };
   for (Index k = 0; k < contacts_.blocks.size(); ++k) {
     if (!contacts_.blocks[k].on_arc || places_[k].bundle == kNone) continue;
@@ -236,79 +251,43 @@ void ContactLanes::refresh(double now, double left) {
   for (std::size_t b = known; b < bundles_.size(); ++b) takeBundle(b);
 }
 
-// The rows of a bundle from the places of its points, with the masses of these lanes: those of others stay as they are.
-RBS_WIDE void ContactLanes::findRows(const Bundle& bundle, const std::array<bool, kLanes>& found) {
-  const auto setLever = [](Turning& turning, const Lanes* d, const NormalRow& row) {
-    cross(d, row.arm_i, turning.jacobian);
-    cross(row.arm_j, d, turning.jacobian + 3);
-  };
-  for (int k = 0; k < bundle.size; ++k) {
-    NormalRow& row = normal_[bundle.normal + k];
-    setLever(row.turning, bundle.n, row);
-    if (!bundle.has_friction) continue;
-    setLever(friction_[bundle.friction + k].turning1, bundle.t1, row);
-    setLever(friction_[bundle.friction + k].turning2, bundle.t2, row);
-  }
-  findTurns(bundle);
-  findMasses(bundle, found);
-}
-
-// The normal of a surface of revolution goes through its axis. So a normal impulse has no moment about that axis, though the
-// place of a point may be one of a while ago, or one of a few that stand for a rim.
-RBS_WIDE void ContactLanes::leaveAxesOut(const Bundle& bundle) {
-  Lanes axis_i[3], axis_j[3];
-  gather(bundle.i, &SolverBody::axis_W, axis_i);
-  gather(bundle.j, &SolverBody::axis_W, axis_j);
-  const auto leaveOut = [](const Lanes* axis, Lanes* jacobian) {
-    Lanes along;
-    dot(axis, jacobian, along);
-    for (int c = 0; c < 3; ++c) jacobian[c] -= along * axis[c];
-  };
-  for (int k = 0; k < bundle.size; ++k) {
-    NormalRow& row = normal_[bundle.normal + k];
-    cross(bundle.n, row.arm_i, row.turning.jacobian);
-    cross(row.arm_j, bundle.n, row.turning.jacobian + 3);
-    leaveOut(axis_i, row.turning.jacobian);
-    leaveOut(axis_j, row.turning.jacobian + 3);
-  }
-}
-
 // How the bodies of a bundle turn as they lie now.
-RBS_WIDE void ContactLanes::findTurns(const Bundle& bundle) {
-  const auto hasAxis = [](const SolverBody* body) { return !body->axis_W.isZero(0.0); };
-  if (std::any_of(bundle.i.begin(), bundle.i.end(), hasAxis) ||
-      std::any_of(bundle.j.begin(), bundle.j.end(), hasAxis))
-    leaveAxesOut(bundle);
-  Lanes inv_i[9], inv_j[9];
-  for (int c = 0; c < 9; ++c) {
-    const auto of = [c](const SolverBody* body) { return body->inv_inertia_W.data()[c]; };
-    inv_i[c] = Lanes{of(bundle.i[0]), of(bundle.i[1]), of(bundle.i[2]), of(bundle.i[3])};
-    inv_j[c] = Lanes{of(bundle.j[0]), of(bundle.j[1]), of(bundle.j[2]), of(bundle.j[3])};
-  }
-  const auto setTurn = [&](Turning& turning) {  // the matrices are symmetric
-    for (int c = 0; c < 3; ++c) {
-      dot(inv_i + 3 * c, turning.jacobian, turning.inv_inertia_jacobian[c]);
-      dot(inv_j + 3 * c, turning.jacobian + 3, turning.inv_inertia_jacobian[3 + c]);
+RBS_WIDE void ContactLanes::findTurns(std::size_t which) {
+  Bundle& bundle = bundles_[which];
+  const auto turnsOf = [&](const std::array<SolverBody*, kLanes>& bodies, Lanes* inv_inertia, Lanes* axis)
+      __attribute__((always_inline)) {
+    Lanes inv_W[3][3];  // its columns
+    for (int c = 0; c < 9; ++c) {
+      const auto of = [&](int lane) { return bodies[lane]->inv_inertia_W.data()[c]; };
+      inv_W[c / 3][c % 3] = Lanes{of(0), of(1), of(2), of(3)};
     }
+    for (int c = 0, at = 0; c < 3; ++c) {
+      Lanes turn[3];
+      toFrame(inv_W, bundle.frame[c], turn);  // the matrix is symmetric
+      for (int d = c; d < 3; ++d) dot(bundle.frame[d], turn, inv_inertia[at++]);
+    }
+    Lanes axis_W[3];
+    gather(bodies, &SolverBody::axis_W, axis_W);
+    toFrame(bundle.frame, axis_W, axis);
   };
-  for (int k = 0; k < bundle.size; ++k) {
-    setTurn(normal_[bundle.normal + k].turning);
-    if (!bundle.has_friction) continue;
-    setTurn(friction_[bundle.friction + k].turning1);
-    setTurn(friction_[bundle.friction + k].turning2);
-  }
+  Axes& axes = axes_[which];
+  turnsOf(bundle.i, bundle.inv_inertia_i, axes.i);
+  turnsOf(bundle.j, bundle.inv_inertia_j, axes.j);
+  LaneMask found{};
+  for (int c = 0; c < 3; ++c) found |= axes.i[c] != 0.0 || axes.j[c] != 0.0;
+  bundle.has_axes = any(found);
 }
 
 // The inverse of what an impulse at a point does to the velocity there; in the contact plane a 2 x 2 matrix
 // S, and rho the inverse of its largest eigenvalue.
-RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found) {
+RBS_WIDE void ContactLanes::findMasses(std::size_t which, const std::array<bool, kLanes>& found) {
+  const Bundle& bundle = bundles_[which];
+  const Axes& axes = axes_[which];
   const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
   const Lanes fresh = {found[0] ? 1.0 : 0.0, found[1] ? 1.0 : 0.0, found[2] ? 1.0 : 0.0,
                        found[3] ? 1.0 : 0.0};
   for (int k = 0; k < bundle.size; ++k) {
     NormalRow& row = normal_[bundle.normal + k];
-    Lanes response;
-    add6(inv_mass, row.turning.jacobian, row.turning.inv_inertia_jacobian, response);
     Lanes present;
     for (int lane = 0; lane < kLanes; ++lane)
       present[lane] =
@@ -316,13 +295,31 @@ RBS_WIDE void ContactLanes::findMasses(const Bundle& bundle, const std::array<bo
     const auto set = [&](Lanes& to, const Lanes& mass) {
       to = fresh != 0.0 ? (present != 0.0 ? mass : present) : to;
     };
+    Lanes response = inv_mass, s11 = inv_mass, s12{}, s22 = inv_mass;
+    const auto addTurns = [&](const Lanes* arm, const Lanes* axis, const Lanes* inv_inertia) {
+      const Lanes zero{};
+      Lanes n[3] = {zero, arm[2], -arm[1]};
+      const Lanes t1[3] = {-arm[2], zero, arm[0]}, t2[3] = {arm[1], -arm[0], zero};
+      if (bundle.has_axes) leaveOut(axis, n);
+      Lanes turns[3], part;
+      turn(inv_inertia, n, turns);
+      dot(n, turns, part);
+      response += part;
+      if (!bundle.has_friction) return;
+      turn(inv_inertia, t1, turns);
+      dot(t1, turns, part);
+      s11 += part;
+      dot(t2, turns, part);
+      s12 += part;
+      turn(inv_inertia, t2, turns);
+      dot(t2, turns, part);
+      s22 += part;
+    };
+    addTurns(row.arm_i, axes.i, bundle.inv_inertia_i);
+    addTurns(row.arm_j, axes.j, bundle.inv_inertia_j);
     set(row.mass, 1.0 / response);
     if (!bundle.has_friction) continue;
     FrictionRow& friction = friction_[bundle.friction + k];
-    Lanes s11, s12, s22;
-    add6(inv_mass, friction.turning1.jacobian, friction.turning1.inv_inertia_jacobian, s11);
-    add6(Lanes{}, friction.turning1.jacobian, friction.turning2.inv_inertia_jacobian, s12);
-    add6(inv_mass, friction.turning2.jacobian, friction.turning2.inv_inertia_jacobian, s22);
     const Lanes determinant = s11 * s22 - s12 * s12, half_trace = 0.5 * (s11 + s22);
     Lanes root = half_trace * half_trace - determinant;
     for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(std::max(root[lane], 0.0));
@@ -364,13 +361,14 @@ void ContactLanes::giveBackBlock(Index which) {
     point.mass_n = row.mass[lane];
     point.open = row.open[lane];
     point.l_n = row.impulse[lane];
-    point.sum_n = row.sum[lane];
+    const SumRow& sum = sums_[bundle.normal + k];
+    point.sum_n = sum.n[lane];
+    point.sum_t << sum.t1[lane], sum.t2[lane];
     if (!bundle.has_friction) continue;
     const FrictionRow& friction = friction_[bundle.friction + k];
     point.mass_t << friction.mass11[lane], friction.mass12[lane], friction.mass12[lane],
         friction.mass22[lane];
     point.l_t << friction.impulse1[lane], friction.impulse2[lane];
-    point.sum_t << friction.sum1[lane], friction.sum2[lane];
   }
 }
 

@@ -25,26 +25,23 @@ struct Softness {
 };
 
 class ContactLanes {
-  /// How the two bodies turn at a point, along a direction d, with i in the first three and j in the others. Along a normal
-  /// both are without their parts along an axis of revolution.
-  struct Turning {
-    Lanes jacobian[6];  // (-r_i x d, r_j x d), m: by it angular velocities make a speed along d
-    Lanes inv_inertia_jacobian
-        [6];  // (-I_i^-1 (r_i x d), I_j^-1 (r_j x d)), 1/(kg m): what an impulse adds to them
-  };
+  // Where there are many points, a pass waits for memory. So rows hold arms, from which passes find how bodies turn, and what
+  // passes do not read is kept beside the rows and bundles, but for the gap, which makes a row of whole lines of the cache.
   /// Along the normal. Mass, arms and impulse are zero in lanes without such a point: nothing happens there.
   struct NormalRow {
-    NormalRow() {}  // not "= default": a vector would clear what is about to be filled in
-    Turning turning;
-    Lanes mass, open, impulse;
-    Lanes sum, gap, arm_i[3], arm_j[3];  // as in SolverPoint: sum_n, gap, r_i, r_j
+    NormalRow() {}             // not "= default": a vector would clear what is about to be filled in
+    Lanes arm_i[3], arm_j[3];  // r_i and r_j of SolverPoint, in the frame of the contact
+    Lanes mass, open, impulse, gap;
   };
   struct FrictionRow {
     FrictionRow() {}
-    Turning turning1, turning2;
     Lanes mass11, mass12, mass22, rho;
-    Lanes impulse1, impulse2, sum1, sum2;
-    LaneMask slides;  // as last solved for
+    Lanes impulse1, impulse2;
+  };
+  /// The impulses since the points were found, which passes do not read.
+  struct SumRow {
+    SumRow() {}
+    Lanes n, t1, t2;
   };
   /// Four pairs of a level. The k-th points of them make a row.
   struct Bundle {
@@ -52,14 +49,23 @@ class ContactLanes {
     std::array<SolverBody*, kLanes> to_i,
         to_j;                         // that get the velocities: what impulses do not move is not written to
     std::array<Index, kLanes> block;  // in the contacts; kNone: this lane is empty
-    Lanes n[3], t1[3], t2[3];
-    Lanes turned_i[3], turned_j[3];  // of the surfaces when the points were found
-    Lanes shift;                     // along n, of j against i then, m
+    Lanes frame[3][3];                // n, t1, t2: the frame of the contact
     Lanes mu, push, inv_mass_i, inv_mass_j;
+    Lanes inv_inertia_i[6], inv_inertia_j[6];  // in that frame, as lanes::turn() takes them
     int size;
-    std::size_t normal, friction;  // its first rows
     bool has_friction;
+    bool has_axes;                 // of revolution
+    std::size_t normal, friction;  // its first rows
     std::size_t region;
+  };
+  /// How the bodies of a bundle lay when its points were found, in its frame.
+  struct Start {
+    Lanes turned_i[3], turned_j[3];  // the surfaces
+    Lanes shift;                     // along n, of j against i, m
+  };
+  /// Axes of revolution, in the frame of their bundle.
+  struct Axes {
+    Lanes i[3], j[3];
   };
 
   /// Where the points of a block are.
@@ -74,8 +80,11 @@ class ContactLanes {
   struct Stores {
     std::vector<Place> places;
     std::vector<Bundle> bundles;
+    std::vector<Start> starts;  // by bundle
+    std::vector<Axes> axes;     // by bundle
     std::vector<NormalRow> normal;
     std::vector<FrictionRow> friction;
+    std::vector<SumRow> sums;  // beside `normal`
     PassRegions regions;
     // while they are scheduled
     std::vector<Index> level_of_body, level, key, first, ordered;
@@ -89,9 +98,12 @@ class ContactLanes {
         stores_(stores),
         places_(stores.places),
         bundles_(stores.bundles),
+        starts_(stores.starts),
+        axes_(stores.axes),
         regions_(stores.regions),
         normal_(stores.normal),
-        friction_(stores.friction) {
+        friction_(stores.friction),
+        sums_(stores.sums) {
     for (Vec3* zero :
          {&nobody_.v, &nobody_.w, &nobody_.moved, &nobody_.turned, &nobody_.surface_turned, &nobody_.axis_W})
       zero->setZero();
@@ -117,10 +129,9 @@ class ContactLanes {
   enum class Pass {
     Soft,   ///< contacts are soft and close their gaps
     Relax,  ///< points that push are to be at rest; those that slide get friction once more after that
+    Last,   ///< Relax, and the impulses of the sub-step are added to the sums
   };
   void solve(Pass pass, const Softness& soft, double h);
-  /// Adds the impulses of this sub-step to the sums.
-  void addUp();
   /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned, with the
   /// masses along the rows of their contacts.
   ///
@@ -147,10 +158,8 @@ class ContactLanes {
   void takeBundle(std::size_t bundle);
   void takeBlock(Place place);
   void giveBackBlock(Index block);
-  void findRows(const Bundle& bundle, const std::array<bool, kLanes>& found);
-  void findTurns(const Bundle& bundle);
-  void leaveAxesOut(const Bundle& bundle);
-  void findMasses(const Bundle& bundle, const std::array<bool, kLanes>& found);
+  void findTurns(std::size_t bundle);
+  void findMasses(std::size_t bundle, const std::array<bool, kLanes>& found);
   /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
   void forBundles(const std::function<void(std::size_t begin, std::size_t end)>& body);
   /// The same for each bundle after those before it with which it shares a body that impulses move.
@@ -158,7 +167,6 @@ class ContactLanes {
   void warmStart(std::size_t begin, std::size_t end);
   template <Pass kPass, bool kFriction>
   void solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h);
-  void addUp(std::size_t begin, std::size_t end);
   void follow(std::size_t begin, std::size_t end);
 
   SolverContacts& contacts_;
@@ -168,9 +176,12 @@ class ContactLanes {
   std::vector<SolverBody> sinks_;  // by region: get what is written to nobody
   std::vector<Place>& places_;     // by block
   std::vector<Bundle>& bundles_;
+  std::vector<Start>& starts_;
+  std::vector<Axes>& axes_;
   PassRegions& regions_;
   std::vector<NormalRow>& normal_;
   std::vector<FrictionRow>& friction_;
+  std::vector<SumRow>& sums_;
 };
 
 }  // namespace rbs

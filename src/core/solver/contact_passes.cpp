@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The passes of the soft step over its pairs, four at a time.
 #include "effects_built.h"
+#include "narrowphase/manifold.h"
 #include "solver/contact_lanes.h"
 #include "solver/lanes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace rbs {
 
@@ -15,43 +17,72 @@ void ContactLanes::warmStart() {
   inOrder([this](std::size_t begin, std::size_t end) { warmStart(begin, end); });
 }
 
+// The moments of all points of a pair turn its bodies once.
 RBS_WIDE void ContactLanes::warmStart(std::size_t begin, std::size_t end) {
+  const Lanes zero{};
   for (std::size_t b = begin; b < end; ++b) {
     const Bundle& bundle = bundles_[b];
-    Lanes w[6];
-    gather(bundle.i, &SolverBody::w, w);
-    gather(bundle.j, &SolverBody::w, w + 3);
-    Lanes along_n{}, along_t1{}, along_t2{};
+    Lanes total[3] = {zero, zero, zero};
+    Lanes by_normal_i[3] = {zero, zero, zero}, by_normal_j[3] = {zero, zero, zero};  // moments
+    Lanes moment_i[3] = {zero, zero, zero}, moment_j[3] = {zero, zero, zero};        // of friction
     for (int k = 0; k < bundle.size; ++k) {
       const NormalRow& row = normal_[bundle.normal + k];
-      along_n += row.impulse;
-      for (int c = 0; c < 6; ++c) w[c] += row.impulse * row.turning.inv_inertia_jacobian[c];
+      total[0] += row.impulse;
+      const auto addNormal = [&](const Lanes* arm, Lanes* moment) __attribute__((always_inline)) {
+        moment[1] += arm[2] * row.impulse;
+        moment[2] -= arm[1] * row.impulse;
+      };
+      addNormal(row.arm_i, by_normal_i);
+      addNormal(row.arm_j, by_normal_j);
       if (!built::friction || !bundle.has_friction) continue;
       const FrictionRow& friction = friction_[bundle.friction + k];
-      along_t1 += friction.impulse1;
-      along_t2 += friction.impulse2;
-      for (int c = 0; c < 6; ++c)
-        w[c] += friction.impulse1 * friction.turning1.inv_inertia_jacobian[c] +
-                friction.impulse2 * friction.turning2.inv_inertia_jacobian[c];
+      total[1] += friction.impulse1;
+      total[2] += friction.impulse2;
+      const auto addFriction = [&](const Lanes* arm, Lanes* moment) __attribute__((always_inline)) {
+        moment[0] += arm[1] * friction.impulse2 - arm[2] * friction.impulse1;
+        moment[1] -= arm[0] * friction.impulse2;
+        moment[2] += arm[0] * friction.impulse1;
+      };
+      addFriction(row.arm_i, moment_i);
+      addFriction(row.arm_j, moment_j);
     }
-    Lanes v[6];
-    gather(bundle.i, &SolverBody::v, v);
-    gather(bundle.j, &SolverBody::v, v + 3);
+    if (bundle.has_axes) leaveOut(axes_[b].i, by_normal_i), leaveOut(axes_[b].j, by_normal_j);
+    for (int c = 0; c < 3; ++c) moment_i[c] += by_normal_i[c], moment_j[c] += by_normal_j[c];
+    Lanes turn_i[3], turn_j[3], turn_W[6], impulse[3], v[6], w[6];
+    turn(bundle.inv_inertia_i, moment_i, turn_i);
+    turn(bundle.inv_inertia_j, moment_j, turn_j);
+    fromFrame(bundle.frame, turn_i, turn_W);
+    fromFrame(bundle.frame, turn_j, turn_W + 3);
+    fromFrame(bundle.frame, total, impulse);
+    gatherTwists(bundle.i, v, w);
+    gatherTwists(bundle.j, v + 3, w + 3);
     for (int c = 0; c < 3; ++c) {
-      const Lanes impulse = along_n * bundle.n[c] + along_t1 * bundle.t1[c] + along_t2 * bundle.t2[c];
-      v[c] -= bundle.inv_mass_i * impulse;
-      v[3 + c] += bundle.inv_mass_j * impulse;
+      v[c] -= bundle.inv_mass_i * impulse[c];
+      v[3 + c] += bundle.inv_mass_j * impulse[c];
+      w[c] -= turn_W[c];
+      w[3 + c] += turn_W[3 + c];
     }
-    scatter(v, &SolverBody::v, bundle.to_i);
-    scatter(v + 3, &SolverBody::v, bundle.to_j);
-    scatter(w, &SolverBody::w, bundle.to_i);
-    scatter(w + 3, &SolverBody::w, bundle.to_j);
+    scatterTwists(v, w, bundle.to_i);
+    scatterTwists(v + 3, w + 3, bundle.to_j);
   }
 }
 
-// Along the normal and the tangents the linear velocities of a pair change by (1/m_i + 1/m_j) times the
-// impulses, for all of its points: within a bundle it is enough to keep what they are against each other in
-// that frame.
+// In the frame of the contact, n, t1, t2. There u is the velocity of the centre of j against that of i. Impulses p change it
+// by (1/m_i + 1/m_j) p. At an arm (r_n, r_1, r_2) unit impulses along n, t1 and t2 have the moments
+//   (0, r_2, -r_1),   (-r_2, 0, r_n),   (r_1, -r_n, 0).
+//
+// A pass waits for what one point after the other does to the next. Along the normals it keeps three numbers for that:
+// d_0, what the impulses p_k have changed of the normal velocity of j against i at the centre of i, and d_1 and d_2, what they
+// have changed of the spins of j against i along t1 and t2. With r the arm on i, the speed at a point is
+//   u_n = what it was + g.d,   g = (1, r_2, -r_1),   d = K sum g_k p_k,
+//   K = diag(1/m_i + 1/m_j, 0, 0) + G_i^T I_i^-1 G_i + G_j^T I_j^-1 G_j.
+// G g is the moment on a body: G_i g = (0, g_1, g_2), and G_j g = (0, g_1 + D_2, g_2 - D_1), where D = r_j - r_i, from the centre
+// of j to that of i, is the same for all points. K g_k waits for no impulse. Where i does not move, the centre of j stands in
+// for its, and D is zero: only one arm of a point on an arc (SolverContacts::followArc) is then asked for.
+//
+// The normal of a surface of revolution goes through its axis. So a normal impulse has no moment about that axis, though
+// the place of a point may be one of a while ago, or one of a few that stand for a rim: along normals, spins and
+// inertias are without their parts along it.
 template <ContactLanes::Pass kPass, bool kFriction>
 RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h) {
   Lanes zero, per_second, bias, soft_mass, soft_impulse;
@@ -60,69 +91,87 @@ RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, con
   fill(bias, soft.bias);
   fill(soft_mass, soft.mass);
   fill(soft_impulse, soft.impulse);
+  LaneMask slides[Manifold::kPoints];
   for (std::size_t b = begin; b < end; ++b) {
     const Bundle& bundle = bundles_[b];
-    Lanes v[6], w[6];
-    gather(bundle.i, &SolverBody::v, v);
-    gather(bundle.j, &SolverBody::v, v + 3);
-    gather(bundle.i, &SolverBody::w, w);
-    gather(bundle.j, &SolverBody::w, w + 3);
+    Lanes v[6], w_W[6], u[3], w_i[3], w_j[3];
+    gatherTwists(bundle.i, v, w_W);
+    gatherTwists(bundle.j, v + 3, w_W + 3);
     const Lanes apart[3] = {v[3] - v[0], v[4] - v[1], v[5] - v[2]};
+    toFrame(bundle.frame, apart, u);
+    toFrame(bundle.frame, w_W, w_i);
+    toFrame(bundle.frame, w_W + 3, w_j);
+    const Lanes first_i[3] = {w_i[0], w_i[1], w_i[2]}, first_j[3] = {w_j[0], w_j[1], w_j[2]};
     const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
+    const Lanes *I = bundle.inv_inertia_i, *J = bundle.inv_inertia_j;
     Lanes total[3] = {zero, zero, zero};
 
     // Of all points, or again of those that slide.
     const auto solveFriction = [&](bool again) __attribute__((always_inline)) {
-      Lanes now[3], u1, u2, along1 = zero, along2 = zero;
-      for (int c = 0; c < 3; ++c) now[c] = apart[c] + inv_mass * total[c];
-      dot(bundle.t1, now, u1);
-      dot(bundle.t2, now, u2);
       for (int k = 0; k < bundle.size; ++k) {
         FrictionRow& row = friction_[bundle.friction + k];
-        const Lanes limit = bundle.mu * normal_[bundle.normal + k].impulse;
+        const NormalRow& normal = normal_[bundle.normal + k];
+        const Lanes limit = bundle.mu * normal.impulse;
         const LaneMask pushes = limit > zero || row.impulse1 != zero || row.impulse2 != zero;
-        if (again && !any(row.slides & pushes)) continue;
-        Lanes slip1, slip2;
-        add6(u1, row.turning1.jacobian, w, slip1);
-        add6(u2, row.turning2.jacobian, w, slip2);
+        if (again && !any(slides[k] & pushes)) continue;
+        const Lanes *r = normal.arm_i, *s = normal.arm_j;
+        const Lanes slip1 = u[1] + ((w_j[2] * s[0] - w_j[0] * s[2]) - (w_i[2] * r[0] - w_i[0] * r[2]));
+        const Lanes slip2 = u[2] + ((w_j[0] * s[1] - w_j[1] * s[0]) - (w_i[0] * r[1] - w_i[1] * r[0]));
         Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
         Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
-        const LaneMask slides = l1 * l1 + l2 * l2 > limit * limit;
-        if (any(slides)) {
+        const LaneMask slide = l1 * l1 + l2 * l2 > limit * limit;
+        if (any(slide)) {
           const Lanes r1 = row.impulse1 - row.rho * slip1, r2 = row.impulse2 - row.rho * slip2;
           const Lanes square = r1 * r1 + r2 * r2;
           Lanes length;
           for (int lane = 0; lane < kLanes; ++lane) length[lane] = std::sqrt(square[lane]);
           const Lanes share = length > limit ? limit / length : zero + 1.0;
-          l1 = slides ? share * r1 : l1;
-          l2 = slides ? share * r2 : l2;
+          l1 = slide ? share * r1 : l1;
+          l2 = slide ? share * r2 : l2;
         }
         if (again) {
-          l1 = row.slides ? l1 : row.impulse1;
-          l2 = row.slides ? l2 : row.impulse2;
+          l1 = slides[k] ? l1 : row.impulse1;
+          l2 = slides[k] ? l2 : row.impulse2;
         }
-        row.slides = slides;
+        if (kPass != Pass::Soft && !again) slides[k] = slide;
         const Lanes change1 = l1 - row.impulse1, change2 = l2 - row.impulse2;
         row.impulse1 = l1;
         row.impulse2 = l2;
-        u1 += inv_mass * change1;
-        u2 += inv_mass * change2;
-        along1 += change1;
-        along2 += change2;
-        for (int c = 0; c < 6; ++c)
-          w[c] +=
-              change1 * row.turning1.inv_inertia_jacobian[c] + change2 * row.turning2.inv_inertia_jacobian[c];
+        u[1] += inv_mass * change1;
+        u[2] += inv_mass * change2;
+        total[1] += change1;
+        total[2] += change2;
+        w_i[0] -= change1 * (r[0] * I[2] - r[2] * I[0]) + change2 * (r[1] * I[0] - r[0] * I[1]);
+        w_i[1] -= change1 * (r[0] * I[4] - r[2] * I[1]) + change2 * (r[1] * I[1] - r[0] * I[3]);
+        w_i[2] -= change1 * (r[0] * I[5] - r[2] * I[2]) + change2 * (r[1] * I[2] - r[0] * I[4]);
+        w_j[0] += change1 * (s[0] * J[2] - s[2] * J[0]) + change2 * (s[1] * J[0] - s[0] * J[1]);
+        w_j[1] += change1 * (s[0] * J[4] - s[2] * J[1]) + change2 * (s[1] * J[1] - s[0] * J[3]);
+        w_j[2] += change1 * (s[0] * J[5] - s[2] * J[2]) + change2 * (s[1] * J[2] - s[0] * J[4]);
       }
-      for (int c = 0; c < 3; ++c) total[c] += along1 * bundle.t1[c] + along2 * bundle.t2[c];
     };
     if (kFriction && bundle.has_friction) solveFriction(false);
 
-    Lanes u_n, along_n = zero;
-    dot(bundle.n, apart, u_n);
+    const LaneMask moves = bundle.inv_mass_i > zero;
+    const NormalRow& front = normal_[bundle.normal];
+    const Lanes D1 = moves ? front.arm_j[1] - front.arm_i[1] : zero;
+    const Lanes D2 = moves ? front.arm_j[2] - front.arm_i[2] : zero;
+    Lanes n_i[3], n_j[3], I_n[6], J_n[6];  // the spins and inertias, without axes of revolution
+    for (int c = 0; c < 3; ++c) n_i[c] = w_i[c], n_j[c] = w_j[c];
+    for (int c = 0; c < 6; ++c) I_n[c] = I[c], J_n[c] = J[c];
+    if (bundle.has_axes) {
+      leaveOut(axes_[b].i, n_i);
+      leaveOut(axes_[b].j, n_j);
+      leaveOutOfMatrix(axes_[b].i, I_n);
+      leaveOutOfMatrix(axes_[b].j, J_n);
+    }
+    const Lanes K11 = I_n[3] + J_n[3], K12 = I_n[4] + J_n[4], K22 = I_n[5] + J_n[5];
+    const Lanes K01 = J_n[3] * D2 - J_n[4] * D1, K02 = J_n[4] * D2 - J_n[5] * D1;
+    const Lanes K00 = inv_mass + (K01 * D2 - K02 * D1);
+    Lanes d0 = zero, d1 = zero, d2 = zero, moment1 = zero, moment2 = zero;
     for (int k = 0; k < bundle.size; ++k) {
       NormalRow& row = normal_[bundle.normal + k];
       const auto open = row.open > zero;
-      Lanes at_rest, mass, speed;  // the impulse that a point at rest would get, what speed takes of it
+      Lanes at_rest, mass;  // the impulse that a point at rest would get
       if (kPass == Pass::Soft) {
         const Lanes closing = bias * row.open, capped = closing > -bundle.push ? closing : -bundle.push;
         const Lanes target = open ? per_second * row.open : capped;
@@ -134,57 +183,76 @@ RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, con
         mass = row.impulse == zero ? zero : row.mass;
         at_rest = row.impulse - mass * (open ? per_second * row.open : zero);
       }
-      add6(u_n, row.turning.jacobian, w, speed);
-      Lanes l_n = at_rest - mass * speed;
+      const Lanes *r = row.arm_i, *s = row.arm_j;
+      const Lanes speed = u[0] + ((n_j[1] * s[2] - n_j[2] * s[1]) - (n_i[1] * r[2] - n_i[2] * r[1]));
+      const Lanes arm1 = moves ? r[1] : s[1], arm2 = moves ? r[2] : s[2];
+      const Lanes k0 = K00 + (arm2 * K01 - arm1 * K02), k1 = K01 + (arm2 * K11 - arm1 * K12),
+                  k2 = K02 + (arm2 * K12 - arm1 * K22);
+      const Lanes by1 = mass * arm2, by2 = mass * arm1;
+      Lanes l_n = ((at_rest - mass * speed) - mass * d0) - (d1 * by1 - d2 * by2);
       l_n = l_n > zero ? l_n : zero;
       const Lanes change = l_n - row.impulse;
       row.impulse = l_n;
-      u_n += inv_mass * change;
-      along_n += change;
-      for (int c = 0; c < 6; ++c) w[c] += change * row.turning.inv_inertia_jacobian[c];
+      d0 += change * k0;
+      d1 += change * k1;
+      d2 += change * k2;
+      total[0] += change;
+      moment1 += change * arm2;
+      moment2 -= change * arm1;
     }
-    for (int c = 0; c < 3; ++c) total[c] += along_n * bundle.n[c];
-    if (kPass == Pass::Relax && kFriction && bundle.has_friction) solveFriction(true);
+    u[0] += inv_mass * total[0];
+    const Lanes at_j1 = moment1 + D2 * total[0], at_j2 = moment2 - D1 * total[0];
+    Lanes turn_i[3], turn_j[3];
+    if (bundle.has_axes) {
+      Lanes moment_i[3] = {zero, moment1, moment2}, moment_j[3] = {zero, at_j1, at_j2};
+      leaveOut(axes_[b].i, moment_i);
+      leaveOut(axes_[b].j, moment_j);
+      turn(I, moment_i, turn_i);
+      turn(J, moment_j, turn_j);
+    } else {
+      turnAcross(I, moment1, moment2, turn_i);
+      turnAcross(J, at_j1, at_j2, turn_j);
+    }
+    for (int c = 0; c < 3; ++c) w_i[c] -= turn_i[c], w_j[c] += turn_j[c];
+    if (kPass != Pass::Soft && kFriction && bundle.has_friction) solveFriction(true);
+    if (kPass == Pass::Last)
+      for (int k = 0; k < bundle.size; ++k) {
+        SumRow& sum = sums_[bundle.normal + k];
+        sum.n += normal_[bundle.normal + k].impulse;
+        if (!kFriction || !bundle.has_friction) continue;
+        const FrictionRow& row = friction_[bundle.friction + k];
+        sum.t1 += row.impulse1;
+        sum.t2 += row.impulse2;
+      }
+    Lanes impulse[3], turned_i[3], turned_j[3];
+    for (int c = 0; c < 3; ++c) w_i[c] -= first_i[c], w_j[c] -= first_j[c];
+    fromFrame(bundle.frame, total, impulse);
+    fromFrame(bundle.frame, w_i, turned_i);
+    fromFrame(bundle.frame, w_j, turned_j);
     for (int c = 0; c < 3; ++c) {
-      v[c] -= bundle.inv_mass_i * total[c];
-      v[3 + c] += bundle.inv_mass_j * total[c];
+      v[c] -= bundle.inv_mass_i * impulse[c];
+      v[3 + c] += bundle.inv_mass_j * impulse[c];
+      w_W[c] += turned_i[c];
+      w_W[3 + c] += turned_j[c];
     }
-    scatter(v, &SolverBody::v, bundle.to_i);
-    scatter(v + 3, &SolverBody::v, bundle.to_j);
-    scatter(w, &SolverBody::w, bundle.to_i);
-    scatter(w + 3, &SolverBody::w, bundle.to_j);
+    scatterTwists(v, w_W, bundle.to_i);
+    scatterTwists(v + 3, w_W + 3, bundle.to_j);
   }
 }
 
 // Without friction not a test of it is left in the loop.
 void ContactLanes::solve(Pass pass, const Softness& soft, double h) {
   const bool has_friction = built::friction && !friction_.empty();
-  inOrder([&](std::size_t begin, std::size_t end) {
-    if (pass == Pass::Soft)
-      has_friction ? solveBundles<Pass::Soft, built::friction>(begin, end, soft, h)
-                   : solveBundles<Pass::Soft, false>(begin, end, soft, h);
-    else
-      has_friction ? solveBundles<Pass::Relax, built::friction>(begin, end, soft, h)
-                   : solveBundles<Pass::Relax, false>(begin, end, soft, h);
-  });
-}
-
-void ContactLanes::addUp() {
-  forBundles([this](std::size_t begin, std::size_t end) { addUp(begin, end); });
-}
-
-RBS_WIDE void ContactLanes::addUp(std::size_t begin, std::size_t end) {
-  if (begin == end) return;
-  const auto rowsUpTo = [&](std::size_t b, std::size_t Bundle::*first, std::size_t all) {
-    return b < bundles_.size() ? bundles_[b].*first : all;
+  const auto solveAs = [&](auto of) {
+    constexpr Pass kPass = decltype(of)::value;
+    inOrder([&](std::size_t begin, std::size_t end) {
+      has_friction ? solveBundles<kPass, built::friction>(begin, end, soft, h)
+                   : solveBundles<kPass, false>(begin, end, soft, h);
+    });
   };
-  for (std::size_t k = bundles_[begin].normal; k < rowsUpTo(end, &Bundle::normal, normal_.size()); ++k)
-    normal_[k].sum += normal_[k].impulse;
-  for (std::size_t k = bundles_[begin].friction; k < rowsUpTo(end, &Bundle::friction, friction_.size());
-       ++k) {
-    FrictionRow& row = friction_[k];
-    row.sum1 += row.impulse1, row.sum2 += row.impulse2;
-  }
+  if (pass == Pass::Soft) solveAs(std::integral_constant<Pass, Pass::Soft>());
+  if (pass == Pass::Relax) solveAs(std::integral_constant<Pass, Pass::Relax>());
+  if (pass == Pass::Last) solveAs(std::integral_constant<Pass, Pass::Last>());
 }
 
 void ContactLanes::follow() {
@@ -198,29 +266,28 @@ RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
     for (int lane = 0; lane < kLanes; ++lane)
       turned[lane] = bundle.i[lane]->turned_axes || bundle.j[lane]->turned_axes;
     if (std::any_of(turned.begin(), turned.end(), [](bool one) { return one; })) {
-      findTurns(bundle);
-      findMasses(bundle, turned);
+      findTurns(b);
+      findMasses(b, turned);
     }
-    // c, with n . (theta x r + theta x (theta x r)/2) = c . r
+    // c, with n . (theta x r + theta x (theta x r)/2) = c . r, in the frame of the contact
     const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then, Lanes* c) {
-      Lanes theta[3];
-      gather(bodies, &SolverBody::surface_turned, theta);
+      Lanes theta_W[3], theta[3];
+      gather(bodies, &SolverBody::surface_turned, theta_W);
+      toFrame(bundle.frame, theta_W, theta);
       for (int k = 0; k < 3; ++k) theta[k] -= then[k];
-      Lanes along, square;
-      dot(theta, bundle.n, along);
-      dot(theta, theta, square);
-      cross(bundle.n, theta, c);
-      for (int k = 0; k < 3; ++k) c[k] += 0.5 * (along * theta[k] - square * bundle.n[k]);
+      c[0] = -0.5 * (theta[1] * theta[1] + theta[2] * theta[2]);
+      c[1] = 0.5 * theta[0] * theta[1] - theta[2];
+      c[2] = 0.5 * theta[0] * theta[2] + theta[1];
     };
     Lanes c_i[3], c_j[3], moved_i[3], moved_j[3];
-    turning(bundle.i, bundle.turned_i, c_i);
-    turning(bundle.j, bundle.turned_j, c_j);
+    turning(bundle.i, starts_[b].turned_i, c_i);
+    turning(bundle.j, starts_[b].turned_j, c_j);
     gather(bundle.i, &SolverBody::moved, moved_i);
     gather(bundle.j, &SolverBody::moved, moved_j);
     const Lanes moved[3] = {moved_j[0] - moved_i[0], moved_j[1] - moved_i[1], moved_j[2] - moved_i[2]};
     Lanes shift;
-    dot(bundle.n, moved, shift);
-    shift -= bundle.shift;
+    dot(bundle.frame[0], moved, shift);
+    shift -= starts_[b].shift;
     for (int k = 0; k < bundle.size; ++k) {
       NormalRow& row = normal_[bundle.normal + k];
       Lanes by_i, by_j;

@@ -133,8 +133,7 @@ class SoftStep : public InnerRows {
       lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
       solveKinds();
     }
-    lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
-    lanes_.addUp();
+    lanes_.solve(ContactLanes::Pass::Last, soft_, h_);
     if (too_fast_) energy_.apply(context_, contacts_);
   }
   void rebound() {
