@@ -36,7 +36,7 @@ class Viewport;
 namespace rbs {
 
 /// Follows ~body_states and what the node publishes beside it. Draws thousands of bodies by a few draw calls;
-/// each can be clicked, selected and focused on. Those that are selected (~selected_bodies) are brighter.
+/// each can be clicked, selected and focused on. Those that are selected (~selected_bodies) are outlined and brighter.
 class BodiesDisplay : public rviz::Display {
   Q_OBJECT
  public:

@@ -77,7 +77,24 @@ float tileFor(const BodyCatalog& catalog) {
   return powerOfTwoNear(3.0f * *middle);
 }
 
-constexpr float kSelected = 0.45f, kHovered = 0.25f;  // shares of white
+constexpr float kSelected = 0.3f, kHovered = 0.25f;  // shares of white
+constexpr float kOutline = 3.0f;                     // pixels
+const Ogre::ColourValue kOutlineColor(1.0f, 0.5f, 0.0f);
+
+// Of a body, its shape grown by so much on all sides, m.
+Instance outlineOf(const CatalogBody& body, Instance instance, float width) {
+  setSize(body, instance);
+  if (body.shape == BodyShape::Hull)
+    instance.size *= 1.0f + width / body.reach();
+  else if (body.shape == BodyShape::Cone)
+    instance.size += width * Vector3(1.5f, 1.5f, 4.0f);  // its origin is at a quarter of its height
+  else
+    instance.size += Vector3(width);
+  instance.handle = 0.0f;
+  instance.red = kOutlineColor.r, instance.green = kOutlineColor.g, instance.blue = kOutlineColor.b;
+  instance.alpha = 1.0f;
+  return instance;
+}
 
 Ogre::ColourValue brightened(const Ogre::ColourValue& color, float share) {
   Ogre::ColourValue bright = color + share * (Ogre::ColourValue::White - color);
@@ -146,7 +163,16 @@ void BodiesVisual::draw(const std::vector<BodyPlace>& places, const std::vector<
     instance.handle = static_cast<float>(in_order_[k]->getHandle());
     in_order_[k]->move(place, node_);
     const CatalogBody& body = catalog_->bodies[k];
-    body.shape == BodyShape::Plane ? addPlane(place, instance, eye) : add(body, place, instance, eye);
+    if (body.shape == BodyShape::Plane) {
+      addPlane(place, instance, eye);
+      continue;
+    }
+    add(body, place, instance, eye);
+    if (highlighted_[k]) {
+      const float distance = (place.position - eye.position).length(), pixel = distance / eye.pixels;
+      groups_.add(meshOf(body, finenessOf(body, distance, eye)), Look::Outline,
+                  outlineOf(body, instance, kOutline * pixel));
+    }
   }
   groups_.end(eye.position);
 }

@@ -195,6 +195,7 @@ void setColors(Ogre::Pass& pass, Look look, Pattern pattern) {
     case Look::Ground:
       return setFragmentProgram(pass, "ground" + suffix, marked + kGround);
     case Look::Plain:
+    case Look::Outline:
       return setFragmentProgram(pass, "plain", kPlain);
     case Look::Shadow:
       return setFragmentProgram(pass, "spot", kSpot);
@@ -228,7 +229,8 @@ Ogre::MaterialPtr instanceMaterial(Look look, Pattern pattern) {
   Ogre::Pass& pass = *material->getTechnique(0)->getPass(0);
   setVertexProgram(pass);
   setColors(pass, look, pattern);
-  if (look != Look::Solid && look != Look::OnTop) {
+  if (look == Look::Outline) pass.setCullingMode(Ogre::CULL_ANTICLOCKWISE);
+  if (look != Look::Solid && look != Look::Outline && look != Look::OnTop) {
     pass.setSceneBlending(Ogre::SBT_TRANSPARENT_ALPHA);
     pass.setDepthWriteEnabled(look == Look::Ground);
   }

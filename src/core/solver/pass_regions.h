@@ -5,8 +5,9 @@
 // by place into regions, at most one for each thread, and a pair belongs to the region of one of its bodies. A thread solves
 // the bundles of a region in the order of their levels. Where a bundle reads a body that another region writes, it waits
 // until that region has come so far. So every pair reads the velocities that it reads on one thread: a pass gives the same
-// bits for any number of threads. A wait is always for a lower level, so there is no deadlock. This is the point-to-point synchronisation of a sparse triangular solve (J. Park, M. Smelyanskiy, N. Sundaram and
-// P. Dubey, "Sparsifying Synchronization for High-Performance Shared-Memory Sparse Triangular Solver", ISC 2014).
+// bits for any number of threads. A wait is always for a lower level, so there is no deadlock. This is the point-to-point
+// synchronisation of a sparse triangular solve (J. Park, M. Smelyanskiy, N. Sundaram and P. Dubey, "Sparsifying
+// Synchronization for High-Performance Shared-Memory Sparse Triangular Solver", ISC 2014).
 //
 // A region is not tied to a thread. One that has waited for long is put down, and a thread without a region takes it up.
 #pragma once
@@ -29,8 +30,8 @@ class PassRegions {
   using Body = std::function<void(std::size_t begin, std::size_t end)>;
 
   /// Splits the bodies into as many regions as there are threads, or fewer where there are few pairs, along the axis along
-  /// which they wait least for each other. One region where sharing costs more than it saves: there are few pairs, or most would wait. `level` is by
-  /// block, and kNone for one without points.
+  /// which they wait least for each other. One region where sharing costs more than it saves: there are few pairs, or most
+  /// would wait. `level` is by block, and kNone for one without points.
   void split(const SolverContacts& contacts, const std::vector<Index>& level, unsigned threads);
   std::size_t count() const { return bodies_.size(); }
   /// The region of a block.

@@ -21,8 +21,8 @@ struct SolverSettings {
   /// Closing speed below which an impact is left to the contact solver, as a share of what gravity adds in a step.
   double slowest_impact;
   double smallest_gap;  ///< gap too small to matter, as a share of the smaller length
-  double
-      collapse_interval;  ///< share of the step in which further impacts of a pair count as inelastic collapse
+  /// Share of the step in which further impacts of a pair count as inelastic collapse.
+  double collapse_interval;
 };
 
 /// By Fidelity: fast; fast, with the exact step for small islands that need it; exact to a millionth, and further where that

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scene analysis: how much of each thing the scene holds. It decides which stages run.
 //
-// It changes by edits, and where a step puts bodies to sleep, wakes or freezes them, or ends a wrench. What one step holds (touching pairs, fast bodies, impacts) is not here:
-// that only makes a stage's list empty.
+// It changes by edits, and where a step puts bodies to sleep, wakes or freezes them, or ends a wrench. What one step holds
+// (touching pairs, fast bodies, impacts) is not here: that only makes a stage's list empty.
 #pragma once
 
 #include "rigid_body_sim/scene.h"

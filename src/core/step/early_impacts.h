@@ -22,8 +22,8 @@ namespace rbs {
 /// Brings islands, by their places, to `time` as advanceTo() does, and looks at the pairs that `others` gives for a body of
 /// theirs, when all are there: bodies that no contact keeps apart from it. Where some of them overlap then and did not
 /// before, or have met on the way, all islands are put back, and this is the first time at which a pair is to be looked at,
-/// with the pair; only the work that solves have cost stays counted, and whether it was too much. Costs a copy of the islands, 1 us a pair, a time of
-/// impact for each that may have met, and the solves again where it goes back.
+/// with the pair; only the work that solves have cost stays counted, and whether it was too much. Costs a copy of the
+/// islands, 1 us a pair, a time of impact for each that may have met, and the solves again where it goes back.
 std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vector<Index>& islands,
                                                 double time,
                                                 const std::function<std::vector<Index>(Index)>& others);
