@@ -18,8 +18,7 @@ struct PairConstants {
   double mu;      ///< Coulomb coefficient; 0 when friction is off
   double e;       ///< Newton's coefficient of restitution; 0 when restitution is off
   double load;    ///< acceleration that presses the pair together, m/s²: gravity, or what acts beside it
-  bool carried;   ///< contacts have carried one of the bodies in the last step; known where impacts are
-                  ///< predicted
+  bool carried;   ///< a contact carried one of the bodies in the last step
   double bears;   ///< force of a loaded contact, N: solvers leave smaller ones where nothing touches
   /// Speed at which an overlap may be separated, m/s: that of a body after a fall over its own length, or
   /// where other loads than gravity press the pair together, after such a way under these.

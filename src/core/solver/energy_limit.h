@@ -2,15 +2,14 @@
 // Islands in which bodies overlap deeply gain no energy.
 //
 // Each pair that overlaps parts no faster than its cap. But what is squeezed between two would need v /
-// sin(alpha) to part from both at v, if their sides are alpha from parallel (a light body between heavy ones
-// left at 2 km/s), and in a chain or a crowd the speeds of the pairs add up. So an island in which bodies
-// overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
+// sin(alpha) to part from both at v, if their sides are alpha from parallel, and in a chain or a crowd the speeds
+// of the pairs add up. So an island in which bodies overlap deeply gains no energy: it ends the step with what it had, what its loads did, and what kinematic
 // bodies may give it. What is too much is taken from the motions about the common centre first, which keeps the momentum.
 // The rest is taken from the common motion, along the directions in which contacts with bodies that forces do not move can
 // push: what glides on a floor without friction keeps its speed along it.
 //
-// Nor does one whose bodies turn or travel too fast for the most sub-steps: no contact
-// can follow them, and a needle of 8,000 rad/s left a plate with 1e15 rad/s. There each sub-step is held to it.
+// Nor does an island gain energy whose bodies turn or travel too fast for the most sub-steps: no contact can follow
+// them. There each sub-step is held to it.
 #pragma once
 
 #include "solver/island_energy.h"

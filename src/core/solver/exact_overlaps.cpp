@@ -96,7 +96,7 @@ void Stepper::giveAngularMomentumBack(const CoulombProblem& displaced) {
       }
     }
     // In halves, unless that takes more energy than the two have against each other, or friction would have to turn them: then by
-    // one turn of both, which takes the least. A ball of 5 mm got 1e6 rad/s by its half.
+    // one turn of both, which takes the least: half of it may be far too much for a small ball.
     const Mat3 P_i = turnable(law.i, touching_.law[k].mu), P_j = turnable(law.j, touching_.law[k].mu);
     const Mat3 inertia_W = P_i * i.inertia_W * P_i + P_j * j.inertia_W * P_j;
     Vec3 turn_W = inertia_W.completeOrthogonalDecomposition().solve(2.0 * half_W);

@@ -2,10 +2,9 @@
 // How much of the impulses of the last sub-step the next one begins with.
 //
 // All of them, as a rule: a stack at rest needs the same ones again, and where the warm start is wrong the passes over the
-// contacts mend it. They mend little where heavy bodies squeeze a light one. A rod of 5 g between a slab and a heavy
-// body that had come to rest on it bore 508 N in the last step, and nothing in the next; or it turned, and the same
-// forces met other levers. What one pass left of such a warm start went into the rod, each sub-step began with more, and it
-// left with 1e13 times its energy.
+// contacts mend it. They mend little where heavy bodies squeeze a light one: a rod between a slab and a heavy body bears a
+// large force in one step and none in the next; or it turns, and the same forces meet other levers. What a pass leaves of
+// such a warm start goes into the rod, each sub-step begins with more, and the energy of the rod grows without end.
 //
 // Without friction, the impulses l of rigid contacts are those that make
 //   f(l) = l.u + l.A l / 2

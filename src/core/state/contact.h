@@ -73,8 +73,8 @@ struct Contact {
   /// Once it has been solved in this step: what `points` and `exact` were when the step began.
   std::vector<SolvedPoint> points_before;
   bool exact_before = false, has_before = false;
-  /// The impulses of this step of the World that `points` do not have: of located impacts, of parts of the
-  /// step before the last, and of points that have opened. One for each point, as it was last; by feature.
+  /// Impulses given earlier in this step of the World and no longer in `points`: of located impacts, of divisions before
+  /// this one, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;
   /// Of its last query, with the counts of the step. It changes no result, only the time that one takes.
   mutable SeparatingAxis axis;

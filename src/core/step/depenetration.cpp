@@ -21,8 +21,7 @@ constexpr double kInscribed = 0.5;
 // shortest way.
 constexpr Index kFew = 3;
 // Deep pairs of an island that the exact settings still solve exactly. A pyramid of ten boxes that overlap by
-// half has 18, and parts best so; what is left of a crowd of 200 boxes has hundreds, and took 12 to 22 s a
-// step.
+// half has 18, and parts best so; what is left of a crowd of 200 boxes has hundreds, which take too long.
 constexpr Index kFewToSolve = 32;
 // Share of its smallest extent by which a body may go through a plane.
 constexpr double kThroughPlane = 0.5;

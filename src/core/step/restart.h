@@ -36,8 +36,9 @@ class Restart {
   explicit Restart(Context& context);
 
   /// Puts the bodies that missed pairs and step.reached concern back to the beginning of the step, and makes
-  /// their islands anew with the missed pairs among the contacts. `times` is how often the step has been taken: all
-  /// repetitions of an exact solve together cost no more than one begun anew. Costs n bodies and all contacts.
+  /// their islands anew with the missed pairs among the contacts. `times` is how often the step has been taken:
+  /// the n-th repetition of an exact solve gets 1/2^n of its allowance, so that all together cost less than one more solve.
+  /// Costs n bodies and all contacts.
   void beginAgain(Context& context, const IndexPairs& missed, int times);
 
   /// Puts all bodies and contacts back to the beginning of the step.
