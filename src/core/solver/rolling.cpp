@@ -61,9 +61,8 @@ void Resistance::prepare(const Context& context, const IslandBatch&, const Solve
     if (!resists(scene, i, j)) continue;
     const double lever = radius(scene.bodies, i, j, block.n);
     if (lever == 0.0) continue;
-    const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
-    rows_.push_back({k, (a.rolling_resistance + b.rolling_resistance) * lever,
-                     (a.torsional_resistance + b.torsional_resistance) * lever});
+    const auto [roll, spin] = coefficients(scene, i, j);
+    rows_.push_back({k, roll * lever, spin * lever});
   }
 }
 

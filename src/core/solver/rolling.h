@@ -21,6 +21,15 @@ inline bool resists(const SceneStore& scene, Index i, Index j) {
   return some && round && turns;
 }
 
+/// The coefficients of a pair: the sums of those of its two bodies.
+struct Coefficients {
+  double roll, spin;
+};
+inline Coefficients coefficients(const SceneStore& scene, Index i, Index j) {
+  const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
+  return {a.rolling_resistance + b.rolling_resistance, a.torsional_resistance + b.torsional_resistance};
+}
+
 /// The length R of a pair with this normal: 1/R = 1/R_i + 1/R_j, m; no larger than the larger radius of their
 /// sides, and 0 where both are flat.
 double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);

@@ -26,12 +26,11 @@ void addTorque(const Context& context, Index contact, std::size_t first, Touchin
   TorqueConstraint law;
   law.radius = rolling::radius(scene.bodies, i, j, point.frame.col(2));
   if (law.radius == 0.0 || !(turns(point.i, i) || turns(point.j, j))) return;
-  const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
   law.i = point.i, law.j = point.j;
   law.first = static_cast<Index>(first), law.size = static_cast<Index>(out.law.size() - first);
   law.frame = point.frame;
-  law.roll = a.rolling_resistance + b.rolling_resistance;
-  law.spin = a.torsional_resistance + b.torsional_resistance;
+  const auto [roll, spin] = rolling::coefficients(scene, i, j);
+  law.roll = roll, law.spin = spin;
   Vec3 prescribed_W = Vec3::Zero();
   if (law.j == kNone) prescribed_W += scene.bodies.twist[j].w_WB;
   if (law.i == kNone) prescribed_W -= scene.bodies.twist[i].w_WB;

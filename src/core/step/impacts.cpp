@@ -233,13 +233,10 @@ void predict(Context& context) {
 namespace {
 
 ImpactLaw lawOf(const SceneStore& scene, Index i, Index j, const Vec3& n_W) {
-  ImpactLaw law{scene.frictionOf(i, j), scene.restitutionOf(i, j)};
-  if (!rolling::resists(scene, i, j)) return law;
-  const Material &a = scene.bodies.traits[i].material, &b = scene.bodies.traits[j].material;
-  law.radius = rolling::radius(scene.bodies, i, j, n_W);
-  law.roll = a.rolling_resistance + b.rolling_resistance;
-  law.spin = a.torsional_resistance + b.torsional_resistance;
-  return law;
+  const double friction = scene.frictionOf(i, j), restitution = scene.restitutionOf(i, j);
+  if (!rolling::resists(scene, i, j)) return {friction, restitution};
+  const auto [roll, spin] = rolling::coefficients(scene, i, j);
+  return {friction, restitution, rolling::radius(scene.bodies, i, j, n_W), roll, spin};
 }
 
 }  // namespace
