@@ -2,11 +2,10 @@
 // Four pairs at a time against one after the other: the law of soft_step.cpp, written here for one point and
 // gone through in the pairs' own order, with responses from whole matrices.
 #include "solver/contact_lanes.h"
-#include "step/islands.h"
 
 #include "base/algebra.h"
 #include "make_scene.h"
-#include "step/analyse_scene.h"
+#include "solver_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +26,7 @@ class Heap {
   Heap(unsigned seed, double friction) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> place(-1.2, 1.2), speed(-2.0, 2.0), size(0.3, 0.8);
-    store_.settings.step = kStep;
+    scene_.store.settings.step = kStep;
     const auto vector = [&](auto& from) { return Vec3(from(random), from(random), from(random)); };
     for (int k = 0; k < 60; ++k) {
       const std::string name = "body_" + std::to_string(k);
@@ -38,23 +37,15 @@ class Heap {
       if (k > 0) def.pose.q_WB = rotationBy(vector(speed));
       def.material.friction = k % 5 == 0 ? 0.0 : friction;
       if (k > 1) def.twist = {vector(speed), vector(speed)};
-      store_.bodies.append({static_cast<std::uint64_t>(k + 1)}, def);
+      scene_.store.bodies.append({static_cast<std::uint64_t>(k + 1)}, def);
     }
-    analysis_ = analyseScene(store_);
-    step_.begin(store_, 0.0, kStep);
-    step_.islands.resize(1);
-    for (const Index i : store_.lists.in_islands) step_.island[i] = 0, bodies_.push_back(i);
-    for (Index i = 0; i < store_.bodies.size(); ++i)
-      for (Index j = i + 1; j < store_.bodies.size(); ++j) {
-        if (step_.island[i] == kNone && step_.island[j] == kNone) continue;
-        const Index contact = store_.contacts.add(store_.bodies, i, j);
-        edges_.push_back(islands::edgeOf(store_.contacts, contact));
-        store_.contacts.active.back().state.touch();
-      }
+    scene_.begin(kStep);
+    for (Index i = 0; i < scene_.store.bodies.size(); ++i)
+      for (Index j = i + 1; j < scene_.store.bodies.size(); ++j) scene_.touch(i, j);
   }
 
-  Context& context() { return context_; }
-  const IslandBatch& batch() const { return batch_; }
+  Context& context() { return scene_.context; }
+  const IslandBatch& batch() const { return scene_.batch; }
 
  private:
   static BodyDef floor_() {
@@ -63,13 +54,7 @@ class Heap {
     return def;
   }
 
-  SceneStore store_;
-  StepStore step_;
-  SceneAnalysis analysis_;
-  Context context_{store_, step_, analysis_};
-  std::vector<Index> bodies_;
-  std::vector<Edge> edges_;
-  IslandBatch batch_{bodies_, edges_};
+  SolverScene scene_;
 };
 
 void push(SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point,

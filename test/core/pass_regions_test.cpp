@@ -3,8 +3,7 @@
 #include "solver/pass_regions.h"
 
 #include "make_scene.h"
-#include "step/analyse_scene.h"
-#include "step/islands.h"
+#include "solver_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -24,20 +23,18 @@ constexpr double kStep = 1.0 / 60.0;
 class Grid {
  public:
   Grid(std::array<int, 3> size, unsigned seed) {
-    store_.settings.step = kStep;
+    SceneStore& store = scene_.store;
+    store.settings.step = kStep;
     std::vector<std::array<int, 3>> nodes;
     for (int x = 0; x < size[0]; ++x)
       for (int y = 0; y < size[1]; ++y)
         for (int z = 0; z < size[2]; ++z) nodes.push_back({x, y, z});
     for (const auto& [x, y, z] : nodes) {
-      BodyDef def = ball("ball_" + std::to_string(store_.bodies.size()), 0.51, Vec3(x, y, z));
+      BodyDef def = ball("ball_" + std::to_string(store.bodies.size()), 0.51, Vec3(x, y, z));
       if (z == 0) def.kind = BodyKind::Static;
-      store_.bodies.append({store_.bodies.size() + 1}, def);
+      store.bodies.append({store.bodies.size() + 1}, def);
     }
-    analysis_ = analyseScene(store_);
-    step_.begin(store_, 0.0, kStep);
-    step_.islands.resize(1);
-    for (const Index i : store_.lists.in_islands) step_.island[i] = 0, bodies_.push_back(i);
+    scene_.begin(kStep);
     std::vector<std::array<Index, 2>> pairs;
     for (Index i = 0; i < nodes.size(); ++i)
       for (Index j = i + 1; j < nodes.size(); ++j) {
@@ -46,25 +43,16 @@ class Grid {
         if (steps == 1 && nodes[j][2] > 0) pairs.push_back({i, j});
       }
     std::shuffle(pairs.begin(), pairs.end(), std::mt19937(seed));
-    for (const auto& [i, j] : pairs) {
-      edges_.push_back(islands::edgeOf(store_.contacts, store_.contacts.add(store_.bodies, i, j)));
-      store_.contacts.active.back().state.touch();
-    }
+    for (const auto& [i, j] : pairs) scene_.touch(i, j);
     contacts.find(0.0, kStep, kStep);
   }
 
  private:
-  SceneStore store_;
-  StepStore step_;
-  SceneAnalysis analysis_;
-  Context context_{store_, step_, analysis_};
-  std::vector<Index> bodies_;
-  std::vector<Edge> edges_;
-  IslandBatch batch_{bodies_, edges_};
+  SolverScene scene_;
   SolverContacts::Stores stores_;
 
  public:
-  SolverContacts contacts{context_, batch_, stores_};
+  SolverContacts contacts{scene_.context, scene_.batch, stores_};
 };
 
 // A pair to a bundle: the pairs of each region by level, and which pairs have to be done before.

@@ -125,6 +125,19 @@ class BodiesPanelTest : public testing::Test {
     const QRect place = list().visualRect(list().model()->index(row, 1));
     QTest::mouseClick(list().viewport(), Qt::LeftButton, keys, place.center());
   }
+  // The crate, by somebody else.
+  void deleteWhileItsMassIsTyped(const char* text) {
+    select({"crate"});
+    ASSERT_TRUE(shows("Mass", "125"));
+    ValueField& line = field("Mass");
+    line.setFocus();
+    line.selectAll();
+    QTest::keyClicks(&line, text);
+    rigid_body_sim::NamedBodies::Request request;
+    request.names = {"crate"};
+    call<rigid_body_sim::NamedBodies>("delete_bodies", request);
+    ASSERT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  }
   void select(const QStringList& names) {
     rigid_body_sim::BodyNames message;
     for (const QString& name : names) message.names.push_back(name.toStdString());
@@ -450,16 +463,8 @@ TEST_F(BodiesPanelTest, WhatIsTypedIsForTheBodyThatWasShown) {
 
 // And where that one is gone, it is for none.
 TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
-  select({"crate"});
-  ASSERT_TRUE(shows("Mass", "125"));
+  deleteWhileItsMassIsTyped("12");
   ValueField& line = field("Mass");
-  line.setFocus();
-  line.selectAll();
-  QTest::keyClicks(&line, "12");
-  rigid_body_sim::NamedBodies::Request request;
-  request.names = {"crate"};
-  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
-  ASSERT_TRUE(waitFor([&] { return !line.isVisible(); }));
   call<std_srvs::Trigger>("undo");
   select({"crate"});
   EXPECT_TRUE(shows("Mass", "125"));
@@ -482,16 +487,7 @@ TEST_F(BodiesPanelTest, WhatIsTypedForABodyThatIsGoneIsForNone) {
 
 // Qt would hand the focus to the next field, the one of the node.
 TEST_F(BodiesPanelTest, TheFocusGoesToTheListWhenTheBodyOfAFieldIsGone) {
-  select({"crate"});
-  ASSERT_TRUE(shows("Mass", "125"));
-  ValueField& line = field("Mass");
-  line.setFocus();
-  line.selectAll();
-  QTest::keyClicks(&line, "8");
-  rigid_body_sim::NamedBodies::Request request;
-  request.names = {"crate"};
-  call<rigid_body_sim::NamedBodies>("delete_bodies", request);
-  ASSERT_TRUE(waitFor([&] { return !line.isVisible(); }));
+  deleteWhileItsMassIsTyped("8");
   EXPECT_TRUE(list().hasFocus());
   QWidget* const focus = QApplication::focusWidget();
   QTest::keyClicks(focus, ".5");
