@@ -228,6 +228,8 @@ struct StepStore {
   void begin(const SceneStore& scene, double from, double to);
   double h() const { return t1 - t0; }
   bool isCrowded(Index i) const { return !crowded.empty() && crowded[i]; }
+  /// Of two bodies of which forces move one at least: the first that they move.
+  Index movedOf(Index i, Index j) const { return island[i] != kNone ? i : j; }
   /// How far body i has been advanced. A body in no island is wherever its motion from t0 puts it.
   double timeOf(Index i) const { return island[i] == kNone ? t0 : islands[island[i]].time; }
   /// Where body i is at time t: its island has left it there, or a kinematic body moves on from t0.

@@ -23,8 +23,6 @@ constexpr Index kFew = 3;
 // Deep pairs of an island that the exact settings still solve exactly. A pyramid of ten boxes that overlap by
 // half has 18, and parts best so; what is left of a crowd of 200 boxes has hundreds, which take too long.
 constexpr Index kFewToSolve = 32;
-// Share of its smallest extent by which a body may go through a plane.
-constexpr double kThroughPlane = 0.5;
 // Offset that tells bodies with one centre apart, share of their length.
 constexpr double kNudge = 1e-3;
 
@@ -120,52 +118,6 @@ void keepDepth(const Bodies& bodies, Contact& contact) {
   if (point.separation < 0.0) contact.points.push_back(point);
 }
 
-// How far a body reaches below a plane at these poses, m; negative above it.
-double depthBelow(const Traits& body, const Pose& X_WB, const Pose& X_WP) {
-  const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
-  const double height = up_W.dot(X_WB.p_WB - X_WP.p_WB);
-  if (height > body.bounding_radius) return -height;
-  return reach(body.shape, X_WB.q_WB.conjugate() * -up_W) - height;
-}
-
-// What is known of a plane and a body. The two may have been too far apart for a contact when the step began.
-Contact& contactOf(Context& context, Index plane, Index i) {
-  Contacts& contacts = context.scene.contacts;
-  const auto [first, second] = std::minmax(plane, i);
-  const auto isOfBoth = [first = first, second = second](const Contact& c) {
-    return c.i == first && c.j == second;
-  };
-  const auto known = std::find_if(contacts.active.begin(), contacts.active.end(), isOfBoth);
-  return known != contacts.active.end() ? *known : contacts.dormantOf(context.scene.bodies, first, second);
-}
-
-// A light body between a heavy fast one and a plane leaves the two with more speed than a step can follow. So
-// the plane itself stops a body at half of its smallest extent, or where it was at the start of the step: it
-// is lifted up to there, and goes no deeper. That is an impulse of the plane at the foot of the body's centre.
-void liftAbovePlane(Context& context, Index plane, Index i) {
-  Bodies& bodies = context.scene.bodies;
-  const StepStore& step = context.step;
-  const Traits& body = bodies.traits[i];
-  const Pose& X_WP = bodies.pose[plane];  // at the end of the step, as that of every kinematic body
-  const double most = kThroughPlane * body.length, below = depthBelow(body, bodies.pose[i], X_WP);
-  if (below <= most) return;
-  const double before = depthBelow(body, step.before[i], step.before[plane]);
-  const double lift = below - std::max(most, before);
-  if (lift <= 0.0) return;
-  const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
-  bodies.pose[i].p_WB += lift * up_W;
-  Vec3& v_W = bodies.twist[i].v_WB;
-  const double gained = std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W));
-  v_W += gained * up_W;
-  SolvedPoint point;
-  point.feature = SolvedPoint::kLifted;
-  point.p_W = bodies.pose[i].p_WB - up_W.dot(bodies.pose[i].p_WB - X_WP.p_WB) * up_W;
-  point.n_W = plane < i ? up_W : Vec3(-up_W);
-  point.separation = lift - below;
-  point.normal_impulse = body.mass * gained;
-  contactOf(context, plane, i).addEarlier(point);
-}
-
 // An edit that moves or reshapes a body forgets its contacts, so their pairs had no points when the step began.
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
@@ -235,10 +187,6 @@ void separate(Context& context) {
     for (const Index i : context.scene.lists.in_islands) context.scene.bodies.pose[i].p_WB += ways[i];
     for (Contact* contact : crowded) keepDepth(context.scene.bodies, *contact);
   }
-  for (const Index plane : context.scene.lists.planes)
-    for (const Index i : context.scene.lists.in_islands)
-      if (mayCollide(context.scene.bodies.traits[plane], context.scene.bodies.traits[i]))
-        liftAbovePlane(context, plane, i);
   if (context.scene.just_edited) warn(context);
   context.scene.just_edited = false;
 }

@@ -18,6 +18,7 @@
 #include "step/depenetration.h"
 #include "step/impacts.h"
 #include "step/islands.h"
+#include "step/plane_stop.h"
 #include "step/sleep.h"
 #include "step/step_controller.h"
 
@@ -111,6 +112,10 @@ constexpr std::array kStages{
           bodiesOn<&BodyLists::in_islands>},
     Stage{"ballistic.integrate", ballistic::need, ballistic::run, bodiesOn<&BodyLists::ballistic>},
     Stage{"depenetration.separate", depenetration::need, depenetration::separate, candidates},
+    Stage{"planes.stop", plane_stop::need, plane_stop::run,
+          [](const SceneStore& scene, const StepStore&) {
+            return Items{scene.lists.planes.size(), "plane", "planes"};
+          }},
     Stage{"residuals.check", residuals::need, residuals::check, bodiesOn<&BodyLists::in_islands>},
     Stage{"sleep.update", needOf<Effect::Sleeping>, sleep::update, bodiesOn<&BodyLists::in_islands>},
 };

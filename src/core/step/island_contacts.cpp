@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "step/island_contacts.h"
+
+#include "step/impacts.h"
+#include "step/island_step.h"
+#include "step/islands.h"
+#include "step/missed_contacts.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace rbs {
+
+IslandContacts::IslandContacts(Context& context)
+    : context_(context),
+      step_(context.step),
+      contacts_(context.scene.contacts),
+      found_(contacts_.active.size()),
+      has_edge_(found_, 0) {
+  for (const Island& island : step_.islands)
+    for (const Edge& edge : island.edges)
+      if (edge.kind == ConstraintKind::Contact) has_edge_[edge.of] = 1;
+}
+
+Index IslandContacts::find(Index i, Index j) const {
+  const auto [a, b] = std::minmax(i, j);
+  return contacts_.find(a, b, found_);
+}
+
+Contact& IslandContacts::contactOf(Index i, Index j) {
+  const Index known = find(i, j);
+  return known != kNone ? contacts_.active[known] : contacts_.dormantOf(context_.scene.bodies, i, j);
+}
+
+Index IslandContacts::placeOf(Index i, Index j) {
+  const Index known = find(i, j);
+  return known != kNone ? known : contacts_.add(context_.scene.bodies, i, j);
+}
+
+void IslandContacts::connect(Index i, Index j, bool touches) {
+  assert(step_.island[step_.movedOf(i, j)] != kNone);
+  disturb(i, j);
+  const Index contact = placeOf(i, j);
+  PairState& state = contacts_.active[contact].state;
+  touches ? state.touch() : state.open();
+  Index a = step_.island[i], b = step_.island[j];
+  if (a == kNone) std::swap(a, b);
+  if (b != kNone && a != b) {
+    const double time = std::max(step_.islands[a].time, step_.islands[b].time);
+    for (const Index k : {std::min(a, b), std::max(a, b)}) advanceTo(context_, step_.islands[k], time);
+    a = islands::merge(context_, a, b);
+  }
+  Island& island = step_.islands[a];
+  island.touching = island.touching || touches;
+  has_edge_.resize(contacts_.active.size(), 0);
+  if (has_edge_[contact]) return;
+  has_edge_[contact] = 1;
+  if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time))
+    step_.overlapping.emplace_back(i, j);
+  island.edges.push_back(islands::edgeOf(contacts_, contact));
+}
+
+void IslandContacts::separateOrConnect(Index i, Index j) {
+  if (impacts::isFree(context_, i) && impacts::isFree(context_, j)) {
+    contacts_.active[placeOf(i, j)].state.separate();
+  } else {
+    connect(i, j, false);
+  }
+}
+
+void IslandContacts::disturb(Index i, Index j) {
+  const std::vector<Traits>& traits = context_.scene.bodies.traits;
+  for (const Index one : {i, j})
+    if (traits[one].asleep) step_.disturbed.push_back(one);
+}
+
+}  // namespace rbs

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The contacts of islands while the impacts of a step are taken: pairs that come to touch become constraints, and the
+// islands of their bodies one.
+#pragma once
+
+#include "state/context.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace rbs {
+
+class IslandContacts {
+ public:
+  explicit IslandContacts(Context& context);
+
+  /// The place of the contact of a pair, in any order, in scene.contacts.active; kNone: it has none.
+  Index find(Index i, Index j) const;
+  /// Whether an island has this contact as a constraint. A contact that came to await an impact stays one, and is left out
+  /// of solves.
+  bool isConstraint(Index contact) const { return contact < has_edge_.size() && has_edge_[contact]; }
+  /// Where the impulses of an impact of the pair are kept. The two may have been too far apart for a contact when the step
+  /// began.
+  Contact& contactOf(Index i, Index j);
+  /// Leaves a pair that touches, or may touch, to the contact solver for the rest of the step, and makes one island of
+  /// the two. Forces move one of the bodies at least. Costs what advances the island that is behind.
+  void connect(Index i, Index j, bool touches = true);
+  /// Of a pair that does not touch and has no pending impact: it is separated where both trajectories are known, else the
+  /// contact solver's business.
+  void separateOrConnect(Index i, Index j);
+  /// A sleeper that comes into play is a wall in this attempt. The step is to begin again with it awake.
+  void disturb(Index i, Index j);
+
+ private:
+  Index placeOf(Index i, Index j);  // it is added where it is not there
+
+  Context& context_;
+  StepStore& step_;
+  Contacts& contacts_;
+  std::size_t found_;           // pairs of the broad phase; later ones are not sorted
+  std::vector<char> has_edge_;  // by contact
+};
+
+}  // namespace rbs
