@@ -181,6 +181,12 @@ struct ErrorEstimate {
 
 /// A world at one instant between two steps: an immutable copy, which any thread may keep and read. Before
 /// the first step, fields about the last step are empty or 0.
+/// A warning of a step of a Simulator, with its number among all of them.
+struct NumberedWarning {
+  std::uint64_t number = 0;  ///< from 1 on; it goes on from world to world
+  Warning warning;
+};
+
 struct Snapshot {
   std::string scene;        ///< name of the scene
   double time = 0.0;        ///< physics time since the scene began, s
@@ -224,6 +230,9 @@ struct Snapshot {
   std::uint64_t revision = 0;  ///< number of the last edit of Simulator::apply(), load() or reset(). An
                                ///< undo goes back to an earlier number
   bool unsaved = false;        ///< whether no file holds the bodies as that edit has left them
+  /// The last warnings, the oldest first, 100 at most; not null. One that the step before gave too is not there again.
+  std::shared_ptr<const std::vector<NumberedWarning>> warnings =
+      std::make_shared<std::vector<NumberedWarning>>();
   double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it, s
 
   /// Index of the body of this name in `bodies` and `states`, or -1. It searches all bodies.

@@ -11,12 +11,6 @@
 namespace rbs {
 namespace {
 
-bool contains(const std::vector<Warning>& warnings, const Warning& warning) {
-  return std::any_of(warnings.begin(), warnings.end(), [&](const Warning& other) {
-    return other.kind == warning.kind && other.text == warning.text;
-  });
-}
-
 bool isEdited(const BodyDescription& before, const BodyDescription& now) {
   return describe(before) != describe(now) || before.color != now.color || before.group != now.group ||
          before.mask != now.mask || before.material.drag_coefficient != now.material.drag_coefficient;
@@ -69,9 +63,8 @@ void EventPublisher::compareRun(const Snapshot& before, const Snapshot& now) {
     if (stage.active != before.pipeline[k].active)
       ROS_INFO_STREAM_NAMED("pipeline", stage.name << (stage.active ? " on: " : " off: ") << stage.reason);
   }
-  for (const Warning& warning : now.report.warnings) {
-    if (!contains(before.report.warnings, warning)) send("warning", "", warning.kind + ": " + warning.text);
-  }
+  for (const Warning& warning : new_warnings_.take(now))
+    send("warning", "", warning.kind + ": " + warning.text);
 }
 
 void EventPublisher::send(const std::string& kind, const std::string& body, const std::string& text) {

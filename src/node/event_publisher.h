@@ -3,6 +3,7 @@
 // matter whether a service, a marker or a topic did it.
 #pragma once
 
+#include "new_warnings.h"
 #include "timeline.h"
 #include "topic.h"
 
@@ -22,6 +23,7 @@ class EventPublisher {
   ros::Publisher publisher_;
   ros::Time stamp_;
   std::shared_ptr<const Snapshot> last_;
+  NewWarnings new_warnings_;
 };
 
 }  // namespace rbs

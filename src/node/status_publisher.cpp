@@ -64,7 +64,6 @@ void fillReport(const StepReport& report, rigid_body_sim::Status& msg) {
   msg.deferred_impacts = report.deferred_impacts;
   msg.repeated = report.repeated;
   msg.deepest_penetration = finite(report.deepest_penetration);
-  for (const Warning& warning : report.warnings) msg.warnings.push_back(warning.kind + ": " + warning.text);
 }
 
 void fillTotals(const Totals& totals, rigid_body_sim::Status& msg) {
@@ -164,9 +163,11 @@ StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulat
 }
 
 void StatusPublisher::publish(const Timeline::Moment& moment) {
+  const std::vector<Warning> warnings = new_warnings_.takeWithLast(*moment.snapshot);
   if (status_.wanted(true)) {
     rigid_body_sim::Status msg = statusMsg(moment, simulator_.pace());
     msg.estimates_error = simulator_.estimatesErrors();
+    for (const Warning& warning : warnings) msg.warnings.push_back(warning.kind + ": " + warning.text);
     if (const std::optional<double> lag = reference_run_.lag(msg.time)) msg.ghost_lag.push_back(*lag);
     status_.send(msg);
   }
@@ -192,7 +193,8 @@ void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWra
   status.summary(Level::OK, inWords(pace));
   if (fallsBehind(pace))
     status.mergeSummary(Level::WARN, "below the requested speed: " + bottleneck(pace, snapshot));
-  for (const Warning& warning : snapshot.report.warnings) status.mergeSummary(Level::WARN, warning.text);
+  for (const Warning& warning : undiagnosed_.takeWithLast(snapshot))
+    status.mergeSummary(Level::WARN, warning.text);
   if (frozen > 0) status.mergeSummary(Level::ERROR, bodyCount(frozen) + " frozen: delete or reset");
   status.add("scene", snapshot.scene);
   status.add("bodies", snapshot.bodies->size());

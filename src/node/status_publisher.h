@@ -2,6 +2,7 @@
 // Publishes the state of the simulation: ~status, ~wind, /diagnostics and the line on the terminal.
 #pragma once
 
+#include "new_warnings.h"
 #include "reference_run.h"
 #include "timeline.h"
 #include "topic.h"
@@ -26,6 +27,7 @@ class StatusPublisher {
   Topic status_, wind_;
   diagnostic_updater::Updater diagnostics_;
   std::shared_ptr<const Snapshot> diagnosed_;
+  NewWarnings new_warnings_, undiagnosed_;
 };
 
 /// One line about the simulation, for a terminal.

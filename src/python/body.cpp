@@ -4,6 +4,8 @@
 #include "shapes.h"
 #include "values.h"
 
+#include "rigid_body_sim/scenes.h"
+
 #include <pybind11/stl.h>
 
 #include <array>
@@ -160,6 +162,18 @@ void bindBody(py::module_& module) {
       .def("__copy__", copy)
       .def(
           "__deepcopy__", [copy](const BodyDef& body, py::handle) { return copy(body); }, py::arg("memo"))
+      .def(py::pickle(
+          [](const BodyDef& body) {
+            SceneDef scene;
+            scene.bodies = {body};
+            return py::make_tuple(writeScene(scene, std::nullopt), body.name);
+          },
+          [](const py::tuple& state) {
+            auto body = std::make_shared<BodyDef>(
+                parseScene(state[0].cast<std::string>(), "pickle").scene.bodies.at(0));
+            body->name = state[1].cast<std::string>();
+            return body;
+          }))
       .def("__repr__", &describe);
 }
 

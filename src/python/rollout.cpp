@@ -9,6 +9,8 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <set>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -21,6 +23,7 @@ struct Results {
   std::size_t samples, bodies;
   double *states, *times;
   std::uint64_t* hashes;
+  std::vector<std::set<std::string>> flags;  // of each scene
 
   /// A sample of a run. What it has no bodies for is NaN.
   void write(std::size_t run, std::size_t sample, const World& world) const {
@@ -36,7 +39,7 @@ struct Results {
 /// Runs the scenes on threads, each on the one that comes to it first. What a run does depends on its scene alone.
 class Runs {
  public:
-  Runs(std::vector<SceneFile> scenes, std::uint64_t steps, std::uint64_t every, const Results& results)
+  Runs(std::vector<SceneFile> scenes, std::uint64_t steps, std::uint64_t every, Results& results)
       : scenes_(std::move(scenes)), steps_(steps), every_(every), results_(results) {}
   ~Runs() { stop(); }
   Runs(const Runs&) = delete;
@@ -92,7 +95,7 @@ class Runs {
     World world(std::move(file.scene), file.state);
     results_.write(run, 0, world);
     for (std::uint64_t step = 1; step <= steps_ && !stopping_; ++step) {
-      world.step();
+      for (const Warning& warning : world.step().warnings) results_.flags[run].insert(warning.kind);
       if (step % every_ == 0) results_.write(run, step / every_, world);
     }
     results_.hashes[run] = world.stateHash();
@@ -116,7 +119,7 @@ class Runs {
 
   std::vector<SceneFile> scenes_;
   const std::uint64_t steps_, every_;
-  const Results results_;
+  Results& results_;
   std::vector<std::thread> threads_;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> stopping_{false};
@@ -159,12 +162,19 @@ py::object rollout(py::handle scenes, py::handle steps, py::handle every, py::ha
   for (const SceneFile& file : files) bodies = std::max(bodies, file.scene.bodies.size());
   py::array_t<double> states({count, samples, bodies, std::size_t{kStateLength}}), times({count, samples});
   py::array_t<std::uint64_t> hashes(static_cast<py::ssize_t>(count));
-  const Results results{samples, bodies, states.mutable_data(), times.mutable_data(), hashes.mutable_data()};
+  Results results{samples, bodies, states.mutable_data(), times.mutable_data(), hashes.mutable_data(), {}};
+  results.flags.resize(count);
 
   Runs runs(std::move(files), n, stride, results);
   waitFor(runs, most);
   runs.rethrow();
-  return typeNamed("Rollout")(states, times, hashes);
+  py::tuple flags(count);
+  for (std::size_t run = 0; run < count; ++run) {
+    py::list kinds;
+    for (const std::string& kind : results.flags[run]) kinds.append(kind);
+    flags[run] = py::tuple(kinds);
+  }
+  return typeNamed("Rollout")(states, times, hashes, flags);
 }
 
 }  // namespace
@@ -173,13 +183,16 @@ void bindRollout(py::module_& module) {
   module.def(
       "rollout", &rollout, py::arg("scenes"), py::arg("steps"), py::arg("every") = 1, py::arg("threads") = 1,
       Doc("Runs many scenes on threads, without the lock of the interpreter, and returns a Rollout: (states, "
-          "times, hashes).\n\nscenes: Scene objects, one or more, each a run of its own. steps: of each run, "
+          "times, hashes, flags).\n\nscenes: Scene objects, one or more, each a run of its own. steps: of "
+          "each run, "
           "1 or more. every: a sample every so many steps,\na divisor of steps; the first sample is before "
           "the first step, so there are steps / every + 1 of them.\nthreads: 1 to 256; results are equal for "
           "every number, bit for bit.\n\nstates is (scenes, samples, bodies, 13): position (m), orientation "
           "[x, y, z, w], velocity (m/s), angular velocity\n(rad/s), in W, of each body in the order of its "
           "scene; NaN where a scene has fewer bodies than another. times is\n(scenes, samples), s. hashes is "
-          "(scenes,), World.state_hash() at the end.\n\nRaises InvalidInput for a faulty scene, with its "
+          "(scenes,), World.state_hash() at the end. flags has a tuple for each scene: the kinds of warnings "
+          "that its steps gave,\nsuch as 'non_finite' where a body was stopped; empty: none.\n\nRaises "
+          "InvalidInput for a faulty scene, with its "
           "number: 'scenes[3].bodies[0].mass: ...'. Ctrl-C raises KeyboardInterrupt."));
 }
 

@@ -46,7 +46,8 @@ Scene load(const py::object& name_or_path, const py::object& seed) {
   return Scene(std::move(file));
 }
 
-Scene parse(const std::string& text, const std::string& source, const py::object& seed) {
+Scene parse(py::handle given_text, py::handle given_source, const py::object& seed) {
+  const std::string text = toText(given_text, "text"), source = toText(given_source, "source");
   const std::optional<std::uint64_t> given = toSeed(seed);
   SceneFile file;
   {
@@ -181,8 +182,10 @@ void bindContents(Class& type) {
   type.def_property(
           "bodies", [](const Scene& scene) { return scene.bodies; },
           [](Scene& scene, py::handle bodies) {
-            toBodies(bodies, "bodies");
-            scene.bodies = py::list(py::reinterpret_borrow<py::object>(bodies));
+            if (!py::isinstance<py::iterable>(bodies)) refuse("bodies", textOf(bodies), "a list of Body");
+            py::list listed(py::reinterpret_borrow<py::object>(bodies));  // what is iterable may be so once
+            toBodies(listed, "bodies");
+            scene.bodies = std::move(listed);
           },
           "The list of Body, in the order in which a world makes them. It can be changed in place.")
       .def_property_readonly(
@@ -209,7 +212,9 @@ SceneFile Scene::file() const {
 }
 
 void writeText(const py::object& path, const std::string& text, bool overwrite) {
-  const std::string file = fs::absolute(toPath(path)).string();
+  const std::string name = toPath(path);
+  if (name.empty()) refuse("path", "''", "the path of a file");
+  const std::string file = fs::absolute(name).string();
   const py::gil_scoped_release release;
   writeFile(file, text, overwrite);
 }

@@ -7,7 +7,9 @@
 #include "rigid_body_sim/commands.h"
 
 #include <chrono>
+#include <set>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace rbs::python {
@@ -28,11 +30,27 @@ class Busy {
 // Without the lock of the interpreter; then signals get their turn.
 constexpr std::chrono::milliseconds kChunk{20};
 
+/// The warnings of several steps, each once, as far as there are not too many.
+class Warnings {
+ public:
+  void add(const std::vector<Warning>& warnings) {
+    for (const Warning& warning : warnings)
+      if (all_.size() < kMost && known_.emplace(warning.kind, warning.text).second) all_.push_back(warning);
+  }
+  std::vector<Warning> all() && { return std::move(all_); }
+
+ private:
+  static constexpr std::size_t kMost = 1000;
+  std::set<std::pair<std::string, std::string>> known_;
+  std::vector<Warning> all_;
+};
+
 /// Takes `left` steps, or as many as there is time for in a chunk, at least one, and counts `left` down.
-const StepReport& stepForAChunk(World& world, std::uint64_t& left) {
+const StepReport& stepForAChunk(World& world, std::uint64_t& left, Warnings& warnings) {
   const auto end = std::chrono::steady_clock::now() + kChunk;
   while (true) {
     const StepReport& report = world.step();
+    warnings.add(report.warnings);
     if (--left == 0 || std::chrono::steady_clock::now() > end) return report;
   }
 }
@@ -103,10 +121,11 @@ void bindTime(WorldClass& type) {
   type.def(
           "step", [](PyWorld& world, py::handle n) { return world.step(toWhole(n, "n", 1)); },
           py::arg("n") = 1,
-          Doc("Takes n steps (1 or more) of the scene's length, and returns the StepReport of the "
-              "last.\n\nOther threads of Python run meanwhile; the world refuses all their calls with "
-              "RuntimeError. Trouble never raises: it is\nin the report's warnings. Ctrl-C raises "
-              "KeyboardInterrupt between two steps; `steps` is how many were taken."))
+          Doc("Takes n steps (1 or more) of the scene's length, and returns the StepReport of the last, with "
+              "the warnings of all of\nthem, each once, 1,000 at most.\n\nOther threads of Python run "
+              "meanwhile; the world refuses all their calls with RuntimeError. Trouble never raises: it "
+              "is\nin the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` is "
+              "how many were taken."))
       .def_property(
           "threads", [](const PyWorld& world) { return world.read().threads(); },
           [](PyWorld& world, py::handle n) {
@@ -134,8 +153,8 @@ void bindReading(WorldClass& type) {
           Doc("The properties of the bodies, in the order of the arrays: a tuple of BodyDescription."))
       .def(
           "find",
-          [](const PyWorld& world, const std::string& name) -> py::object {
-            const BodyId id = world.read().find(name);
+          [](const PyWorld& world, py::handle name) -> py::object {
+            const BodyId id = world.read().find(toText(name, "name"));
             return id ? py::object(py::int_(id.serial)) : py::none();
           },
           py::arg("name"), Doc("The handle of the body of this name, or None."))
@@ -223,13 +242,18 @@ std::shared_ptr<const Snapshot> PyWorld::snapshot() {
 StepReport PyWorld::step(std::uint64_t n) {
   World& world = change();
   const Busy busy(busy_);
+  Warnings warnings;
   while (true) {
-    const StepReport* report = nullptr;
+    const StepReport* last = nullptr;
     {
       const py::gil_scoped_release release;
-      report = &stepForAChunk(world, n);
+      last = &stepForAChunk(world, n, warnings);
     }
-    if (n == 0) return *report;
+    if (n == 0) {
+      StepReport report = *last;
+      report.warnings = std::move(warnings).all();
+      return report;
+    }
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   }
 }

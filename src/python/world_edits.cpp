@@ -231,8 +231,8 @@ void bindJournal(WorldClass& type) {
                "YAML.\n\njournal: a function, which may not use the world, or None."))
       .def(
           "execute",
-          [](PyWorld& world, const std::string& command, const std::string& source) {
-            execute(world.change(), parseCommand(command, source));
+          [](PyWorld& world, py::handle command, py::handle source) {
+            execute(world.change(), parseCommand(toText(command, "command"), toText(source, "source")));
           },
           py::arg("command"), py::arg("source") = "command",
           Doc("Executes a command, as a journal or ~commands of a simulator has it.\n\nsource: names the "

@@ -216,7 +216,8 @@ void SimulationPanel::showUnsaved(bool is_unsaved) {
 
 void SimulationPanel::countWarnings(int count) {
   const int page = pages_->indexOf(warnings_);
-  pages_->setTabText(page, count == 0 ? QString("Warnings") : QString("Warnings (%1)").arg(count));
+  const QString counted = count == 1 ? "1 warning" : QString("%1 warnings").arg(count);
+  pages_->setTabText(page, count == 0 ? "Warnings" : counted);
 }
 
 void SimulationPanel::look(const rigid_body_sim::Status& status) {

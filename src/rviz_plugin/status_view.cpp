@@ -65,7 +65,8 @@ void StatusView::show(const rigid_body_sim::Status& status) {
   energy_->setText(QString::number(energy, 'g', 5) + " J");
   impacts_->setText(QString::number(status.impacts));
   deepest_->setText(QString::fromStdString(lengthText(status.deepest_penetration)));
-  slow_->setText(status.bottleneck.empty() ? "–" : QString::fromStdString(status.bottleneck));
+  const QString slow = status.bottleneck.empty() ? "–" : QString::fromStdString(status.bottleneck);
+  slow_->setText(slow_->fontMetrics().elidedText(slow, Qt::ElideRight, slow_->width()));
   slow_->setToolTip(lossInWords(status));
   step_time_->setText(QString::number(1e3 * status.step_seconds, 'f', 3) + " ms");
 }

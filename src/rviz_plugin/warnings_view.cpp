@@ -6,6 +6,8 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
+#include <utility>
+
 namespace rbs {
 namespace {
 
@@ -35,6 +37,7 @@ WarningsView::WarningsView() : list_(new QTreeWidget) {
 }
 
 void WarningsView::show(const rigid_body_sim::Status& status) {
+  if (std::exchange(world_, status.world) != status.world) clear();
   if (status.warnings.empty()) return;
   for (const std::string& warning : status.warnings) add(QString::fromStdString(warning), status.time);
   while (count() > kKept) delete list_->takeTopLevelItem(count() - 1);

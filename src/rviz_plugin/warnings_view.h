@@ -8,9 +8,12 @@
 #include <QTreeWidget>
 #include <QWidget>
 
+#include <cstdint>
+
 namespace rbs {
 
-/// The newest is on top. A warning that comes again moves up and is counted.
+/// The newest is on top. A warning that comes again moves up and is counted. Those of another world go: a scene that is loaded,
+/// reset or undone has its own time and bodies.
 class WarningsView : public QWidget {
   Q_OBJECT
  public:
@@ -27,6 +30,7 @@ class WarningsView : public QWidget {
   void add(const QString& text, double time);
 
   QTreeWidget* list_;
+  std::uint64_t world_ = 0;  ///< Status::world
 };
 
 }  // namespace rbs

@@ -12,6 +12,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from importlib.machinery import SourceFileLoader
 from unittest import mock
@@ -344,6 +345,26 @@ class ClientTest(unittest.TestCase):
         with open('/dev/full', 'w') as full:
             result = subprocess.run([RBS, 'list'], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
         self.assertEqual((result.returncode, result.stderr), (1, 'rbs: cannot write the answer: No space left on device\n'))
+
+    def test_a_node_that_gives_no_sign_of_life_is_exit_code_3(self):
+        with NodeThatHangs() as node:
+            for command in (['list'], ['step', '5'], ['load', 'tower']):
+                begin = time.monotonic()
+                result = rbs('--node', node.name, '--timeout', 2, *command)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                self.assertIn('has not answered in 2 s, nor sent a status', result.stderr)
+                self.assertLess(time.monotonic() - begin, 30)
+
+    def test_a_node_that_works_is_waited_for(self):
+        before = self.time()
+        process = subprocess.Popen([RBS, '--timeout', '2', 'step', '1000000'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        wait(lambda: self.time() > before, 'the steps are taken')
+        time.sleep(6)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=20)
+        self.assertEqual(process.returncode, 130)
 
     def test_a_node_that_was_killed_is_exit_code_3(self):
         node = NodeThatHangs()

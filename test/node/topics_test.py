@@ -233,6 +233,23 @@ class TopicsTest(unittest.TestCase):
         call('redo')
         told('redone', '')
 
+    def test_the_status_tells_of_trouble_that_lasts_for_a_step(self):
+        status = self.listen('/sim/status', Status)
+        wait(status.all, 'statuses come')
+        call('set_speed', speed=5.0)
+        self.addCleanup(call, 'set_speed', speed=1.0)
+        self.events.clear()
+        for k in range(5):
+            name = 'twin_%d' % k
+            call('pause')
+            call('spawn_body', name=name, pose=at(3 * k, 30, 2.5), size=Vector3(0.5, 0.5, 0.5))
+            call('spawn_body', pose=at(3 * k, 30, 2.55), size=Vector3(0.5, 0.5, 0.5))
+            call('resume')
+            wait(lambda: [m for m in self.events.all() if m.kind == 'warning' and name in m.text], 'an event tells of ' + name)
+            wait(lambda: [w for m in status.all() for w in m.warnings if w.startswith('overlap: ') and name in w],
+                 'a status tells of ' + name)
+        call('pause')
+
     def test_diagnostics_speak_of_the_simulation(self):
         diagnostics = self.listen('/diagnostics', DiagnosticArray)
         wait(lambda: [s for m in diagnostics.all() for s in m.status if 'sim' in s.name], 'diagnostics come')

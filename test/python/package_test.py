@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The package as people import it: messages without the physics, physics without ROS, stubs that are true, docstrings."""
+import dataclasses
 import inspect
 import os
 import pathlib
@@ -11,6 +12,7 @@ import tempfile
 import unittest
 
 import rigid_body_sim as rbs
+from rigid_body_sim import _types
 
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGES = str(pathlib.Path(rbs.__file__).parents[1])
@@ -130,6 +132,17 @@ class DocsTest(unittest.TestCase):
                 self.assertTrue(getattr(owner, name).__doc__, '%s.%s' % (owner.__name__, name))
         for function in FUNCTIONS:
             self.assertGreater(len(function.__doc__), 40, function)
+
+    def test_fields_are_documented_with_their_units(self):
+        types = [value for value in vars(_types).values()
+                 if isinstance(value, type) and (hasattr(value, '_fields') or dataclasses.is_dataclass(value))]
+        self.assertGreater(len(types), 20)
+        for owner in types:
+            for field in getattr(owner, '_fields', None) or [f.name for f in dataclasses.fields(owner)]:
+                self.assertRegex(owner.__doc__, r'(?m)^ *%s: \S' % field, owner)
+            for field in getattr(owner, '_fields', ()):
+                self.assertNotIn('Alias for', getattr(owner, field).__doc__)
+        self.assertIn('kg m²/s', rbs.Totals.angular_momentum.__doc__)
 
     def test_signatures_can_be_read(self):
         self.assertEqual(str(inspect.signature(rbs.World.step)), '(self, n=1)')

@@ -39,9 +39,20 @@ class RolloutTest(unittest.TestCase):
 
     def test_every_step_is_a_sample_unless_asked_otherwise(self):
         scene = rbs.Scene.load('ball_hits_wall')
-        states, times, hashes = rbs.rollout([scene], 5)
+        states, times, hashes, flags = rbs.rollout([scene], 5)
+        self.assertEqual(flags, ((),))
         self.assertEqual((states.shape, times.shape, hashes.shape), ((1, 6, 3, 13), (1, 6), (1,)))
         self.assertEqual(rbs.rollout(iter([scene]), steps=6, every=6).states.shape, (1, 2, 3, 13))
+
+    def test_a_run_in_which_a_body_was_stopped_is_flagged(self):
+        sound, lost = rbs.Scene.load('ball_hits_wall'), rbs.Scene.load('ball_hits_wall')
+        lost.bodies[-1].position = [9.9e8, 0, 0]
+        lost.bodies[-1].velocity = [9.9e5, 0, 0]
+        lost.step = 1
+        flags = rbs.rollout([sound, lost, sound], 120, 120, 2).flags
+        self.assertEqual(flags[0], ())
+        self.assertIn('non_finite', flags[1])
+        self.assertEqual(flags[2], ())
 
     def test_a_scene_does_not_change(self):
         scene = scenes()[-1]

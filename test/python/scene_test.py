@@ -111,6 +111,20 @@ class BuiltTest(unittest.TestCase):
         self.assertEqual((world.names, world.positions[0, 2], world.bodies()[0].mass), (['box_1', 'ball'], 4.0, 7.0))
         self.assertEqual(world.scene.gravity.tolist(), [0, 0, -1])
 
+    def test_bodies_may_come_from_a_generator(self):
+        bodies = [rbs.Body(position=[3 * k, 0, 0]) for k in range(3)]
+        for given in (bodies, tuple(bodies), iter(bodies), (body for body in bodies), map(rbs.Body.copy, bodies)):
+            self.assertEqual(len(rbs.World(rbs.Scene(given)).names), 3)
+        scene = rbs.Scene()
+        scene.bodies = (body for body in bodies)
+        self.assertEqual(len(scene.bodies), 3)
+
+    def test_equal_shapes_are_equal_however_they_were_given(self):
+        self.assertEqual(rbs.Box([1, 2, 3]), rbs.Box(np.array([1.0, 2.0, 3.0])))
+        self.assertEqual(len({rbs.Box([1, 2, 3]), rbs.Box((1, 2, 3)), rbs.Box([1, 2, 4])}), 2)
+        self.assertEqual(rbs.Wind(velocity=[1, 0, 0]), rbs.Wind(velocity=(1.0, 0, 0)))
+        self.assertEqual(rbs.View(eye=[1, 0, 0]), rbs.View(eye=np.array([1, 0, 0])))
+
     def test_a_view_of_a_body_outlives_it(self):
         position = rbs.Body(position=[1, 2, 3]).position
         self.assertEqual(position.tolist(), [1, 2, 3])
@@ -126,6 +140,9 @@ class BuiltTest(unittest.TestCase):
         for other in (body.copy(), copy.copy(body), copy.deepcopy(body)):
             other.friction = 9
             self.assertEqual(body.friction, 0.3)
+        for body in scene.bodies:  # also without a name
+            twin = pickle.loads(pickle.dumps(body))
+            self.assertEqual((rbs.Scene([twin]).to_yaml(), twin.name), (rbs.Scene([body]).to_yaml(), body.name))
 
     def test_a_file_is_written_whole_and_not_over_another(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -173,6 +190,12 @@ class RefusedTest(unittest.TestCase):
         self.refused(r"^name: '\\udcff' .*a text of Unicode", lambda: rbs.Body(name='\udcff'))
         self.refused(r"^kind: '\\udcff' .*a text of Unicode", lambda: rbs.Body(kind='\udcff'))
         self.refused('^path: None ', lambda: rbs.Scene.load(None))
+        self.refused("^path: '' ", lambda: rbs.Scene(name='x').save(''))
+        self.refused('^text: 3 .*a text', lambda: rbs.Scene.parse(3))
+        self.refused('^source: 3 .*a text', lambda: rbs.Scene.parse('', 3))
+        world = rbs.World(rbs.Scene())
+        self.refused('^name: 3 .*a text', lambda: world.find(3))
+        self.refused('^command: None .*a text', lambda: world.execute(None))
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, 'a\udcff.yaml')  # the byte 0xff, which is no UTF-8
             rbs.Scene(name='x').save(file)

@@ -141,6 +141,37 @@ class TimeTest(unittest.TestCase):
         self.assertEqual(warnings[0].kind, 'overlap')
         self.assertGreater(len(warnings[0].text), 20)
 
+    def test_trouble_of_an_early_step_is_told_by_a_call_of_many(self):
+        scene = rbs.Scene([rbs.Body(position=[0, 0, 0.001 * k]) for k in range(8)])
+        single, many = rbs.World(scene), rbs.World(scene)
+        told = []
+        for _ in range(50):
+            told += [warning for warning in single.step().warnings if warning not in told]
+        self.assertEqual(single.report.warnings, ())
+        self.assertEqual(list(many.step(50).warnings), told)
+        self.assertEqual(many.report.warnings, ())
+
+    def test_a_forked_process_uses_what_it_inherits(self):
+        world = world_of('mixed_rain', 5)
+        world.threads = 3
+        world.step(20)
+        after = world.copy()
+        after.step(5)
+        for what in ('world.step(5)', 'twin = world.copy(); twin.threads = 2; twin.step(5); world = twin', 'del world'):
+            child = os.fork()
+            if child == 0:
+                names = {'world': world}
+                world = None
+                try:
+                    signal.alarm(60)
+                    exec(what, names)
+                    os._exit(0 if 'world' not in names or names['world'].state_hash() == after.state_hash() else 1)
+                except BaseException:
+                    os._exit(2)
+            self.assertEqual(os.waitpid(child, 0)[1], 0, what)
+        world.step(5)
+        self.assertEqual(world.state_hash(), after.state_hash())
+
 
 class VerbsTest(unittest.TestCase):
     def setUp(self):

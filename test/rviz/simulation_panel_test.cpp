@@ -3,6 +3,7 @@
 #include "wait_for.h"
 
 #include "effects_view.h"
+#include "hearing.h"
 #include "icons.h"
 #include "node_box.h"
 #include "pipeline_tree.h"
@@ -455,8 +456,29 @@ TEST(WarningsView, CountsWhatComesAgainAndKeepsABoundedList) {
   EXPECT_EQ(list.topLevelItem(0)->text(2), "warning 299");
   EXPECT_EQ(list.topLevelItem(1)->text(2), "again");
   EXPECT_EQ(list.topLevelItem(1)->text(1), "300");
+  status.warnings.clear();
+  view.show(status);
+  EXPECT_EQ(view.count(), 200);
+  ++status.world;  // another scene, whose time and bodies are others
+  view.show(status);
+  EXPECT_EQ(view.count(), 0);
+  status.warnings = {"again"};
+  view.show(status);
+  EXPECT_EQ(view.count(), 1);
   view.clear();
   EXPECT_EQ(view.count(), 0);
+}
+
+// While RViz has a dialog of its own open, Qt goes on and no message comes.
+TEST(Hearing, IsNotLostWhileNoMessagesAreTaken) {
+  Hearing hearing;
+  hearing.hear();
+  for (int k = 0; k < 40; ++k) {
+    QTest::qWait(100);
+    ASSERT_TRUE(hearing.isHeard()) << k;
+  }
+  EXPECT_TRUE(waitFor([&] { return !hearing.isHeard(); }))
+      << "once messages are taken, and none is of the node";
 }
 
 TEST(PipelineTree, PutsPartsBelowTheirStage) {

@@ -250,6 +250,14 @@ class SlurmTest(SweepCase):
         self.assertEqual(done.returncode, 2)
         self.assertIn('nowhere', done.stderr)
 
+    def test_a_folder_may_have_any_name_that_slurm_takes(self):
+        self.sound('--workers', '1', '--output', self.folder / 'one')
+        self.sound('--slurm', 'test', '--output', self.folder / "50%A it's ö", env=self.cluster.environment)
+        self.assertEqual(self.hashes("50%A it's ö"), self.hashes('one'))
+        done = self.sweep('--slurm', 'test', '--output', self.folder / 'ba\\ck', env=self.cluster.environment)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn('Slurm takes no folder', done.stderr)
+
     def test_a_restarted_controller_and_a_cancelled_job_lose_nothing(self):
         self.write(TRAPS, 'traps.py')
         self.write(BALLS.replace('measure: {', 'measure: {slow: {python: "traps.py:slowly"}, '))

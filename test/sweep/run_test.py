@@ -346,6 +346,48 @@ class ProgramTest(SweepCase):
                    '"bodies[ball].velocity[1]": [1]}')
         self.sound('--only', '0')
 
+    def test_a_draw_that_is_no_scene_is_the_result_of_its_run(self):
+        draws = 'scene: ball_hits_wall\nsteps: 1\nrepeats: 30\nvary:\n  bodies[ball].mass: {normal: [0, 1]}\n'
+        self.refused(draws + '  bodies[ball].friction: [0.1, -1]', 'vary.bodies[ball].friction = -1')
+        self.refused(draws.replace('mass', 'mas'), 'vary.bodies[ball].mas = ', 'unknown key')
+        self.refused(draws.replace('[0, 1]', '[-9, 1]'), 'vary.bodies[ball].mass = -')
+        self.refused(draws.replace('ball].mass', 'boll].mass'), "no entry is named 'boll'")
+        self.write('scene: ball_hits_wall\nsteps: 1\nrepeats: 30\nvary:\n  bodies[ball].mass: {normal: [0, 1]}\n'
+                   '  bodies[ball].friction: [0.1, 0.2]\nmeasure: {e: energy}\n')
+        self.sound('--workers', '1')
+        status = self.results()['status'].tolist()
+        self.assertEqual(set(status), {'ok', 'refused'})
+        self.assertGreater(status.count('ok'), 15)
+
+    def test_what_is_hardly_meant_is_told(self):
+        ball = 'scene: ball_hits_wall\nmeasure: {e: energy}\n'
+        for text, said in (('duration: 0.1\nrepeats: 3\n', 'nothing is drawn: all repeats are the same run'),
+                           ('duration: 1\nvary: {step: [0.1, 0.3]}\n',
+                            'duration 1 s is no whole number of steps of 0.3 s: such runs end at 0.9 s'),
+                           ('duration: 1\n', None), ('steps: 3\nrepeats: 2\nvary: {seed: run_seed}\n', None)):
+            self.write(ball + text)
+            done = self.sweep('--dry-run')
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(said or '', done.stderr)
+            self.assertEqual(done.stderr == '', said is None, done.stderr)
+
+    def test_one_run_is_no_quicker_on_two_workers(self):
+        self.write('scene: ball_hits_wall\nsteps: 2000\n')
+        said = self.sound('--dry-run', '--workers', '8')
+        alone, together = (line.rsplit(': ', 1)[1] for line in said.splitlines()[1:3])
+        self.assertEqual(alone, together + ' of one core')
+
+    def test_long_rows_of_numbers_are_left_out_of_the_table_of_words(self):
+        self.write('import numpy\n\n\ndef long(world, parameters):\n    return numpy.arange(600000.0)\n', 'f.py')
+        self.write('scene: ball_hits_wall\nsteps: 1\nrepeats: 2\nvary: {seed: run_seed}\n'
+                   'measure: {long: {python: "f.py:long"}, p: {final_position: ball}}\n')
+        self.sound('--workers', '1')
+        with open(self.folder / 's.sweep/results.csv', encoding='utf-8') as file:
+            header = file.readline().strip().split(',')
+        self.assertIn('p_2', header)
+        self.assertNotIn('long_0', header)
+        self.assertEqual(self.results()['metrics/long'].shape, (2, 600000))
+
     def test_no_long_axis_keeps_the_others_from_being_tried(self):
         self.refused('scene: ball_hits_wall\nduration: 1\nvary:\n  bodies[ball].friction: [0.5, -1]\n'
                      '  bodies[ball].mass: {range: [1, 2], count: 2000}\n', 'vary.bodies[ball].friction = -1')
@@ -418,7 +460,7 @@ class ProgramTest(SweepCase):
         self.assertEqual(self.parts(), before)
 
     def test_a_plan_without_runs_and_one_that_is_damaged(self):
-        self.write(FALL + 'steps: 1\nrepeats: 4\nmeasure: {e: energy}\n')
+        self.write(FALL + 'steps: 1\nrepeats: 4\nvary: {seed: run_seed}\nmeasure: {e: energy}\n')
         self.sound('--workers', '1')
         whole = self.hashes()
         shutil.rmtree(self.folder / 's.sweep/parts')
@@ -507,7 +549,7 @@ class ProgramTest(SweepCase):
     def test_charts(self):
         self.write('scene: ball_hits_wall\nduration: 0.5\nrepeats: 20\n'
                    'vary: {fidelity: [preview, accurate], "bodies[ball].velocity[0]": {uniform: [3, 5]}}\n'
-                   'measure: {p: {final_position: ball}, e: energy, none: {time_to_rest: 1.0e-9}}\n')
+                   'measure: {p: {final_position: ball}, e: energy, none: {time_to_rest: 1.0e-9}, s: states}\n')
         self.sound('--workers', '1')
         for arguments in (('e', 'fidelity'), ('cpu_seconds', 'fidelity'), ('p_0', 'bodies[ball].velocity[0]', 'fidelity')):
             path = self.sound('--chart', *arguments).strip()
@@ -516,7 +558,7 @@ class ProgramTest(SweepCase):
         for arguments, said in ((('q', 'fidelity'), "no metric 'q' (there are: e, none, p_0 to p_2, time, steps, seconds, cpu_seconds)"),
                                 (('e', 'mass'), "no parameter 'mass' (there are: bodies[ball].velocity[0], fidelity)"),
                                 (('none', 'fidelity', 'fidelity'), "no run has a value of 'none'"),
-                                (('p', 'fidelity'), "no metric 'p'"), (('p_3', 'fidelity'), "no metric 'p_3'")):
+                                (('p', 'fidelity'), "no metric 'p'"), (('s', 'fidelity'), "metric 's' is a table of each run"), (('p_3', 'fidelity'), "no metric 'p_3'")):
             done = self.sweep('--chart', *arguments)
             self.assertEqual(done.returncode, 2)
             self.assertIn(said, done.stderr)

@@ -2,8 +2,11 @@
 #include "base/workers.h"
 
 #include <algorithm>
+#include <new>
 #include <system_error>
 #include <utility>
+
+#include <pthread.h>
 
 namespace rbs {
 
@@ -20,6 +23,14 @@ std::uint64_t numberOf(std::uint64_t left) {
 }
 
 thread_local unsigned self_of_thread = 0;
+
+std::atomic<unsigned> forks{0};  // from the first process to this one
+
+unsigned countForks() {
+  static const int registered = pthread_atfork(nullptr, nullptr, [] { ++forks; });
+  static_cast<void>(registered);
+  return forks;
+}
 
 }  // namespace
 
@@ -46,6 +57,7 @@ void Workers::setCount(unsigned threads) {
 
 // Fewer do as well, where the system has no more.
 void Workers::start() {
+  leaveToParent();
   try {
     while (threads_.size() + 1 < count_)
       threads_.emplace_back([this, self = static_cast<unsigned>(threads_.size()) + 1] { work(self); });
@@ -55,6 +67,7 @@ void Workers::start() {
 }
 
 void Workers::stop() {
+  leaveToParent();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
@@ -63,6 +76,21 @@ void Workers::stop() {
   for (std::thread& thread : threads_) thread.join();
   threads_.clear();
   stopping_ = false;
+}
+
+// After a fork the threads are those of the parent. What they were doing with the mutex and the condition stays undone here,
+// so that neither of these nor the handles of the threads may be used or destroyed: they are left as they are.
+void Workers::leaveToParent() {
+  const unsigned now = countForks();
+  if (forks_ == now) return;
+  forks_ = now;
+  if (threads_.empty()) return;
+  static std::vector<std::vector<std::thread>>* const left = new std::vector<std::vector<std::thread>>;
+  left->push_back(std::move(threads_));
+  threads_.clear();
+  new (&mutex_) std::mutex;
+  new (&wake_) std::condition_variable;
+  sleeping_ = 0;
 }
 
 void Workers::work(unsigned self) {

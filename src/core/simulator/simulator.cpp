@@ -65,6 +65,9 @@ struct Simulator::Impl {
   std::uint64_t revision = 0, revisions = 0;  // of the world, and in all
   std::set<std::uint64_t> saved{0};           // revisions that a file holds
   Recorder recorder;
+  std::vector<Warning> last_warnings;  // of the last step
+  std::shared_ptr<const std::vector<NumberedWarning>> warnings =
+      std::make_shared<std::vector<NumberedWarning>>();
 
   // Shared with other threads, under the mutex.
   mutable std::mutex mutex;
@@ -104,6 +107,7 @@ struct Simulator::Impl {
     snapshot.paused = pace.paused;
     snapshot.estimate = governor.estimate();
     snapshot.dial_reason = governor.reason(world);
+    snapshot.warnings = warnings;
     snapshot.step_cpu_seconds = governor.stepCpuSeconds();
     if (history.undoable()) snapshot.undo = history.undoable()->what;
     if (history.redoable()) snapshot.redo = history.redoable()->what;
@@ -261,9 +265,25 @@ struct Simulator::Impl {
     }
   }
 
+  // Many steps may go by between two snapshots, and a trouble may last for one.
+  void keepWarnings(const std::vector<Warning>& given) {
+    constexpr std::size_t kMost = 100;
+    std::vector<NumberedWarning> all;
+    for (const Warning& warning : given) {
+      const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
+      if (std::any_of(last_warnings.begin(), last_warnings.end(), isSame)) continue;
+      if (all.empty()) all = *warnings;
+      all.push_back({all.empty() ? 1 : all.back().number + 1, warning});
+    }
+    last_warnings = given;
+    if (all.empty()) return;
+    if (all.size() > kMost) all.erase(all.begin(), all.end() - kMost);
+    warnings = std::make_shared<const std::vector<NumberedWarning>>(std::move(all));
+  }
+
   void takeStep() {
     const Clock::time_point start = Clock::now();
-    governor.step(world);
+    keepWarnings(governor.step(world).warnings);
     recorder.stepped(world);
     stale = true;
     const std::lock_guard<std::mutex> lock(mutex);

@@ -17,10 +17,10 @@ namespace {
 constexpr int kMostStops = 2;
 // A contact that keeps less than this share of its force may have come off within the segment. What a body bears that
 // matters is more than this share of what its load would ask for.
-constexpr double kKept = 0.5, kBorne = 0.01;
+constexpr double kKept = 0.9, kBorne = 0.01;
 // The contact is on while it keeps this share of what it loses. A loss that differs from an even one by less than kEven at a
 // half and a quarter of the segment is none of an instant.
-constexpr double kOn = 0.9, kEven = 0.2;
+constexpr double kOn = 0.97, kEven = 0.2;
 // Halvings of the segment in which the loss is looked for; and the share of it that is as good as none.
 constexpr int kLossHalvings = 12;
 constexpr double kInstant = 1e-3;
@@ -149,11 +149,10 @@ std::optional<Stepper::Loss> Stepper::lossIn(const Segment& segment, double tau)
     double mass = std::numeric_limits<double>::infinity();
     for (const Index slot : {touching_.law[k].i, touching_.law[k].j})
       if (slot != kNone) mass = std::min(mass, island_.bodies()[slot].mass);
-    const double after = pushAtEnd(segment, point.contact),
-                 least = kBorne * mass * island_.loadSpeed() / step_.h();
-    if (after > kKept * least && pushAtStart(point.contact) == 0.0) continue;
+    const double after = pushAtEnd(segment, point.contact), load = mass * island_.loadSpeed() / step_.h();
+    if (after > kKept * load && pushAtStart(point.contact) == 0.0) continue;
     const double before = pushBefore(point.contact), lost = before - after;
-    if (before < least || lost < (1.0 - kKept) * before) continue;
+    if (before < kBorne * load || lost < (1.0 - kKept) * before) continue;
     if (lost > most) most = lost, found = Loss{point.contact, before};
   }
   return found;

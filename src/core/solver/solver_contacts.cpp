@@ -17,8 +17,8 @@ namespace {
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kDriftLimit = 0.05;
 
-// The turn of one surface against the other in a step, rad, from which on a pair rolls, and the most pairs of an
-// island in which that is followed.
+// The turn of one surface against the other in a step, rad, or the way along it over the length, from which on a pair rolls,
+// and the most pairs of an island in which that is followed.
 constexpr double kRoll = 1e-9;
 constexpr std::size_t kFollowedPairs = 30;
 
@@ -205,8 +205,9 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
 // (E. Hairer, C. Lubich and G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, IX.8). In a pile of many bodies
 // nothing rocks freely, and to look so often costs half as much again as the whole step.
 //
-// Where both are round, the normal turns as one goes along the other, rolling or not. A contact found once a step lets a ball
-// go straight on over a dome and leave it, and in the next step it falls back on it.
+// What is round touches in one place, which goes along the other as the two move. Where the other is round too, the normal turns
+// with it: a contact found once a step lets a ball go straight on over a dome and leave it, and in the next step it falls back
+// on it. Where the other has an end, the ball comes to it within a step. A plane has none.
 bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
@@ -215,9 +216,9 @@ bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   if (!curved_i && !curved_j) return false;
   const Vec3 spin_W = surfaceSpin(store, j.body, j.w) - surfaceSpin(store, i.body, i.w);
   const Vec3 u_W = j.v - i.v;
-  const double turn =
-      curved_i && curved_j ? (u_W - u_W.dot(block.n) * block.n).norm() / block.pair.length : 0.0;
-  return (spin_W.norm() + turn) * left > kRoll &&
+  const bool has_plane = std::holds_alternative<Plane>(a.shape) || std::holds_alternative<Plane>(b.shape);
+  const double travel = !has_plane ? (u_W - u_W.dot(block.n) * block.n).norm() / block.pair.length : 0.0;
+  return (spin_W.norm() + travel) * left > kRoll &&
          context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
 }
 

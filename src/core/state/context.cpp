@@ -53,6 +53,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   reached.clear();
   overlapping.clear(), disturbed.clear();
   islands.clear();
+  moving_pairs = 0;
   island.assign(n, kNone);
   slot.assign(n, kNone);
   woken.clear();

@@ -210,6 +210,7 @@ struct StepStore {
   std::vector<Index> disturbed;  ///< sleepers in an impact that no prediction has woken
   std::vector<Island> islands;
   std::vector<Index> island;        ///< by body: its place in `islands`; kNone when it is in none
+  std::size_t moving_pairs = 0;     ///< of small towers that are exact though they move (solver_choice.cpp)
   std::vector<double> row_seconds;  ///< by row of the inner step
   std::vector<Index> slot;          ///< by body: kNone; lent to Slots
   std::vector<Index> woken;         ///< bodies that must not sleep on

@@ -15,8 +15,9 @@ bool InelasticCollapse::count(Index i, Index j, double time) {
 
 // Cutting an island with contacts costs a solve of all its pairs. What an attempt at the step may spend on cuts is a few
 // times what it spends anyway, so that a large pile hit from all sides stays affordable. What comes after is the contact
-// solver's, which stops it and lets it rebound at the end of the step. Each set of bodies that may meet has its own
-// allowance: what it does cannot depend on others.
+// solver's, which stops it and lets it rebound at the end of the step. What has met others in the air and then joins a pile
+// asks for as much: the pile must come to the time of that. Each set of bodies that may meet has its own allowance: what it
+// does cannot depend on others.
 //
 // Bouncing in a tight place: far more impacts than any scene of 60 Hz needs, and finite. Without loss a pair may meet as
 // often as it likes (the billiard of pi: 314159 times).
@@ -30,9 +31,11 @@ ImpactBudget::ImpactBudget(const Context& context, DisjointSets& sets)
       lossy_(2000 + 200ull * context.scene.bodies.size()),
       elastic_(2'000'000),
       queries_(100'000 + 400ull * context.scene.bodies.size()),
-      cuts_(context.step.island.size(), 256) {
-  for (const Contact& contact : context.scene.contacts.active)
-    cuts_[sets_.root(context.step.movedOf(contact.i, contact.j))] += 4;
+      left_(context.step.island.size()) {
+  for (const Contact& contact : context.scene.contacts.active) {
+    Left& left = left_[sets_.root(context.step.movedOf(contact.i, contact.j))];
+    left.cuts += 4, left.joins += 4;
+  }
 }
 
 bool ImpactBudget::takeImpact(bool lossy) {
@@ -47,14 +50,15 @@ void ImpactBudget::chargeQueries(std::uint64_t queries) {
 }
 
 // An impact may have sent a body into another set: they are one then.
-bool ImpactBudget::takeCut(Index i, Index j, std::uint64_t contacts) {
+bool ImpactBudget::take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t contacts) {
   const auto [a, b] = std::minmax({sets_.root(i), sets_.root(j)});
   if (a != b) {
     sets_.unite(a, b);
-    cuts_[a] += cuts_[b];
+    left_[a].cuts += left_[b].cuts, left_[a].joins += left_[b].joins;
   }
-  if (contacts > cuts_[a]) return false;
-  cuts_[a] -= contacts;
+  std::uint64_t& left = left_[a].*of;
+  if (contacts > left) return false;
+  left -= contacts;
   return true;
 }
 

@@ -5,12 +5,16 @@
 #include "base/disjoint_sets.h"
 #include "state/context.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>
 #include <vector>
 
 namespace rbs {
+
+/// Contacts of an island that is cut without a second thought.
+inline constexpr std::size_t kSmallIsland = 8;
 
 /// Inelastic collapse: a pair that loses energy in each impact and meets again and again with hardly any time in between, as
 /// happens between bodies that touch others, would go on forever; so, nearly, would one that rattles to rest in a thousand
@@ -35,7 +39,7 @@ class InelasticCollapse {
 };
 
 /// How many impacts a step may take, how many queries for the time of one, and how many contacts may be solved again
-/// because an impact cuts the step of an island.
+/// because an impact cuts the step of an island, or because two islands become one.
 class ImpactBudget {
  public:
   /// `sets`: the bodies that may meet each other; they outlive the budget, and cuts unite some of them.
@@ -55,14 +59,22 @@ class ImpactBudget {
   }
   /// Takes off a cut of islands that have `contacts` in all, for bodies i and j, whose sets become one. False: their set
   /// has less left, and keeps it.
-  bool takeCut(Index i, Index j, std::uint64_t contacts);
+  bool takeCut(Index i, Index j, std::uint64_t contacts) { return take(&Left::cuts, i, j, contacts); }
+  /// The same where the islands of i and j become one, and that which is behind has `contacts`.
+  bool takeJoin(Index i, Index j, std::uint64_t contacts) { return take(&Left::joins, i, j, contacts); }
 
  private:
   static constexpr std::uint64_t kQueriesPerImpact = 20;
+  /// Contacts that a set may still solve again.
+  struct Left {
+    std::uint64_t cuts = 256, joins = 256;
+  };
+
+  bool take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t contacts);
 
   DisjointSets& sets_;
   std::uint64_t lossy_, elastic_, queries_;
-  std::vector<std::uint64_t> cuts_;  // by body: of its set, where it is the root
+  std::vector<Left> left_;  // by body: of its set, where it is the root
 };
 
 }  // namespace rbs

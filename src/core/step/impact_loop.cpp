@@ -43,11 +43,11 @@ class ImpactLoop {
   explicit ImpactLoop(Context& context)
       : context_(context),
         step_(context.step),
-        contacts_(context),
         order_(byPlace(context.scene.pair_search.order, step_.bounds)),
         tree_(order_, step_.bounds),
         sets_(islands::candidateSets(context)),
         budget_(context, sets_),
+        contacts_(context, budget_),
         collapse_(step_.solver.collapse_interval * step_.h()),
         struck_(step_.island.size(), 0) {
     for (const PendingImpact& impact : step_.impacts) {
@@ -63,8 +63,6 @@ class ImpactLoop {
   }
 
  private:
-  static constexpr std::size_t kSmall = 8;  // pairs of an island that is cut without a second thought
-
   void takeAll() {
     while (!queue_.empty()) {
       const PendingImpact impact = queue_.top();
@@ -115,7 +113,8 @@ class ImpactLoop {
   Brought advanceBoth(const PendingImpact& impact) {
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->edges.size() > kSmall) cost += island->edges.size();
+      if (island && island->time < impact.time && island->edges.size() > kSmallIsland)
+        cost += island->edges.size();
     if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
     if (!budget_.takeCut(step_.movedOf(impact.i, impact.j), step_.movedOf(impact.j, impact.i), cost))
       return Brought::Expensive;
@@ -169,7 +168,7 @@ class ImpactLoop {
     for (const auto& [root, islands] : sets) {
       std::uint64_t cost = 0;
       for (const Index place : islands)
-        if (step_.islands[place].edges.size() > kSmall) cost += step_.islands[place].edges.size();
+        if (step_.islands[place].edges.size() > kSmallIsland) cost += step_.islands[place].edges.size();
       if (!budget_.takeCut(root, root, cost)) continue;
       const auto early = advanceUnlessEarly(context_, islands, step_.t1, rebounding);
       if (early) queueEarly(*early), found = true;
@@ -211,7 +210,7 @@ class ImpactLoop {
       leaveToContacts(impact.i, impact.j);
       return;
     }
-    const impacts::Outcome outcome = 
+    const impacts::Outcome outcome =
         impacts::resolve(context_, contacts_.contactOf(impact.i, impact.j), impact.time);
     if (outcome == impacts::Outcome::Miss) {
       const auto later = predict(impact.i, impact.j, impact.time).impact;
@@ -359,11 +358,11 @@ class ImpactLoop {
 
   Context& context_;
   StepStore& step_;
-  IslandContacts contacts_;
   std::vector<Index> order_;
   BoundsTree tree_;
   DisjointSets sets_;  // of bodies that may meet
   ImpactBudget budget_;
+  IslandContacts contacts_;
   InelasticCollapse collapse_;
   std::vector<char> struck_;  // by body: an impact of its own was predicted when the step began
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;

@@ -11,10 +11,11 @@
 
 namespace rbs {
 
-IslandContacts::IslandContacts(Context& context)
+IslandContacts::IslandContacts(Context& context, ImpactBudget& budget)
     : context_(context),
       step_(context.step),
       contacts_(context.scene.contacts),
+      budget_(budget),
       found_(contacts_.active.size()),
       has_edge_(found_, 0) {
   for (const Island& island : step_.islands)
@@ -46,8 +47,7 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   Index a = step_.island[i], b = step_.island[j];
   if (a == kNone) std::swap(a, b);
   if (b != kNone && a != b) {
-    const double time = std::max(step_.islands[a].time, step_.islands[b].time);
-    for (const Index k : {std::min(a, b), std::max(a, b)}) advanceTo(context_, step_.islands[k], time);
+    bringTogether(a, b);
     a = islands::merge(context_, a, b);
   }
   Island& island = step_.islands[a];
@@ -58,6 +58,29 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time))
     step_.overlapping.emplace_back(i, j);
   island.edges.push_back(islands::edgeOf(contacts_, contact));
+}
+
+// Two islands by their places to one time. Where many bodies have met in the air and join a pile one after the other, each at
+// a time of its own, the pile would be solved again for each of them. At the exact settings it is.
+void IslandContacts::bringTogether(Index a, Index b) {
+  Island *behind = &step_.islands[a], *ahead = &step_.islands[b];
+  if (behind->time > ahead->time) std::swap(behind, ahead);
+  if (behind->time == ahead->time) return;
+  const bool is_cheap = step_.solver.exact || behind->edges.size() <= kSmallIsland;
+  if (is_cheap || budget_.takeJoin(behind->bodies.front(), ahead->bodies.front(), behind->edges.size())) {
+    advanceTo(context_, *behind, ahead->time);
+  } else {
+    waitUntil(*ahead, behind->time);
+  }
+}
+
+// The bodies of an island that is ahead of `time` stay where they are until then. They lose the way that they would have gone
+// meanwhile. What their loads have given them in flight they give back: it is added again.
+void IslandContacts::waitUntil(Island& island, double time) {
+  if (island.flies())
+    for (const Index i : island.bodies)
+      context_.scene.bodies.twist[i].v_WB -= (island.time - time) * step_.load[i].a_W;
+  island.time = time;
 }
 
 void IslandContacts::separateOrConnect(Index i, Index j) {

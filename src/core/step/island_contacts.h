@@ -4,6 +4,7 @@
 #pragma once
 
 #include "state/context.h"
+#include "step/impact_budget.h"
 
 #include <cstddef>
 #include <vector>
@@ -12,7 +13,7 @@ namespace rbs {
 
 class IslandContacts {
  public:
-  explicit IslandContacts(Context& context);
+  IslandContacts(Context& context, ImpactBudget& budget);
 
   /// The place of the contact of a pair, in any order, in scene.contacts.active; kNone: it has none.
   Index find(Index i, Index j) const;
@@ -23,7 +24,8 @@ class IslandContacts {
   /// began.
   Contact& contactOf(Index i, Index j);
   /// Leaves a pair that touches, or may touch, to the contact solver for the rest of the step, and makes one island of
-  /// the two. Forces move one of the bodies at least. Costs what advances the island that is behind.
+  /// the two. Forces move one of the bodies at least. The island that is behind is advanced to the time of the other. Where
+  /// the budget of a fast setting does not allow that, the other waits for it.
   void connect(Index i, Index j, bool touches = true);
   /// Of a pair that does not touch and has no pending impact: it is separated where both trajectories are known, else the
   /// contact solver's business.
@@ -33,10 +35,13 @@ class IslandContacts {
 
  private:
   Index placeOf(Index i, Index j);  // it is added where it is not there
+  void bringTogether(Index a, Index b);
+  void waitUntil(Island& island, double time);
 
   Context& context_;
   StepStore& step_;
   Contacts& contacts_;
+  ImpactBudget& budget_;
   std::size_t found_;           // pairs of the broad phase; later ones are not sorted
   std::vector<char> has_edge_;  // by contact
 };

@@ -178,7 +178,9 @@ class Slurm:
         write_round(store, name, chunks)
         minutes = round(max(LEAST_MINUTES, TIME_MARGIN * seconds / 60) + Plan.from_text(store.plan_text()).max_seconds / 60)
         script = store.path('rounds', name + '.sbatch')
-        log = store.path('logs', name + '-%a.log')
+        log = store.path('logs', name).replace('%', '%%') + '-%a.log'  # a pattern, in which % begins a field
+        if set('"\\') & set(log):
+            raise Refused(f'Slurm takes no folder with " or \\: {store.folder}')
         text = '\n'.join((
             '#!/bin/bash', f'#SBATCH --partition={self.partition}', f'#SBATCH --array=0-{len(chunks) - 1}',
             '#SBATCH --job-name=sweep', '#SBATCH --ntasks=1', '#SBATCH --cpus-per-task=1', '#SBATCH --requeue',

@@ -32,7 +32,7 @@ class Progress:
 
     def show(self):
         left = (time.monotonic() - self.begin) * (self.total - self.done) / max(self.done, 1)
-        text = f'{self.done:,}/{self.total:,} runs' + (f', {duration(left)} left' if self.done else '')
+        text = f'{self.done:,}/{self.total:,} runs' + (f', {duration(left)} left' if 0 < self.done < self.total else '')
         text += f', {self.failed:,} failed' if self.failed else ''
         if sys.stderr.isatty():
             filled = 20 * self.done // self.total

@@ -51,6 +51,7 @@ class Table:
             self.parameters = {values.attrs['path']: (values.asstr() if values.dtype == object else values)[()][self.sound]
                                for values in file['parameters'].values()}
             self.metrics = {name: values[()][self.sound] for name, values in file.get('metrics', {}).items() if values.ndim < 3}
+            self.tables = {name for name, values in file.get('metrics', {}).items() if values.ndim > 2}
             self.metrics.update({name: file[name][()][self.sound] for name in DRAWABLE
                                  if name in file and name not in self.metrics})
 
@@ -63,6 +64,8 @@ class Table:
         values = self.metrics.get(base)
         if values is not None and values.ndim == 2 and index.isdigit() and int(index) < values.shape[1]:
             return values[:, int(index)]
+        if name in self.tables:
+            raise Refused(f"metric '{name}' is a table of each run, and a chart draws a number")
         known = [n if v.ndim == 1 else f'{n}_0 to {n}_{v.shape[1] - 1}' for n, v in self.metrics.items()]
         raise Refused(f"no metric '{name}' (there are: {', '.join(known)})")
 

@@ -33,6 +33,7 @@ from .users_code import said
 
 CANNOT, BAD_FILE, INTERRUPTED = 1, 2, 130
 SHOWN_FAILURES, SHOWN_FAULTS = 10, 20
+FAILED_DRAWS = 20  # of one key, after which no sound one is expected
 FOLDER_BYTES = 200_000
 RUN_BYTES, CSV_BYTES = 240, 100  # of a run in a part and in results.h5, and in results.csv, without metrics and parameters
 CLOCKED = re.compile(r'"max_solve_ms"')
@@ -96,14 +97,14 @@ def find_scene(folder, name):
     return os.path.join(folder, 'scenes', name + '.yaml')
 
 
-def culprit(plan, task):
-    """The first of the paths that vary at which the scene of a task goes wrong; None where it does before."""
+def culprit(plan, parameters):
+    """The first of the paths that vary at which the scene of a run goes wrong; None where it does before."""
     scene = plan.tree['scene']
     try:
         scene_of(scene)
     except Refused:
         return None
-    for path, value in task.parameters.items():
+    for path, value in parameters.items():
         try:
             scene = replaced(scene, path, value)
             scene_of(scene)
@@ -112,37 +113,75 @@ def culprit(plan, task):
     return None
 
 
-def check(plan, number, path):
-    """Faults of a task that are known before it runs, with the value that brings them."""
-    task = Task(number, *plan.parameters(number), plan.tree['scene'])
+def fails_always(plan, parameters, path):
+    """Whether no draw of the first runs makes a sound scene."""
+    return all(culprit(plan, {**parameters, path: plan.parameters(number)[1][path]}) == path
+               for number in range(min(FAILED_DRAWS, plan.count)))
+
+
+def sound_task(plan, number):
+    """A task and its scene. A draw that makes no sound scene is left out where others do: a run that draws so is told as refused.
+    Raises Refused with the value that brings the fault."""
+    drawn = {axis.path for axis in plan.axes if axis.draw}
+    seed, parameters = plan.parameters(number)
+    while True:
+        try:
+            tree = plan.tree['scene']
+            for path, value in parameters.items():
+                tree = replaced(tree, path, value)
+            return Task(number, seed, parameters, tree), scene_of(tree)
+        except Refused as error:
+            path = culprit(plan, parameters)
+            if path not in drawn or fails_always(plan, parameters, path):
+                where = f'vary.{path} = {json.dumps(parameters[path])}' if path else 'scene'
+                raise Refused(*(f'{where}: {fault}' for fault in error.faults)) from None
+            del parameters[path]
+
+
+def check(plan, number):
+    """Faults of a task that are known before it runs, and its scene."""
     try:
-        task = plan.task(number)
-        scene_of(task.scene)
+        task, scene = sound_task(plan, number)
     except Refused as error:
-        path = path or culprit(plan, task)
-        where = f'vary.{path} = {json.dumps(task.parameters[path])}' if path else 'scene'
-        return [f'{where}: {fault}' for fault in error.faults]
+        return error.faults, None
     try:
         if number == 0:
             Run(plan, task)
     except (Refused, InvalidInput) as error:
-        return str(error).splitlines()
+        return str(error).splitlines(), scene
     except Exception as error:  # of a user's file
-        return [said(error)]
-    return []
+        return [said(error)], scene
+    return [], scene
+
+
+def warn(plan, steps):
+    """Of what runs, and is hardly meant. `steps`: how long the steps of scenes are, s."""
+    if CLOCKED.search(plan.text()):
+        print('sweep: max_solve_ms cuts solves short by the clock: the results of this sweep do not repeat', file=sys.stderr)
+    if plan.program:
+        return
+    if plan.tree['repeats'] > 1 and not any(axis.draw for axis in plan.axes):
+        print('sweep: nothing is drawn: all repeats are the same run', file=sys.stderr)
+    for step in steps if plan.tree['duration'] else ():
+        end = plan.steps(step) * step
+        if abs(end - plan.tree['duration']) > 1e-9 * plan.tree['duration']:
+            print(f'sweep: duration {plan.tree["duration"]:g} s is no whole number of steps of {step:g} s: such runs end at '
+                  f'{end:g} s', file=sys.stderr)
 
 
 def read_plan(file, folder):
     """The plan of a file, whose runs can be made as far as that is known before."""
-    plan, faults = Reader(file, functools.partial(find_scene, folder)).read(), {}
-    for number, path in {} if plan.program else checked_numbers(plan).items():
-        faults.update({fault: None for fault in check(plan, number, path)})
+    plan, faults, steps = Reader(file, functools.partial(find_scene, folder)).read(), {}, {}
+    for number in () if plan.program else checked_numbers(plan):
+        found, scene = check(plan, number)
+        faults.update(dict.fromkeys(found))
         if number == 0 and faults:
             break
+        if scene is not None:
+            steps[scene.step] = None
     if faults:
         raise Refused(*(f'{file}: {fault}' for fault in faults))
-    if CLOCKED.search(plan.text()):
-        print('sweep: max_solve_ms cuts solves short by the clock: the results of this sweep do not repeat', file=sys.stderr)
+    warn(plan, steps)
     return plan
 
 
@@ -174,7 +213,8 @@ def dry_run(plan, options):
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')
     if (options.dask, options.slurm, options.hosts) == (None, None, None):
-        print(f'on {workers} worker{"s" if workers > 1 else ""} of this machine: {duration(seconds * plan.count / workers)}')
+        together = seconds * max(1.0, plan.count / workers)
+        print(f'on {workers} worker{"s" if workers > 1 else ""} of this machine: {duration(together)}')
     print(f'disk: about {size / 1e6:.3g} MB')
     for record in records:
         if record['status'] != 'ok':

@@ -107,11 +107,11 @@ class Plan:
 
 
 def checked_numbers(plan):
-    """Tasks that together have every value of each axis, the others at their first: their numbers, and the axis."""
+    """Tasks that together have every value of each axis, the others at their first: their numbers."""
     spans, stride = [], plan.tree['repeats']
     for axis in reversed(plan.axes):
         if axis.values is not None:
-            spans.append([(k * stride, axis.path) for k in range(1, len(axis.values))])
+            spans.append([k * stride for k in range(1, len(axis.values))])
             stride *= len(axis.values)
-    in_turn = (pair for pairs in itertools.zip_longest(*spans) for pair in pairs if pair)
-    return {0: None, **dict(itertools.islice(in_turn, MOST_CHECKED - 1))}
+    in_turn = (number for numbers in itertools.zip_longest(*spans) for number in numbers if number)
+    return [0, *itertools.islice(in_turn, MOST_CHECKED - 1)]

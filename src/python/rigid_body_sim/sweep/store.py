@@ -34,6 +34,7 @@ AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
 PART = re.compile(r'part-(?P<first>\d+)-(?P<runs>\d+)-(?P<failed>\d+)-(?P<digest>[0-9a-f]{16})\.h5')
 HALF_WRITTEN = re.compile(r'(part-[\w-]+\.h5|plan\.json|jobs\.json|results\.(h5|csv)|\d+-\d+-\d+\.(json|sbatch))\.\d+\.tmp')
 MOST_CSV_RUNS = 100_000
+MOST_CSV_NUMBERS = 1_000_000  # of a metric, in all runs
 CHUNK_BYTES = 1 << 20
 LONGEST_WRITE = 3600.0  # s, of a file
 
@@ -299,8 +300,8 @@ class Store:
             column.attrs['path'] = axis.path
 
     def write_csv(self, plan):
-        """results.csv: a line for each run, without metrics that are tables and the output of programs. Left out where it would
-        be large."""
+        """results.csv: a line for each run, without metrics that are tables or many numbers, and without the output of programs.
+        Left out where it would be large."""
         path, columns = self.path('results.csv'), {}
 
         def add(name, values, where):
@@ -322,8 +323,9 @@ class Store:
                 values = file['metrics'][entry['name']]
                 if values.ndim == 1:
                     add(entry['name'], values[()], 'measure')
-                for k in range(values.shape[1] if values.ndim == 2 else 0):
-                    add(f'{entry["name"]}_{k}', values[:, k], 'measure')
+                if values.ndim == 2 and values.size <= MOST_CSV_NUMBERS:
+                    for k, column in enumerate(values[()].T):
+                        add(f'{entry["name"]}_{k}', column, 'measure')
             columns.update({name: file[name].asstr()[()] for name in TEXTS if name in file and name != 'output'})
             columns.update({name: file[name][()] for name in NUMBERS if name in file and name not in ('number', 'hash')})
             if 'hash' in file:

@@ -64,7 +64,8 @@ def read(text, name):
         return (build(root, ()) if root else None), lines
     except yaml.MarkedYAMLError as error:
         line = error.problem_mark.line + 1 if error.problem_mark else 1
-        raise Refused(f'{name}:{line}: {error.problem or error}')
+        quoted = '; within braces a path with [ ] stands in quotes' if re.search(r'\{[^}"\']*\w\[', text) else ''
+        raise Refused(f'{name}:{line}: {error.problem or error}{quoted}')
     except (yaml.YAMLError, RecursionError) as error:
         raise Refused(f'{name}: {error}')
 

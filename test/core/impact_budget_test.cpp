@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the impacts of a step may cost: the counts themselves, and a pile that many join at times of their own.
+#include "step/impact_budget.h"
+
+#include "make_scene.h"
+
+#include <gtest/gtest.h>
+
+namespace rbs {
+namespace {
+
+using test::ball;
+using test::body;
+using test::kGravity;
+using test::onFloor;
+
+constexpr double kInterval = 1e-3;  // s
+
+TEST(InelasticCollapse, IsTheSeventhImpactInQuickSuccession) {
+  InelasticCollapse collapse(kInterval);
+  for (int k = 0; k < 6; ++k) EXPECT_FALSE(collapse.count(1, 2, 1e-4 * k)) << k;
+  EXPECT_TRUE(collapse.count(1, 2, 6e-4));
+  EXPECT_FALSE(collapse.count(1, 3, 6e-4)) << "another pair";
+}
+
+TEST(InelasticCollapse, BeginsAnewAfterAPause) {
+  InelasticCollapse collapse(kInterval);
+  for (int k = 0; k < 6; ++k) collapse.count(1, 2, 1e-4 * k);
+  for (int k = 0; k < 6; ++k) EXPECT_FALSE(collapse.count(1, 2, 1.0 + 1e-4 * k)) << k;
+}
+
+TEST(InelasticCollapse, EndsAThousandSlowImpacts) {
+  InelasticCollapse collapse(kInterval);
+  for (int k = 0; k < 1000; ++k) ASSERT_FALSE(collapse.count(1, 2, 2.0 * kInterval * k)) << k;
+  EXPECT_TRUE(collapse.count(1, 2, 2000.0 * kInterval));
+}
+
+TEST(InelasticCollapse, KnowsThePairsOfTheStep) {
+  InelasticCollapse collapse(kInterval);
+  collapse.count(1, 2, 0.0);
+  EXPECT_TRUE(collapse.knows(1, 2));
+  EXPECT_FALSE(collapse.knows(1, 3));
+}
+
+// Pairs of balls meet above a row of cylinders that lie side by side, each pair at a time of its own, and stay together. Then
+// each joins the row within the same step, the later ones later. The row is one island. If it were solved up to the time of
+// each pair, a step would ask 14 times for the nearest points of each of its pairs.
+TEST(ImpactBudget, APileIsNotSolvedAnewForEachThatJoinsIt) {
+  constexpr int kRow = 300, kPairs = 60;
+  constexpr double kSize = 0.1, kRadius = 0.04, kSpeed = 6.0;
+  for (const Fidelity fidelity : {Fidelity::Preview, Fidelity::Interactive}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = fidelity;
+    for (int k = 0; k < kRow; ++k)
+      scene.bodies.push_back(
+          body("c" + std::to_string(k), Cylinder{kSize / 2, kSize / 2}, {k * kSize, 0.0, kSize / 2}));
+    for (int k = 0; k < kPairs; ++k) {
+      const double x = 5 * k * kSize, z = kSize + kRadius + 0.03 + 0.0005 * k;
+      const double gap = 0.004 * (1.0 + double(k) / kPairs);
+      scene.bodies.push_back(ball("a" + std::to_string(k), kRadius, {x, 0.0, z}));
+      scene.bodies.back().twist.v_WB.z() = -kSpeed;
+      scene.bodies.push_back(ball("b" + std::to_string(k), kRadius, {x, 0.0, z + 2 * kRadius + gap}));
+      scene.bodies.back().twist.v_WB.z() = -kSpeed - 2.0;
+    }
+    World world(scene);
+    const double energy = world.totals().kinetic_energy + world.totals().potential_energy;
+    const StepReport report = world.step();
+    EXPECT_GE(report.impacts, static_cast<std::uint32_t>(kPairs)) << "the pairs meet in the air";
+    EXPECT_GE(report.deferred_impacts, static_cast<std::uint32_t>(kPairs)) << "the row stops them";
+    EXPECT_LT(report.axis_queries, 7u * report.pairs);
+    for (int k = 0; k < 60; ++k) {
+      EXPECT_LE(world.totals().kinetic_energy + world.totals().potential_energy, energy * (1.0 + 1e-9));
+      world.step();
+    }
+    for (const BodyState& state : world.snapshot().states)
+      EXPECT_GT(state.pose.p_WB.z(), -0.01) << "nothing goes through the floor";
+  }
+}
+
+}  // namespace
+}  // namespace rbs
