@@ -179,14 +179,14 @@ struct ErrorEstimate {
   double beside_ms = 0.0;  ///< mean wall time that the second run adds to a step, ms
 };
 
-/// A world at one instant between two steps: an immutable copy, which any thread may keep and read. Before
-/// the first step, fields about the last step are empty or 0.
 /// A warning of a step of a Simulator, with its number among all of them.
 struct NumberedWarning {
   std::uint64_t number = 0;  ///< from 1 on; it goes on from world to world
   Warning warning;
 };
 
+/// A world at one instant between two steps: an immutable copy, which any thread may keep and read. Before
+/// the first step, fields about the last step are empty or 0.
 struct Snapshot {
   std::string scene;        ///< name of the scene
   double time = 0.0;        ///< physics time since the scene began, s
@@ -230,7 +230,8 @@ struct Snapshot {
   std::uint64_t revision = 0;  ///< number of the last edit of Simulator::apply(), load() or reset(). An
                                ///< undo goes back to an earlier number
   bool unsaved = false;        ///< whether no file holds the bodies as that edit has left them
-  /// The last warnings, the oldest first, 100 at most; not null. One that the step before gave too is not there again.
+  /// The last warnings of this world, the oldest first, 100 at most; not null. A warning that repeats in consecutive steps is
+  /// listed once.
   std::shared_ptr<const std::vector<NumberedWarning>> warnings =
       std::make_shared<std::vector<NumberedWarning>>();
   double step_cpu_seconds = 0.0;  ///< CPU time of the last step, without what a Governor runs beside it, s

@@ -12,24 +12,27 @@ namespace rbs {
 
 class NewWarnings {
  public:
-  /// Those since the last call, as far as the snapshot has them, the oldest first.
+  /// Those since the last call, as far as the snapshot has them, each text once, the oldest first.
   std::vector<Warning> take(const Snapshot& snapshot) {
     std::vector<Warning> taken;
     for (const NumberedWarning& one : *snapshot.warnings)
-      if (one.number > last_) taken.push_back(one.warning), last_ = one.number;
+      if (one.number > last_) add(one.warning, taken), last_ = one.number;
     return taken;
   }
-  /// Those, and what the last step goes on to warn of.
+  /// Also the warnings of the last step that an earlier step gave first; 100 at most.
   std::vector<Warning> takeWithLast(const Snapshot& snapshot) {
     std::vector<Warning> taken = take(snapshot);
-    for (const Warning& warning : snapshot.report.warnings) {
-      const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
-      if (std::none_of(taken.begin(), taken.end(), isSame)) taken.push_back(warning);
-    }
+    for (const Warning& warning : snapshot.report.warnings)
+      if (taken.size() < 100) add(warning, taken);
     return taken;
   }
 
  private:
+  static void add(const Warning& warning, std::vector<Warning>& to) {
+    const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
+    if (std::none_of(to.begin(), to.end(), isSame)) to.push_back(warning);
+  }
+
   std::uint64_t last_ = 0;
 };
 

@@ -4,8 +4,6 @@
 #include "shapes.h"
 #include "values.h"
 
-#include "rigid_body_sim/scenes.h"
-
 #include <pybind11/stl.h>
 
 #include <array>
@@ -16,6 +14,25 @@ namespace rbs::python {
 namespace {
 
 using Class = py::class_<BodyDef, std::shared_ptr<BodyDef>>;
+
+/// All fields of a body, for pickling.
+constexpr std::array kFields{"name",
+                             "shape",
+                             "position",
+                             "orientation",
+                             "velocity",
+                             "spin",
+                             "kind",
+                             "mass",
+                             "density",
+                             "friction",
+                             "restitution",
+                             "rolling_resistance",
+                             "torsional_resistance",
+                             "drag_coefficient",
+                             "color",
+                             "group",
+                             "mask"};
 
 void bindPlace(Class& type) {
   type.def_property(
@@ -163,15 +180,15 @@ void bindBody(py::module_& module) {
       .def(
           "__deepcopy__", [copy](const BodyDef& body, py::handle) { return copy(body); }, py::arg("memo"))
       .def(py::pickle(
-          [](const BodyDef& body) {
-            SceneDef scene;
-            scene.bodies = {body};
-            return py::make_tuple(writeScene(scene, std::nullopt), body.name);
+          [](const py::object& self) {
+            py::dict fields;
+            for (const char* const name : kFields) fields[name] = self.attr(name);
+            return fields;
           },
-          [](const py::tuple& state) {
-            auto body = std::make_shared<BodyDef>(
-                parseScene(state[0].cast<std::string>(), "pickle").scene.bodies.at(0));
-            body->name = state[1].cast<std::string>();
+          [](const py::dict& fields) {
+            const auto body = std::make_shared<BodyDef>();
+            const py::object self = py::cast(body);
+            for (const auto& [name, value] : fields) py::setattr(self, name, value);
             return body;
           }))
       .def("__repr__", &describe);

@@ -30,17 +30,21 @@ class Busy {
 // Without the lock of the interpreter; then signals get their turn.
 constexpr std::chrono::milliseconds kChunk{20};
 
-/// The warnings of several steps, each once, as far as there are not too many.
+/// The warnings of several steps, each once, and the first of each kind where there are too many.
 class Warnings {
  public:
   void add(const std::vector<Warning>& warnings) {
-    for (const Warning& warning : warnings)
-      if (all_.size() < kMost && known_.emplace(warning.kind, warning.text).second) all_.push_back(warning);
+    for (const Warning& warning : warnings) {
+      const bool is_new_kind = kinds_.insert(warning.kind).second;
+      if (all_.size() >= kMost && !is_new_kind) continue;
+      if (known_.emplace(warning.kind, warning.text).second) all_.push_back(warning);
+    }
   }
   std::vector<Warning> all() && { return std::move(all_); }
 
  private:
   static constexpr std::size_t kMost = 1000;
+  std::set<std::string> kinds_;
   std::set<std::pair<std::string, std::string>> known_;
   std::vector<Warning> all_;
 };
@@ -122,7 +126,7 @@ void bindTime(WorldClass& type) {
           "step", [](PyWorld& world, py::handle n) { return world.step(toWhole(n, "n", 1)); },
           py::arg("n") = 1,
           Doc("Takes n steps (1 or more) of the scene's length, and returns the StepReport of the last, with "
-              "the warnings of all of\nthem, each once, 1,000 at most.\n\nOther threads of Python run "
+              "the warnings of all of\nthem, each once, about 1,000 at most.\n\nOther threads of Python run "
               "meanwhile; the world refuses all their calls with RuntimeError. Trouble never raises: it "
               "is\nin the report's warnings. Ctrl-C raises KeyboardInterrupt between two steps; `steps` is "
               "how many were taken."))

@@ -2,6 +2,7 @@
 #include "hearing.h"
 
 #include <ros/callback_queue.h>
+#include <ros/init.h>
 
 #include <boost/make_shared.hpp>
 
@@ -31,7 +32,7 @@ Hearing::Hearing() {
 
 void Hearing::look() {
   constexpr int kMostQuiet = 8;
-  if (!*takes_messages_) return;
+  if (!*takes_messages_ && ros::ok()) return;
   if (is_heard_ && ++quiet_ > kMostQuiet) set(false);
   *takes_messages_ = false;
   ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<QueueMark>(takes_messages_), markId());

@@ -10,7 +10,7 @@
 
 namespace rbs {
 
-/// A node sends ten statuses a second. It counts as gone when none has come for eight looks, 2 s. Silence is counted in looks, not
+/// A node sends ten statuses a second. It counts as gone when none has come for eight looks, 2 s, at most one for each picture of RViz. Silence is counted in looks, not
 /// in time: an RViz that takes seconds for a picture looks, and hears, as seldom. Nor do looks count while RViz takes no messages,
 /// as long as a dialog of its own is open.
 class Hearing : public QObject {
@@ -35,6 +35,7 @@ class Hearing : public QObject {
   QTimer looks_;
   int quiet_ = 0;  ///< looks since the last status
   bool is_heard_ = false;
+  /// Written where messages are taken: by the thread of Qt.
   std::shared_ptr<bool> takes_messages_ = std::make_shared<bool>(true);  ///< since the last look
 };
 

@@ -2,6 +2,7 @@
 // What the solvers see of a scene: its stores, with all bodies that forces move in one island.
 #pragma once
 
+#include "solver/methods.h"
 #include "step/analyse_scene.h"
 #include "step/islands.h"
 

@@ -124,6 +124,8 @@ class BuiltTest(unittest.TestCase):
         self.assertEqual(len({rbs.Box([1, 2, 3]), rbs.Box((1, 2, 3)), rbs.Box([1, 2, 4])}), 2)
         self.assertEqual(rbs.Wind(velocity=[1, 0, 0]), rbs.Wind(velocity=(1.0, 0, 0)))
         self.assertEqual(rbs.View(eye=[1, 0, 0]), rbs.View(eye=np.array([1, 0, 0])))
+        for size in ('123', b'abc', {1, 2, 3}, [10**400, 1, 1], [1, 2, 'x'], [1, 2], 3):
+            self.refused('size', lambda size=size: rbs.World(rbs.Scene([rbs.Body(rbs.Box(size))])))
 
     def test_a_view_of_a_body_outlives_it(self):
         position = rbs.Body(position=[1, 2, 3]).position
@@ -140,6 +142,9 @@ class BuiltTest(unittest.TestCase):
         for other in (body.copy(), copy.copy(body), copy.deepcopy(body)):
             other.friction = 9
             self.assertEqual(body.friction, 0.3)
+        unsound = rbs.Body(name='my ball', mass=-1, density=2, color=[1, 2, 3])
+        twin = pickle.loads(pickle.dumps(unsound))
+        self.assertEqual((twin.name, twin.mass, twin.density, twin.color), ('my ball', -1.0, 2.0, unsound.color))
         for body in scene.bodies:  # also without a name
             twin = pickle.loads(pickle.dumps(body))
             self.assertEqual((rbs.Scene([twin]).to_yaml(), twin.name), (rbs.Scene([body]).to_yaml(), body.name))

@@ -147,6 +147,7 @@ class TimeTest(unittest.TestCase):
         told = []
         for _ in range(50):
             told += [warning for warning in single.step().warnings if warning not in told]
+        self.assertTrue(told)
         self.assertEqual(single.report.warnings, ())
         self.assertEqual(list(many.step(50).warnings), told)
         self.assertEqual(many.report.warnings, ())

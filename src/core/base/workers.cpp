@@ -26,11 +26,7 @@ thread_local unsigned self_of_thread = 0;
 
 std::atomic<unsigned> forks{0};  // from the first process to this one
 
-unsigned countForks() {
-  static const int registered = pthread_atfork(nullptr, nullptr, [] { ++forks; });
-  static_cast<void>(registered);
-  return forks;
-}
+[[maybe_unused]] const int counted = pthread_atfork(nullptr, nullptr, [] { ++forks; });
 
 }  // namespace
 
@@ -81,12 +77,11 @@ void Workers::stop() {
 // After a fork the threads are those of the parent. What they were doing with the mutex and the condition stays undone here,
 // so that neither of these nor the handles of the threads may be used or destroyed: they are left as they are.
 void Workers::leaveToParent() {
-  const unsigned now = countForks();
+  const unsigned now = forks;
   if (forks_ == now) return;
   forks_ = now;
   if (threads_.empty()) return;
-  static std::vector<std::vector<std::thread>>* const left = new std::vector<std::vector<std::thread>>;
-  left->push_back(std::move(threads_));
+  new std::vector<std::thread>(std::move(threads_));
   threads_.clear();
   new (&mutex_) std::mutex;
   new (&wake_) std::condition_variable;

@@ -22,7 +22,7 @@ class Workers {
   /// Does a part: the elements from `begin` to before `end`. `part` counts from 0.
   using Body = std::function<void(std::size_t part, std::size_t begin, std::size_t end)>;
 
-  /// Of a process that fork() makes: it has its calling thread alone, and starts others by its next loop.
+  /// After fork() the child has the calling thread alone. The next loop starts others.
   Workers() = default;
   ~Workers();
   Workers(const Workers&) = delete;
@@ -58,7 +58,7 @@ class Workers {
 
   unsigned count_ = 1;
   std::vector<std::thread> threads_;
-  unsigned forks_ = 0;  // those of the process before they were started
+  unsigned forks_ = 0;  // the number of forks when they were started
 
   // The loop. It is written before its number, and not again until all of its parts are done: a thread that has taken
   // a part of a loop reads what belongs to it.

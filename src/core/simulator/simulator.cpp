@@ -66,6 +66,7 @@ struct Simulator::Impl {
   std::set<std::uint64_t> saved{0};           // revisions that a file holds
   Recorder recorder;
   std::vector<Warning> last_warnings;  // of the last step
+  std::uint64_t warned = 0;            // warnings so far, of all worlds
   std::shared_ptr<const std::vector<NumberedWarning>> warnings =
       std::make_shared<std::vector<NumberedWarning>>();
 
@@ -212,6 +213,8 @@ struct Simulator::Impl {
     world.setThreads(threads);
     governor = Governor();
     governor.setEstimating(estimating);
+    last_warnings.clear();
+    warnings = std::make_shared<const std::vector<NumberedWarning>>();
     recorder.attach(world, worlds);
     restartClock();
     publish();  // a command that has waited for this world to come sees that it has
@@ -268,22 +271,24 @@ struct Simulator::Impl {
   // Many steps may go by between two snapshots, and a trouble may last for one.
   void keepWarnings(const std::vector<Warning>& given) {
     constexpr std::size_t kMost = 100;
-    std::vector<NumberedWarning> all;
-    for (const Warning& warning : given) {
+    const std::vector<Warning> now(given.begin(), given.begin() + std::min(kMost, given.size()));
+    std::vector<NumberedWarning> all = *warnings;
+    const std::size_t before = all.size();
+    for (const Warning& warning : now) {
       const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
-      if (std::any_of(last_warnings.begin(), last_warnings.end(), isSame)) continue;
-      if (all.empty()) all = *warnings;
-      all.push_back({all.empty() ? 1 : all.back().number + 1, warning});
+      if (std::none_of(last_warnings.begin(), last_warnings.end(), isSame))
+        all.push_back({++warned, warning});
     }
-    last_warnings = given;
-    if (all.empty()) return;
+    last_warnings = now;
+    if (all.size() == before) return;
     if (all.size() > kMost) all.erase(all.begin(), all.end() - kMost);
     warnings = std::make_shared<const std::vector<NumberedWarning>>(std::move(all));
   }
 
   void takeStep() {
     const Clock::time_point start = Clock::now();
-    keepWarnings(governor.step(world).warnings);
+    const StepReport& report = governor.step(world);
+    if (!report.warnings.empty() || !last_warnings.empty()) keepWarnings(report.warnings);
     recorder.stepped(world);
     stale = true;
     const std::lock_guard<std::mutex> lock(mutex);

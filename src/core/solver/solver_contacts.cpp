@@ -17,10 +17,14 @@ namespace {
 // A pair that has moved by this share of the smaller length since its points were found looks for them anew.
 constexpr double kDriftLimit = 0.05;
 
-// The turn of one surface against the other in a step, rad, or the way along it over the length, from which on a pair rolls,
-// and the most pairs of an island in which that is followed.
-constexpr double kRoll = 1e-9;
+// From where on a pair rolls, and travels: the turn of one surface against the other in a step, rad, and the way along it, share
+// of the smaller length. And the most pairs of an island in which that is followed.
+constexpr double kRoll = 1e-9, kTravel = 1e-3;
 constexpr std::size_t kFollowedPairs = 30;
+
+bool isCurved(const Traits& t) {
+  return t.round || t.revolved;
+}
 
 // Blocks that a thread takes at a time.
 constexpr std::size_t kBlocksOfAPart = 128;
@@ -195,6 +199,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.on_arc = carries(i) || carries(j);
   if (block.on_arc) followArc(block, now, to);
   block.rolls = rolls(block, left);
+  block.travels = travels(block, left);
 }
 
 // Where a round surface touches another body, the contact travels over that body as the two turn against each other,
@@ -205,21 +210,35 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
 // (E. Hairer, C. Lubich and G. Wanner, "Geometric Numerical Integration", 2nd ed. 2006, IX.8). In a pile of many bodies
 // nothing rocks freely, and to look so often costs half as much again as the whole step.
 //
-// What is round touches in one place, which goes along the other as the two move. Where the other is round too, the normal turns
-// with it: a contact found once a step lets a ball go straight on over a dome and leave it, and in the next step it falls back
-// on it. Where the other has an end, the ball comes to it within a step. A plane has none.
+// Where both are round, the normal turns as one goes along the other, rolling or not. A contact found once a step lets a ball
+// go straight on over a dome and leave it, and in the next step it falls back on it.
 bool SolverContacts::rolls(const SolverBlock& block, double left) const {
   const Bodies& store = context_.scene.bodies;
   const SolverBody &i = bodies[block.i], &j = bodies[block.j];
   const Traits &a = store.traits[i.body], &b = store.traits[j.body];
-  const bool curved_i = a.round || a.revolved, curved_j = b.round || b.revolved;
-  if (!curved_i && !curved_j) return false;
+  if (!isCurved(a) && !isCurved(b)) return false;
   const Vec3 spin_W = surfaceSpin(store, j.body, j.w) - surfaceSpin(store, i.body, i.w);
-  const Vec3 u_W = j.v - i.v;
+  const double turn = isCurved(a) && isCurved(b) ? slipOf(block) / block.pair.length : 0.0;
+  return (spin_W.norm() + turn) * left > kRoll && isOfFew(block);
+}
+
+// What is round touches another body in one place, and comes to its end within a step. A plane has none.
+bool SolverContacts::travels(const SolverBlock& block, double left) const {
+  const Traits& a = context_.scene.bodies.traits[bodies[block.i].body];
+  const Traits& b = context_.scene.bodies.traits[bodies[block.j].body];
   const bool has_plane = std::holds_alternative<Plane>(a.shape) || std::holds_alternative<Plane>(b.shape);
-  const double travel = !has_plane ? (u_W - u_W.dot(block.n) * block.n).norm() / block.pair.length : 0.0;
-  return (spin_W.norm() + travel) * left > kRoll &&
-         context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
+  return (isCurved(a) || isCurved(b)) && !has_plane && slipOf(block) * left > kTravel * block.pair.length &&
+         isOfFew(block);
+}
+
+// Speed of the centres along the contact, m/s.
+double SolverContacts::slipOf(const SolverBlock& block) const {
+  const Vec3 u_W = bodies[block.j].v - bodies[block.i].v;
+  return (u_W - u_W.dot(block.n) * block.n).norm();
+}
+
+bool SolverContacts::isOfFew(const SolverBlock& block) const {
+  return context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
 }
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
@@ -288,7 +307,7 @@ Vec3 SolverContacts::inPlane(const SolverBlock& block, const Eigen::Vector2d& t)
 }
 
 bool SolverContacts::hasDrifted(const SolverBlock& block) const {
-  if (block.rolls) return true;
+  if (block.rolls || block.travels) return true;
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
   const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();

@@ -70,7 +70,8 @@ struct SolverBlock {
   double reach_i, reach_j;                    // reachOf() its bodies, m
   Index contact;                              // in scene.contacts.active
   int first, size;                            // in SolverContacts::points
-  bool rolls;                                 // a round surface goes along the other: its points travel
+  bool rolls;                                 // a round surface turns on the other, or goes along a round one
+  bool travels;                               // a round surface goes along one that has an end
   Vec3 opened_W{0.0, 0.0, 0.0};               // impulse of points that have opened since the start, on j, N s
   double drift_limit;                         // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
@@ -150,6 +151,9 @@ class SolverContacts {
                   std::vector<SolverPoint>& to) const;
   LastNormal lastNormal(const SolverBlock& block) const;
   bool rolls(const SolverBlock& block, double left) const;
+  bool travels(const SolverBlock& block, double left) const;
+  double slipOf(const SolverBlock& block) const;
+  bool isOfFew(const SolverBlock& block) const;
   void preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
                     const Vec3& centre_j, SolverPoint& point) const;
   void followArc(const SolverBlock& block, double now, std::vector<SolverPoint>& of) const;

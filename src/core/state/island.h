@@ -31,9 +31,10 @@ struct Edge {
 struct Island {
   std::vector<Index> bodies;
   std::vector<Edge> edges;
-  bool touching = false;  ///< some of its contacts touch
-  double time = 0.0;      ///< how far it has been advanced
-  bool exact = false;     ///< the exact step solves its constraints
+  bool touching = false;         ///< some of its contacts touch
+  double time = 0.0;             ///< how far it has been advanced
+  bool exact = false;            ///< the exact step solves its constraints
+  std::size_t moving_pairs = 0;  ///< its part of step.moving_pairs
   IslandResiduals residuals;
   /// What its exact solves may still cost before they take of what all may, see SolveBudget.
   std::int64_t work_left = 0;

@@ -60,7 +60,7 @@ class ImpactBudget {
   /// Takes off a cut of islands that have `contacts` in all, for bodies i and j, whose sets become one. False: their set
   /// has less left, and keeps it.
   bool takeCut(Index i, Index j, std::uint64_t contacts) { return take(&Left::cuts, i, j, contacts); }
-  /// The same where the islands of i and j become one, and that which is behind has `contacts`.
+  /// Takes off the solve of the island that is behind, which has `contacts`, where the islands of i and j become one.
   bool takeJoin(Index i, Index j, std::uint64_t contacts) { return take(&Left::joins, i, j, contacts); }
 
  private:

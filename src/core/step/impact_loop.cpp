@@ -70,6 +70,7 @@ class ImpactLoop {
       if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
       budget_.takeImpact(impacts::losesEnergy(context_.scene, impact.i, impact.j)) ? take(impact)
                                                                                    : overBudget(impact);
+      for (const Index i : contacts_.takeSetBack()) beginAnew(i, step_.timeOf(i));
     }
     // What other impacts have sent off its trajectory is not awaited any more.
     const std::vector<Contact>& active = context_.scene.contacts.active;
@@ -227,9 +228,7 @@ class ImpactLoop {
     budget_.chargeImpact([&] {
       for (const Index i : {impact.i, impact.j}) {
         if (step_.island[i] == kNone) continue;  // no impact changes the trajectory of a body in no island
-        ++step_.stamp[i];
-        step_.last_impact[i] = {impact.time, context_.scene.bodies.pose[i]};
-        queryNeighbours(i);
+        beginAnew(i, impact.time);
       }
     });
   }
@@ -303,6 +302,13 @@ class ImpactLoop {
 
   void promoteCrushed(Island& island) {
     if (!island.cut_short && !island.flies() && isCrushing(context_, island)) island.exact = true;
+  }
+
+  // A body is on a new trajectory from `time` on.
+  void beginAnew(Index i, double time) {
+    ++step_.stamp[i];
+    step_.last_impact[i] = {time, context_.scene.bodies.pose[i]};
+    queryNeighbours(i);
   }
 
   // Finds what body i will meet on its new trajectory.

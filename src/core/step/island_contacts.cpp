@@ -55,13 +55,15 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   has_edge_.resize(contacts_.active.size(), 0);
   if (has_edge_[contact]) return;
   has_edge_[contact] = 1;
-  if (island.time > step_.t0 && overlapDeeply(context_, i, j, island.time))
+  if ((island.time > step_.t0 || !set_back_.empty()) && overlapDeeply(context_, i, j, island.time))
     step_.overlapping.emplace_back(i, j);
   island.edges.push_back(islands::edgeOf(contacts_, contact));
 }
 
-// Two islands by their places to one time. Where many bodies have met in the air and join a pile one after the other, each at
-// a time of its own, the pile would be solved again for each of them. At the exact settings it is.
+// Two islands by their places to one time. Where many bodies have met in the air and join a heap one after the other, each at
+// a time of its own, the heap would be solved again for each of them. At the exact settings it is. Else the clock of what is
+// ahead is set back: its bodies stay where they are and live through that time again. So they go a little further in this step
+// than its length, with the loads and contacts of that time, which gains no energy.
 void IslandContacts::bringTogether(Index a, Index b) {
   Island *behind = &step_.islands[a], *ahead = &step_.islands[b];
   if (behind->time > ahead->time) std::swap(behind, ahead);
@@ -70,17 +72,9 @@ void IslandContacts::bringTogether(Index a, Index b) {
   if (is_cheap || budget_.takeJoin(behind->bodies.front(), ahead->bodies.front(), behind->edges.size())) {
     advanceTo(context_, *behind, ahead->time);
   } else {
-    waitUntil(*ahead, behind->time);
+    ahead->time = behind->time;
+    set_back_.insert(set_back_.end(), ahead->bodies.begin(), ahead->bodies.end());
   }
-}
-
-// The bodies of an island that is ahead of `time` stay where they are until then. They lose the way that they would have gone
-// meanwhile. What their loads have given them in flight they give back: it is added again.
-void IslandContacts::waitUntil(Island& island, double time) {
-  if (island.flies())
-    for (const Index i : island.bodies)
-      context_.scene.bodies.twist[i].v_WB -= (island.time - time) * step_.load[i].a_W;
-  island.time = time;
 }
 
 void IslandContacts::separateOrConnect(Index i, Index j) {

@@ -7,6 +7,7 @@
 #include "step/impact_budget.h"
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace rbs {
@@ -25,18 +26,19 @@ class IslandContacts {
   Contact& contactOf(Index i, Index j);
   /// Leaves a pair that touches, or may touch, to the contact solver for the rest of the step, and makes one island of
   /// the two. Forces move one of the bodies at least. The island that is behind is advanced to the time of the other. Where
-  /// the budget of a fast setting does not allow that, the other waits for it.
+  /// the budget of a fast setting does not allow that, the clock of the other is set back.
   void connect(Index i, Index j, bool touches = true);
   /// Of a pair that does not touch and has no pending impact: it is separated where both trajectories are known, else the
   /// contact solver's business.
   void separateOrConnect(Index i, Index j);
   /// A sleeper that comes into play is a wall in this attempt. The step is to begin again with it awake.
   void disturb(Index i, Index j);
+  /// The bodies whose clock was set back since the last call: what was predicted of them comes too late.
+  std::vector<Index> takeSetBack() { return std::exchange(set_back_, {}); }
 
  private:
   Index placeOf(Index i, Index j);  // it is added where it is not there
   void bringTogether(Index a, Index b);
-  void waitUntil(Island& island, double time);
 
   Context& context_;
   StepStore& step_;
@@ -44,6 +46,7 @@ class IslandContacts {
   ImpactBudget& budget_;
   std::size_t found_;           // pairs of the broad phase; later ones are not sorted
   std::vector<char> has_edge_;  // by contact
+  std::vector<Index> set_back_;
 };
 
 }  // namespace rbs

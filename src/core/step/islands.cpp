@@ -56,7 +56,7 @@ void build(Context& context, const std::vector<Index>& bodies) {
     for (const Edge& edge : island.edges)
       if (edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching())
         island.touching = true;
-    island.exact = isExact(context, island);
+    chooseSolver(context, island);
   }
 }
 
@@ -112,6 +112,7 @@ Index merge(Context& context, Index a, Index b) {
   kept.exact = isExactTogether(context, kept, gone);
   residuals::add(kept.residuals, gone.residuals);
   kept.work_left += gone.work_left;
+  kept.moving_pairs += gone.moving_pairs;
   kept.cut_short = kept.cut_short || gone.cut_short;
   kept.impacts += gone.impacts;
   kept.deferred_impacts += gone.deferred_impacts;

@@ -60,7 +60,7 @@ Need need(const SceneAnalysis& analysis) {
   if (planes == 0) return {false, "the scene has no plane"};
   if (analysis.moved_by_forces == 0 || !effects::need(Effect::Collision, analysis).active)
     return {false, "nothing can go through a plane"};
-  return {true, count(planes, "plane stops", "planes stop") + " what contacts would push through"};
+  return {true, count(planes, "plane stops", "planes stop") + " what contacts push in deeply"};
 }
 
 void run(Context& context) {

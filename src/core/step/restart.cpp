@@ -142,7 +142,10 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
                [&](const PendingImpact& impact) { return again[impact.i] || again[impact.j]; });
 
   for (Island& island : step.islands)
-    if (!island.bodies.empty() && again[island.bodies.front()]) island.bodies.clear();
+    if (!island.bodies.empty() && again[island.bodies.front()]) {
+      step.moving_pairs -= island.moving_pairs;
+      island.bodies.clear();
+    }
   sortIslands(step);
   Contacts& contacts = context.scene.contacts;
   for (Island& island : step.islands)

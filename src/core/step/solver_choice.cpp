@@ -164,9 +164,15 @@ bool isJolted(const Context& context, const Island& island, double least, double
   });
 }
 
+enum class Promotion {
+  None,
+  Always,
+  WhileItMoves,  ///< as far as a step has time for it
+};
+
 // Whether the soft step would do badly on an island that a direct solve can afford. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
-bool isPromoted(Context& context, const Island& island) {
+Promotion promotionOf(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
   const auto& list = context.scene.contacts.active;
   std::vector<Index> touching;
@@ -180,21 +186,19 @@ bool isPromoted(Context& context, const Island& island) {
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
   if (touching.empty()) touching = contacts;  // nothing is known yet of what has just been put together
-  if (island.edges.size() > bounds.pairs) return false;
+  if (island.edges.size() > bounds.pairs) return Promotion::None;
   const bool few = island.edges.size() <= kFewPairs;
   const Forces forces = few ? forcesOf(context, contacts) : Forces{};
-  if (forces.crushes) return true;
+  if (forces.crushes) return Promotion::Always;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
-  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return true;
+  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return Promotion::Always;
   const auto isTall = [&] {
     return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
   };
-  if (!isCalm(context, island, bounds.speed * fall)) {
-    if (!few || !isCalm(context, island, kFewCalm * fall) || !isTall()) return false;
-    context.step.moving_pairs += island.edges.size();
-    return context.step.moving_pairs <= kMovingPairs;
-  }
-  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return true;
+  if (!isCalm(context, island, bounds.speed * fall))
+    return few && isCalm(context, island, kFewCalm * fall) && isTall() ? Promotion::WhileItMoves
+                                                                       : Promotion::None;
+  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return Promotion::Always;
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : contacts) {
@@ -204,15 +208,22 @@ bool isPromoted(Context& context, const Island& island) {
     for (const Traits* t : {&a, &b})
       if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
   }
-  return mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
+  const bool stiff = mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
+  return stiff ? Promotion::Always : Promotion::None;
 }
 
 }  // namespace
 
-bool isExact(Context& context, const Island& island) {
+void chooseSolver(Context& context, Island& island) {
   const SolverSettings& settings = context.step.solver;
-  return !depenetration::rulesOver(context, island) &&
-         (settings.exact || (settings.promotes && !island.flies() && isPromoted(context, island)));
+  island.exact = settings.exact && !depenetration::rulesOver(context, island);
+  if (settings.exact || !settings.promotes || island.flies() || depenetration::rulesOver(context, island))
+    return;
+  const Promotion promotion = promotionOf(context, island);
+  island.exact = promotion != Promotion::None;
+  if (promotion != Promotion::WhileItMoves) return;
+  island.exact = context.step.moving_pairs + island.edges.size() <= kMovingPairs;
+  if (island.exact) context.step.moving_pairs += island.moving_pairs = island.edges.size();
 }
 
 // One sweep a sub-step halves the speed of a heavy body on one r times lighter about r sub-steps later. On its way until

@@ -6,10 +6,11 @@
 
 namespace rbs {
 
-/// At the exact settings: every island but those that deep overlaps rule. At the fast ones: those that the
+/// Chooses island.exact. At the exact settings: every island but those that deep overlaps rule. At the fast ones: those that the
 /// soft step would do badly and that a direct solve can afford. It goes by counts and not by time, so every machine decides
-/// alike. Where the step begins again, the forces are those of the attempt before. Counts step.moving_pairs up.
-bool isExact(Context& context, const Island& island);
+/// alike. Where the step begins again, the forces are those of the attempt before. Counts
+/// step.moving_pairs and island.moving_pairs.
+void chooseSolver(Context& context, Island& island);
 
 /// The choice for an island that two are merged into.
 bool isExactTogether(const Context& context, const Island& a, const Island& b);

@@ -29,12 +29,17 @@ def _with_field_docs(cls: type[_T]) -> type[_T]:
 
 
 def _as_tuple(self: object, field: str) -> None:
-    """Makes a tuple of numbers of a field, so that equal ones compare as equal. What is none is told where it is used."""
-    try:
-        value = tuple(float(x) for x in getattr(self, field))
-    except (TypeError, ValueError):
+    """Makes a tuple of numbers of a list or an array, so that equal ones compare as equal. Other values are reported where they
+    are used."""
+    value = getattr(self, field)
+    if not isinstance(value, (list, tuple)) and type(value).__module__ != 'numpy':
         return
-    object.__setattr__(self, field, value)
+    try:
+        numbers = tuple(float(x) for x in value if not isinstance(x, str))
+    except (TypeError, ValueError, OverflowError):
+        return
+    if len(numbers) == len(value):
+        object.__setattr__(self, field, numbers)
 
 
 @_with_field_docs

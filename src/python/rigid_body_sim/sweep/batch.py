@@ -165,6 +165,8 @@ class Slurm:
 
     def begin(self, store):
         """Jobs of a sweep that was left are waited for: they go on storing runs."""
+        if set('"\\\n') & set(store.folder):
+            raise Refused(f'Slurm takes no folder with ", \\ or a line break in its name: {store.folder!r}')
         try:
             with open(store.path('jobs.json'), encoding='utf-8') as file:
                 self.jobs = json.load(file)
@@ -179,8 +181,6 @@ class Slurm:
         minutes = round(max(LEAST_MINUTES, TIME_MARGIN * seconds / 60) + Plan.from_text(store.plan_text()).max_seconds / 60)
         script = store.path('rounds', name + '.sbatch')
         log = store.path('logs', name).replace('%', '%%') + '-%a.log'  # a pattern, in which % begins a field
-        if set('"\\') & set(log):
-            raise Refused(f'Slurm takes no folder with " or \\: {store.folder}')
         text = '\n'.join((
             '#!/bin/bash', f'#SBATCH --partition={self.partition}', f'#SBATCH --array=0-{len(chunks) - 1}',
             '#SBATCH --job-name=sweep', '#SBATCH --ntasks=1', '#SBATCH --cpus-per-task=1', '#SBATCH --requeue',

@@ -33,6 +33,7 @@ from .users_code import said
 
 CANNOT, BAD_FILE, INTERRUPTED = 1, 2, 130
 SHOWN_FAILURES, SHOWN_FAULTS = 10, 20
+SHOWN_STEPS = 3
 FAILED_DRAWS = 20  # of one key, after which no sound one is expected
 FOLDER_BYTES = 200_000
 RUN_BYTES, CSV_BYTES = 240, 100  # of a run in a part and in results.h5, and in results.csv, without metrics and parameters
@@ -119,9 +120,9 @@ def fails_always(plan, parameters, path):
                for number in range(min(FAILED_DRAWS, plan.count)))
 
 
-def sound_task(plan, number):
-    """A task and its scene. A draw that makes no sound scene is left out where others do: a run that draws so is told as refused.
-    Raises Refused with the value that brings the fault."""
+def sound_task(plan, number, hopeful):
+    """A task and its scene. A draw that makes no sound scene is left out where others do: a run that draws so has the status
+    `refused`. Raises Refused with the value that brings the fault. `hopeful` collects the paths some of whose draws are sound."""
     drawn = {axis.path for axis in plan.axes if axis.draw}
     seed, parameters = plan.parameters(number)
     while True:
@@ -132,16 +133,17 @@ def sound_task(plan, number):
             return Task(number, seed, parameters, tree), scene_of(tree)
         except Refused as error:
             path = culprit(plan, parameters)
-            if path not in drawn or fails_always(plan, parameters, path):
+            if path not in drawn or (path not in hopeful and fails_always(plan, parameters, path)):
                 where = f'vary.{path} = {json.dumps(parameters[path])}' if path else 'scene'
                 raise Refused(*(f'{where}: {fault}' for fault in error.faults)) from None
+            hopeful.add(path)
             del parameters[path]
 
 
-def check(plan, number):
+def check(plan, number, hopeful):
     """Faults of a task that are known before it runs, and its scene."""
     try:
-        task, scene = sound_task(plan, number)
+        task, scene = sound_task(plan, number, hopeful)
     except Refused as error:
         return error.faults, None
     try:
@@ -155,25 +157,30 @@ def check(plan, number):
 
 
 def warn(plan, steps):
-    """Of what runs, and is hardly meant. `steps`: how long the steps of scenes are, s."""
-    if CLOCKED.search(plan.text()):
+    """Warns of plans that are valid but probably not intended. `steps`: how long the steps of scenes are, s."""
+    is_clocked = CLOCKED.search(plan.text())
+    if is_clocked:
         print('sweep: max_solve_ms cuts solves short by the clock: the results of this sweep do not repeat', file=sys.stderr)
     if plan.program:
         return
-    if plan.tree['repeats'] > 1 and not any(axis.draw for axis in plan.axes):
-        print('sweep: nothing is drawn: all repeats are the same run', file=sys.stderr)
-    for step in steps if plan.tree['duration'] else ():
-        end = plan.steps(step) * step
-        if abs(end - plan.tree['duration']) > 1e-9 * plan.tree['duration']:
-            print(f'sweep: duration {plan.tree["duration"]:g} s is no whole number of steps of {step:g} s: such runs end at '
-                  f'{end:g} s', file=sys.stderr)
+    if plan.tree['repeats'] > 1 and not any(axis.draw for axis in plan.axes) and not is_clocked:
+        print('sweep: nothing is drawn: all repeats are the same run, but for its time', file=sys.stderr)
+    duration_asked = plan.tree['duration']
+    uneven = [step for step in steps if duration_asked
+              and abs(plan.steps(step) * step - duration_asked) > 1e-5 * duration_asked]
+    for step in uneven[:SHOWN_STEPS]:
+        print(f'sweep: duration {duration_asked:g} s is no whole number of steps of {step:g} s: such runs end at '
+              f'{plan.steps(step) * step:g} s', file=sys.stderr)
+    if len(uneven) > SHOWN_STEPS:
+        print(f'sweep: and so for {len(uneven) - SHOWN_STEPS:,} more lengths of the step', file=sys.stderr)
 
 
 def read_plan(file, folder):
     """The plan of a file, whose runs can be made as far as that is known before."""
     plan, faults, steps = Reader(file, functools.partial(find_scene, folder)).read(), {}, {}
+    hopeful = set()
     for number in () if plan.program else checked_numbers(plan):
-        found, scene = check(plan, number)
+        found, scene = check(plan, number, hopeful)
         faults.update(dict.fromkeys(found))
         if number == 0 and faults:
             break
