@@ -8,12 +8,17 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace rbs::test {
@@ -53,6 +58,32 @@ TEST(Workers, ThrowWhatTheFirstPartThrows) {
   std::atomic<int> done{0};
   workers.share(64, 1, [&](std::size_t, std::size_t, std::size_t) { ++done; });
   EXPECT_EQ(done, 64);
+}
+
+// The threads of the parent are not there after a fork, and may have been waiting, or not, when it came.
+TEST(Workers, OfAForkedProcessAreItsOwn) {
+  for (int k = 0; k < 20; ++k) {
+    auto workers = std::make_unique<Workers>();
+    workers->setCount(4);
+    const auto sum = [&] {
+      std::atomic<std::size_t> total{0};
+      workers->share(64, 1, [&](std::size_t part, std::size_t, std::size_t) { total += part; });
+      return total.load();
+    };
+    ASSERT_EQ(sum(), 2016u);
+    if (k % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // they sleep
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(20);
+      const bool is_right = k % 4 >= 2 || sum() == 2016u;  // or goes without a loop of its own
+      workers.reset();
+      _exit(is_right ? 0 : 1);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0) << k;
+    ASSERT_EQ(sum(), 2016u);
+  }
 }
 
 TEST(Workers, MayBeOtherInNumberBetweenLoops) {
