@@ -350,7 +350,7 @@ class ClientTest(unittest.TestCase):
         with NodeThatHangs() as node:
             for command in (['list'], ['step', '5'], ['load', 'tower'], ['accuracy']):
                 begin = time.monotonic()
-                result = rbs('--node', node.name, '--timeout', 1, *command)
+                result = rbs('--node', node.name, '--timeout', 0.5, *command)
                 self.assertEqual(result.returncode, 3, result.stderr)
                 self.assertIn('has neither answered nor sent a status for ', result.stderr)
                 self.assertLess(time.monotonic() - begin, 30)

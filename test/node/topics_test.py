@@ -236,8 +236,8 @@ class TopicsTest(unittest.TestCase):
     def test_the_status_tells_of_trouble_that_lasts_for_a_step(self):
         status = self.listen('/sim/status', Status)
         wait(status.all, 'statuses come')
-        call('set_speed', speed=5.0)
-        self.addCleanup(call, 'set_speed', speed=1.0)
+        call('set_speed', factor=5.0)
+        self.addCleanup(call, 'set_speed', factor=1.0)
         self.events.clear()
         for k in range(5):
             name = 'twin_%d' % k

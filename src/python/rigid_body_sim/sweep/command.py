@@ -27,7 +27,7 @@ from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Task, checked_numbers
 from .reader import Reader
 from .run import Run, build_of_physics, check_builds, run_chunk, scene_of
-from .store import AGAIN, MOST_CSV_RUNS, Store, folder_of
+from .store import AGAIN, MOST_CSV_RUNS, Store, folder_of, in_csv
 from .tree import Refused, replaced
 from .users_code import said
 
@@ -213,9 +213,11 @@ def dry_run(plan, options):
     finally:
         engine.close()
     seconds = median_seconds(records)
-    numbers = sum(value.size for value in records[0]['values'].values()) + len(plan.axes)
+    values = records[0]['values'].values()
+    numbers = sum(value.size for value in values) + len(plan.axes)
+    shown = sum(value.size for value in values if in_csv((plan.count, *value.shape))) + len(plan.axes)
     output = max(len(record.get('output', '').encode()) for record in records)
-    csv_bytes = CSV_BYTES + 18 * numbers if plan.count <= MOST_CSV_RUNS else 0
+    csv_bytes = CSV_BYTES + 18 * shown if plan.count <= MOST_CSV_RUNS else 0
     size = FOLDER_BYTES + plan.count * (2 * (RUN_BYTES + 8 * numbers + output) + csv_bytes)
     workers = options.workers or engines.cores()
     print(f'a run takes {duration(seconds)} (median of {len(records)}): {duration(seconds * plan.count)} of one core')

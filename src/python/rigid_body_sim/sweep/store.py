@@ -12,6 +12,7 @@ import glob
 import hashlib
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -323,7 +324,7 @@ class Store:
                 values = file['metrics'][entry['name']]
                 if values.ndim == 1:
                     add(entry['name'], values[()], 'measure')
-                if values.ndim == 2 and values.size <= MOST_CSV_NUMBERS:
+                elif in_csv(values.shape):
                     for k, column in enumerate(values[()].T):
                         add(f'{entry["name"]}_{k}', column, 'measure')
             columns.update({name: file[name].asstr()[()] for name in TEXTS if name in file and name != 'output'})
@@ -335,6 +336,11 @@ class Store:
         writer.writerow(columns)
         writer.writerows(zip(*(column.tolist() for column in columns.values())))
         write_whole(path, lambda file: file.write(text.getvalue().encode()))
+
+
+def in_csv(shape):
+    """Whether results.csv has columns for a metric of this shape, runs first."""
+    return len(shape) == 1 or (len(shape) == 2 and math.prod(shape) <= MOST_CSV_NUMBERS)
 
 
 def kind_of(values):
