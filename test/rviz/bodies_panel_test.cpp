@@ -11,9 +11,12 @@
 #include <rigid_body_sim/NamedBodies.h>
 #include <rigid_body_sim/SpawnBodies.h>
 #include <rigid_body_sim/SpawnBody.h>
+#include <ros/master.h>
+#include <ros/network.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
+#include <xmlrpcpp/XmlRpc.h>
 
 #include <QApplication>
 #include <QColorDialog>
@@ -24,6 +27,8 @@
 #include <QTest>
 
 #include <gtest/gtest.h>
+
+#include <signal.h>
 
 #include <algorithm>
 #include <functional>
@@ -499,18 +504,34 @@ TEST_F(BodiesPanelTest, TheFocusGoesToTheListWhenTheBodyOfAFieldIsGone) {
   call<std_srvs::Trigger>("undo");
 }
 
-// Messages that are not taken are as good as none. What is done meanwhile is not done later, all at once.
+// The process of a node.
+pid_t processOf(const std::string& node) {
+  XmlRpc::XmlRpcValue question, answer, place, caller;
+  question[0] = caller[0] = ros::this_node::getName();
+  question[1] = node;
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::master::execute("lookupNode", question, answer, place, true)) return -1;
+  if (!ros::network::splitURI(place, host, port)) return -1;
+  XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
+  return client.execute("getPid", caller, answer) ? static_cast<int>(answer[2]) : -1;
+}
+
+// What is done meanwhile is not done later, all at once.
 TEST_F(BodiesPanelTest, NothingIsDoneWhileTheSimulatorIsSilent) {
   select({"crate"});
   ASSERT_TRUE(shows("Mass", "125"));
   const std::string hash = call<rigid_body_sim::ListBodies>("list_bodies").hash;
   const auto says = [this] { return panel_.findChild<ElidedText*>()->text(); };
-  QTest::qWait(4000);
-  EXPECT_EQ(says(), "No simulator answers at '/sim'.");
+  const pid_t simulator = processOf("/sim");
+  ASSERT_GT(simulator, 1);
+  kill(simulator, SIGSTOP);
+  EXPECT_TRUE(waitFor([&] { return says() == "No simulator answers at '/sim'."; }));
   list().setFocus();
   QTest::keyClick(&list(), Qt::Key_Delete);
   enter("Mass", "7");
   EXPECT_EQ(note(), "No simulator answers at '/sim'.");
+  kill(simulator, SIGCONT);
   EXPECT_TRUE(waitFor([&] { return says().isEmpty(); }));
   EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
   enter("Mass", "7");
