@@ -182,7 +182,7 @@ struct ErrorEstimate {
 /// A warning of a step of a Simulator, with its number among all of them.
 struct NumberedWarning {
   std::uint64_t number = 0;  ///< from 1 on; it goes on from world to world
-  Warning warning;
+  Warning warning;           ///< what the step said
 };
 
 /// A world at one instant between two steps: an immutable copy, which any thread may keep and read. Before

@@ -124,8 +124,6 @@ class BuiltTest(unittest.TestCase):
         self.assertEqual(len({rbs.Box([1, 2, 3]), rbs.Box((1, 2, 3)), rbs.Box([1, 2, 4])}), 2)
         self.assertEqual(rbs.Wind(velocity=[1, 0, 0]), rbs.Wind(velocity=(1.0, 0, 0)))
         self.assertEqual(rbs.View(eye=[1, 0, 0]), rbs.View(eye=np.array([1, 0, 0])))
-        for size in ('123', b'abc', {1, 2, 3}, [10**400, 1, 1], [1, 2, 'x'], [1, 2], 3):
-            self.refused('size', lambda size=size: rbs.World(rbs.Scene([rbs.Body(rbs.Box(size))])))
 
     def test_a_view_of_a_body_outlives_it(self):
         position = rbs.Body(position=[1, 2, 3]).position
@@ -190,6 +188,10 @@ class RefusedTest(unittest.TestCase):
         self.refused('^fidelity.divisions: 0', lambda: rbs.Scene(fidelity=rbs.Setting(divisions=0)))
         self.refused('^masss: 2 .*a field of Body', lambda: rbs.Body(masss=2))
         self.refused('^gravty: 2 .*a field of Scene', lambda: rbs.Scene(gravty=2))
+
+    def test_what_is_no_size_is_refused(self):
+        for size in ('123', b'abc', {1, 2, 3}, [10**400, 1, 1], [1, 2, 'x'], [1, 2], 3):
+            self.refused('size', lambda size=size: rbs.World(rbs.Scene([rbs.Body(rbs.Box(size))])))
 
     def test_what_is_no_text_is_refused_and_a_file_may_have_any_name(self):
         self.refused(r"^name: '\\udcff' .*a text of Unicode", lambda: rbs.Body(name='\udcff'))
