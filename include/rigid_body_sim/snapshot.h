@@ -87,6 +87,9 @@ struct Warning {
   /// settings, contacts push a body into or through another, however often the step is taken.
   std::string kind;
   std::string text;  ///< what happened, to which body, and what to do
+
+  /// Of equal kind and text.
+  friend bool operator==(const Warning& a, const Warning& b) { return a.kind == b.kind && a.text == b.text; }
 };
 
 /// Solver residuals of one island (dynamic bodies that contacts connect), and how it went through the last

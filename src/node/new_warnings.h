@@ -29,8 +29,7 @@ class NewWarnings {
 
  private:
   static void add(const Warning& warning, std::vector<Warning>& to) {
-    const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
-    if (std::none_of(to.begin(), to.end(), isSame)) to.push_back(warning);
+    if (std::find(to.begin(), to.end(), warning) == to.end()) to.push_back(warning);
   }
 
   std::uint64_t last_ = 0;

@@ -7,6 +7,7 @@
 #include "simulator/edit_history.h"
 #include "simulator/pacer.h"
 #include "simulator/recorder.h"
+#include "simulator/warning_log.h"
 
 #include <algorithm>
 #include <atomic>
@@ -65,10 +66,7 @@ struct Simulator::Impl {
   std::uint64_t revision = 0, revisions = 0;  // of the world, and in all
   std::set<std::uint64_t> saved{0};           // revisions that a file holds
   Recorder recorder;
-  std::vector<Warning> last_warnings;  // of the last step
-  std::uint64_t warned = 0;            // warnings so far, of all worlds
-  std::shared_ptr<const std::vector<NumberedWarning>> warnings =
-      std::make_shared<std::vector<NumberedWarning>>();
+  WarningLog warnings;
 
   // Shared with other threads, under the mutex.
   mutable std::mutex mutex;
@@ -108,7 +106,7 @@ struct Simulator::Impl {
     snapshot.paused = pace.paused;
     snapshot.estimate = governor.estimate();
     snapshot.dial_reason = governor.reason(world);
-    snapshot.warnings = warnings;
+    snapshot.warnings = warnings.all();
     snapshot.step_cpu_seconds = governor.stepCpuSeconds();
     if (history.undoable()) snapshot.undo = history.undoable()->what;
     if (history.redoable()) snapshot.redo = history.redoable()->what;
@@ -213,8 +211,7 @@ struct Simulator::Impl {
     world.setThreads(threads);
     governor = Governor();
     governor.setEstimating(estimating);
-    last_warnings.clear();
-    warnings = std::make_shared<const std::vector<NumberedWarning>>();
+    warnings.clear();
     recorder.attach(world, worlds);
     restartClock();
     publish();  // a command that has waited for this world to come sees that it has
@@ -268,27 +265,9 @@ struct Simulator::Impl {
     }
   }
 
-  // Many steps may go by between two snapshots, and a trouble may last for one.
-  void keepWarnings(const std::vector<Warning>& given) {
-    constexpr std::size_t kMost = 100;
-    const std::vector<Warning> now(given.begin(), given.begin() + std::min(kMost, given.size()));
-    std::vector<NumberedWarning> all = *warnings;
-    const std::size_t before = all.size();
-    for (const Warning& warning : now) {
-      const auto isSame = [&](const Warning& w) { return w.kind == warning.kind && w.text == warning.text; };
-      if (std::none_of(last_warnings.begin(), last_warnings.end(), isSame))
-        all.push_back({++warned, warning});
-    }
-    last_warnings = now;
-    if (all.size() == before) return;
-    if (all.size() > kMost) all.erase(all.begin(), all.end() - kMost);
-    warnings = std::make_shared<const std::vector<NumberedWarning>>(std::move(all));
-  }
-
   void takeStep() {
     const Clock::time_point start = Clock::now();
-    const StepReport& report = governor.step(world);
-    if (!report.warnings.empty() || !last_warnings.empty()) keepWarnings(report.warnings);
+    warnings.add(governor.step(world).warnings);
     recorder.stepped(world);
     stale = true;
     const std::lock_guard<std::mutex> lock(mutex);
