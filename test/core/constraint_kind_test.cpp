@@ -18,14 +18,13 @@ constexpr auto kCoupling = static_cast<ConstraintKind>(1);
 // Two bodies that move with one velocity and turn as they like.
 class Coupling {
  public:
-  void prepare(const Context&, const IslandBatch& batch, const SolverContacts& contacts) {
+  void prepare(const Context&, const Subgraph& batch, const SolverContacts& contacts) {
     const auto slotOf = [&](Index body) -> std::size_t {
       for (std::size_t k = 0; k < contacts.bodies.size(); ++k)
         if (contacts.bodies[k].body == body) return k;
       throw std::logic_error("a body of the island is not in the solver");
     };
-    for (const Edge& edge : batch.edges)
-      if (edge.kind == kCoupling) rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1])});
+    for (const Edge& edge : batch.edges) rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1])});
   }
   bool empty() const { return rows_.empty(); }
   void warmStart(SolverContacts& contacts) const {
@@ -80,8 +79,7 @@ struct Scene {
       edges.push_back({kCoupling, static_cast<Index>(edges.size()), {i, j, kNone, kNone}});
     islands::connect(context, context.scene.lists.in_islands, edges);
     for (const Island& island : step.islands) {
-      const IslandBatch batch{island.bodies, island.edges};
-      soft_step::SoftStep<Coupling> method(context, batch, 0.0, kStep);
+      soft_step::SoftStep<Coupling> method(context, island, 0.0, kStep);
       InnerClock clock(step.row_seconds);
       runInnerStep(method, clock);
     }

@@ -45,7 +45,7 @@ class Heap {
   }
 
   Context& context() { return scene_.context; }
-  const IslandBatch& batch() const { return scene_.batch; }
+  const Subgraph& batch() const { return scene_.batch; }
 
  private:
   static BodyDef floor_() {

@@ -350,4 +350,47 @@ TEST(Sleep, WhatRestsBesideAnotherSleepsWithIt) {
   }
 }
 
+// Nothing carries them: their own fluid does, or nothing pulls.
+TEST(Sleep, WhatFloatsAtRestSleepsWithoutContacts) {
+  for (const Fidelity fidelity : kFidelities)
+    for (const double gravity : {-kGravity, -1.6}) {
+      SceneDef scene;
+      scene.fidelity = fidelity;
+      scene.gravity.z() = gravity;
+      scene.fluid = Fluid{};
+      scene.effects[Effect::Sleeping] = true;
+      BodyDef raft = box("raft", {2.0, 2.0, 0.4}, Vec3::Zero());
+      raft.density = 500.0;
+      BodyDef crate = box("crate", Vec3::Constant(0.5), {5.0, 0.0, 0.25});
+      crate.density = 200.0;  // it bobs
+      scene.bodies = {raft, crate};
+      World world(scene);
+      advance(world, 1.0);
+      EXPECT_EQ(asleep(world), 1u) << fidelityName(fidelity);
+      const double z = stateOf(world, "crate").pose.p_WB.z();
+      advance(world, 0.2);
+      EXPECT_NE(stateOf(world, "crate").pose.p_WB.z(), z);
+      world.applyImpulse(world.find("raft"), Vec3(0.0, 0.0, 10.0), Vec3::Zero());
+      advance(world, 0.1);
+      EXPECT_EQ(asleep(world), 0u);
+      EXPECT_GT(stateOf(world, "raft").pose.p_WB.z(), 1e-5);
+    }
+}
+
+// At the top of its way a ball is slow, and at the end of a swing.
+TEST(Sleep, NobodyDoesWhereAForceTurnsItRound) {
+  for (const Fidelity fidelity : kFidelities) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.6);
+    scene.fidelity = fidelity;
+    scene.effects[Effect::Sleeping] = true;
+    scene.bodies.push_back(ball("thrown", 0.1, {0.0, 0.0, 0.1}));
+    scene.bodies.back().twist.v_WB.z() = 1000.5 * kGravity / 60.0;
+    World world(scene);
+    for (int k = 0; k < 1800; ++k) {
+      world.step();
+      ASSERT_EQ(asleep(world), 0u) << k;
+    }
+  }
+}
+
 }  // namespace

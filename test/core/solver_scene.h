@@ -15,21 +15,19 @@ struct SolverScene {
   StepStore step;
   SceneAnalysis analysis;
   Context context{store, step, analysis};
-  std::vector<Index> bodies;
-  std::vector<Edge> edges;
-  IslandBatch batch{bodies, edges};
+  Subgraph batch;
 
   /// To be called when the store has its bodies: a step of length h, s, begins.
   void begin(double h) {
     analysis = analyseScene(store);
     step.begin(store, 0.0, h);
     step.islands.resize(1);
-    for (const Index i : store.lists.in_islands) step.island[i] = 0, bodies.push_back(i);
+    for (const Index i : store.lists.in_islands) step.island[i] = 0, batch.bodies.push_back(i);
   }
   /// Two bodies touch, i < j. Nothing where forces move neither.
   void touch(Index i, Index j) {
     if (step.island[i] == kNone && step.island[j] == kNone) return;
-    edges.push_back(islands::edgeOf(store.contacts, store.contacts.add(store.bodies, i, j)));
+    batch.contacts.push_back(store.contacts.add(store.bodies, i, j));
     store.contacts.active.back().state.touch();
   }
 };

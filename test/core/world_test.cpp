@@ -185,6 +185,37 @@ TEST(WorldEdits, AHandleIsNeverUsedAgain) {
   EXPECT_THROW(world.removeBody(crate), InvalidInput);
 }
 
+// The name follows from those that are there: so a world that is saved and restored goes on alike.
+TEST(WorldEdits, AnUnnamedBodyIsNamedAlikeInARestoredWorld) {
+  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+  World world(scene);
+  const auto addUnnamed = [](World& to, double x) {
+    BodyDef def = ball("", 0.1, {x, 0.0, 1.0});
+    to.addBody(def);
+    return to.capture().bodies.back().name;
+  };
+  EXPECT_EQ(addUnnamed(world, 0.0), "sphere_1");
+  EXPECT_EQ(addUnnamed(world, 1.0), "sphere_2");
+  EXPECT_EQ(addUnnamed(world, 2.0), "sphere_3");
+  world.addBody(ball("sphere_5", 0.1, {3.0, 0.0, 1.0}));
+  world.removeBody(world.find("sphere_2"));
+  BodyEdit edit;
+  edit.name = "moved";
+  world.editBody(world.find("sphere_1"), edit);
+  World copy(world);
+  World restored(world.capture(), world.captureState());
+  for (int k = 0; k < 5; ++k) {
+    const std::string name = addUnnamed(world, 4.0 + k);
+    EXPECT_EQ(addUnnamed(restored, 4.0 + k), name);
+    EXPECT_EQ(addUnnamed(copy, 4.0 + k), name);
+    world.step(), restored.step(), copy.step();
+    EXPECT_EQ(restored.stateHash(), world.stateHash());
+    EXPECT_EQ(copy.stateHash(), world.stateHash());
+  }
+  EXPECT_TRUE(world.find("sphere_7"));
+  EXPECT_FALSE(world.find("sphere_8"));
+}
+
 TEST(WorldEdits, ARemovedBodyTakesItsContactsAlong) {
   SceneDef scene = crateAndBall();
   scene.bodies.push_back(box("plank", Vec3(2.0, 0.6, 0.2), Vec3(0.1, 0.0, 1.1)));

@@ -117,8 +117,9 @@ class ContactLanes {
   /// Has the points of the pairs found anew that have drifted since theirs were found. A pair that has more
   /// of them than when it got its place goes behind all others.
   void refresh(double now, double left);
-  /// Gives the points their impulses, their gaps and what resists there.
+  /// Gives the points of all blocks their impulses, their gaps and what resists there; or those of one.
   void giveBack();
+  void giveBack(Index block);
 
   /// Gives the bodies the impulses of the last sub-step again.
   void warmStart();
@@ -128,16 +129,10 @@ class ContactLanes {
   /// then.
   enum class Pass {
     Soft,   ///< contacts are soft and close their gaps
-    Relax,  ///< points that push are to be at rest; those that slide get friction once more after that
+    Relax,  ///< the bodies have moved; points that push are to be at rest; those that slide get friction once more after that
     Last,   ///< Relax, and the impulses of the sub-step are added to the sums
   };
   void solve(Pass pass, const Softness& soft, double h);
-  /// To be called when the bodies have moved: measures the gaps, and how bodies turn whose axes have turned, with the
-  /// masses along the rows of their contacts.
-  ///
-  /// The bodies moved by x, and their surfaces turned by theta. A point of the surface at r has gone to
-  /// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2.
-  void follow();
   /// Calls `what` for each body, on the threads that have them in their caches.
   template <class What>
   void forBodies(const What& what) {
@@ -157,7 +152,6 @@ class ContactLanes {
   bool accepts(const Bundle& bundle, const SolverBlock& block) const;
   void takeBundle(std::size_t bundle);
   void takeBlock(Place place);
-  void giveBackBlock(Index block);
   void findTurns(std::size_t bundle);
   void findMasses(std::size_t bundle, const std::array<bool, kLanes>& found);
   /// Calls `body` for all bundles, from `begin` to before `end`, in any order.
@@ -167,7 +161,7 @@ class ContactLanes {
   void warmStart(std::size_t begin, std::size_t end);
   template <Pass kPass, bool kFriction>
   void solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h);
-  void follow(std::size_t begin, std::size_t end);
+  void follow(std::size_t bundle);
 
   SolverContacts& contacts_;
   Workers& workers_;

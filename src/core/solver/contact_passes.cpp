@@ -67,6 +67,48 @@ RBS_WIDE void ContactLanes::warmStart(std::size_t begin, std::size_t end) {
   }
 }
 
+// Measures the gaps where the bodies have moved since, and how bodies turn whose axes have turned, with the masses along the
+// rows of their contacts. A pass does it for each bundle that it reads, so that the rows come from memory once.
+//
+// The bodies moved by x, and their surfaces turned by theta. A point of the surface at r has gone to
+// x + exp([theta]) r, to second order x + theta x r + theta x (theta x r)/2.
+RBS_WIDE void ContactLanes::follow(std::size_t b) {
+  const Bundle& bundle = bundles_[b];
+  std::array<bool, kLanes> turned;
+  for (int lane = 0; lane < kLanes; ++lane)
+    turned[lane] = bundle.i[lane]->turned_axes || bundle.j[lane]->turned_axes;
+  if (std::any_of(turned.begin(), turned.end(), [](bool one) { return one; })) {
+    findTurns(b);
+    findMasses(b, turned);
+  }
+  // c, with n . (theta x r + theta x (theta x r)/2) = c . r, in the frame of the contact
+  const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then, Lanes* c) {
+    Lanes theta_W[3], theta[3];
+    gather(bodies, &SolverBody::surface_turned, theta_W);
+    toFrame(bundle.frame, theta_W, theta);
+    for (int k = 0; k < 3; ++k) theta[k] -= then[k];
+    c[0] = -0.5 * (theta[1] * theta[1] + theta[2] * theta[2]);
+    c[1] = 0.5 * theta[0] * theta[1] - theta[2];
+    c[2] = 0.5 * theta[0] * theta[2] + theta[1];
+  };
+  Lanes c_i[3], c_j[3], moved_i[3], moved_j[3];
+  turning(bundle.i, starts_[b].turned_i, c_i);
+  turning(bundle.j, starts_[b].turned_j, c_j);
+  gather(bundle.i, &SolverBody::moved, moved_i);
+  gather(bundle.j, &SolverBody::moved, moved_j);
+  const Lanes moved[3] = {moved_j[0] - moved_i[0], moved_j[1] - moved_i[1], moved_j[2] - moved_i[2]};
+  Lanes shift;
+  dot(bundle.frame[0], moved, shift);
+  shift -= starts_[b].shift;
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    Lanes by_i, by_j;
+    dot(c_i, row.arm_i, by_i);
+    dot(c_j, row.arm_j, by_j);
+    row.open = row.gap + shift + by_j - by_i;
+  }
+}
+
 // In the frame of the contact, n, t1, t2. There u is the velocity of the centre of j against that of i. Impulses p change it
 // by (1/m_i + 1/m_j) p. At an arm (r_n, r_1, r_2) unit impulses along n, t1 and t2 have the moments
 //   (0, r_2, -r_1),   (-r_2, 0, r_n),   (r_1, -r_n, 0).
@@ -93,6 +135,7 @@ RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, con
   fill(soft_impulse, soft.impulse);
   LaneMask slides[Manifold::kPoints];
   for (std::size_t b = begin; b < end; ++b) {
+    if (kPass != Pass::Soft) follow(b);
     const Bundle& bundle = bundles_[b];
     Lanes v[6], w_W[6], u[3], w_i[3], w_j[3];
     gatherTwists(bundle.i, v, w_W);
@@ -253,49 +296,6 @@ void ContactLanes::solve(Pass pass, const Softness& soft, double h) {
   if (pass == Pass::Soft) solveAs(std::integral_constant<Pass, Pass::Soft>());
   if (pass == Pass::Relax) solveAs(std::integral_constant<Pass, Pass::Relax>());
   if (pass == Pass::Last) solveAs(std::integral_constant<Pass, Pass::Last>());
-}
-
-void ContactLanes::follow() {
-  forBundles([this](std::size_t begin, std::size_t end) { follow(begin, end); });
-}
-
-RBS_WIDE void ContactLanes::follow(std::size_t begin, std::size_t end) {
-  for (std::size_t b = begin; b < end; ++b) {
-    const Bundle& bundle = bundles_[b];
-    std::array<bool, kLanes> turned;
-    for (int lane = 0; lane < kLanes; ++lane)
-      turned[lane] = bundle.i[lane]->turned_axes || bundle.j[lane]->turned_axes;
-    if (std::any_of(turned.begin(), turned.end(), [](bool one) { return one; })) {
-      findTurns(b);
-      findMasses(b, turned);
-    }
-    // c, with n . (theta x r + theta x (theta x r)/2) = c . r, in the frame of the contact
-    const auto turning = [&](const std::array<SolverBody*, kLanes>& bodies, const Lanes* then, Lanes* c) {
-      Lanes theta_W[3], theta[3];
-      gather(bodies, &SolverBody::surface_turned, theta_W);
-      toFrame(bundle.frame, theta_W, theta);
-      for (int k = 0; k < 3; ++k) theta[k] -= then[k];
-      c[0] = -0.5 * (theta[1] * theta[1] + theta[2] * theta[2]);
-      c[1] = 0.5 * theta[0] * theta[1] - theta[2];
-      c[2] = 0.5 * theta[0] * theta[2] + theta[1];
-    };
-    Lanes c_i[3], c_j[3], moved_i[3], moved_j[3];
-    turning(bundle.i, starts_[b].turned_i, c_i);
-    turning(bundle.j, starts_[b].turned_j, c_j);
-    gather(bundle.i, &SolverBody::moved, moved_i);
-    gather(bundle.j, &SolverBody::moved, moved_j);
-    const Lanes moved[3] = {moved_j[0] - moved_i[0], moved_j[1] - moved_i[1], moved_j[2] - moved_i[2]};
-    Lanes shift;
-    dot(bundle.frame[0], moved, shift);
-    shift -= starts_[b].shift;
-    for (int k = 0; k < bundle.size; ++k) {
-      NormalRow& row = normal_[bundle.normal + k];
-      Lanes by_i, by_j;
-      dot(c_i, row.arm_i, by_i);
-      dot(c_j, row.arm_j, by_j);
-      row.open = row.gap + shift + by_j - by_i;
-    }
-  }
 }
 
 }  // namespace rbs

@@ -20,6 +20,8 @@ class EnergyLimit {
  public:
   /// Finds the islands with deep overlaps, or all of them, and what they may have at the end.
   void find(const Context& context, const SolverContacts& contacts, bool all);
+  /// There are none.
+  bool empty() const { return islands_.empty(); }
   /// Takes away from the velocities what an island has gained.
   void apply(const Context& context, SolverContacts& contacts) const;
 

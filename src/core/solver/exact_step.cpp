@@ -68,14 +68,6 @@ constexpr double kRunsAway = 0.1;
 // What it costs to find the points of a pair, in multiplications.
 constexpr std::int64_t kPairWork = 5000;
 
-std::vector<Index> contactsOf(const std::vector<Edge>& edges) {
-  std::vector<Index> contacts;
-  for (const Edge& edge : edges)
-    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
-  std::sort(contacts.begin(), contacts.end());
-  return contacts;
-}
-
 // Whether a kinematic body that turns carries others. They stay on their circles by the curvature of their ways alone: without it
 // a box creeps outwards by w^2 r h/2 a second.
 bool isCarriedRound(const Context& context, const std::vector<Index>& contacts) {
@@ -96,11 +88,11 @@ std::vector<Index> sorted(std::vector<Index> list) {
 
 }  // namespace
 
-Stepper::Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
+Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, SolveBudget& budget,
                  bool ends_early, InnerClock& clock)
     : context_(context),
       step_(context.step),
-      active_(contactsOf(batch.edges)),
+      active_(sorted(batch.contacts)),
       island_(context, sorted(batch.bodies)),
       slots_(context.step.slot),
       budget_(budget),
@@ -418,11 +410,11 @@ void Stepper::store() {
 
 namespace {
 
-Island& islandOf(StepStore& step, const IslandBatch& batch) {
+Island& islandOf(StepStore& step, const Subgraph& batch) {
   return step.islands[step.island[batch.bodies.front()]];
 }
 
-Outcome runWith(SolveBudget& budget, bool ends_early, Context& context, const IslandBatch& batch, double t0,
+Outcome runWith(SolveBudget& budget, bool ends_early, Context& context, const Subgraph& batch, double t0,
                 double t1, std::vector<double>& row_seconds) {
   InnerClock clock(row_seconds);
   Stepper method(context, batch, t0, t1, budget, ends_early, clock);
@@ -432,7 +424,7 @@ Outcome runWith(SolveBudget& budget, bool ends_early, Context& context, const Is
 
 }  // namespace
 
-Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+Outcome advance(Context& context, const Subgraph& batch, double t0, double t1) {
   if (!(t1 > t0)) return Outcome::Done;
   StepStore& step = context.step;
   std::int64_t& own = islandOf(step, batch).work_left;
@@ -446,22 +438,20 @@ Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1
   return outcome;
 }
 
-std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batch, double t0, double t1,
+std::optional<Outcome> advanceByItsOwn(Context& context, const Subgraph& batch, double t0, double t1,
                                        std::vector<double>& row_seconds) {
   if (!(t1 > t0)) return Outcome::Done;
   Island& island = islandOf(context.step, batch);
   const std::int64_t all = island.work_left + kCommonWork;
   const bool cut_short = island.cut_short;
   std::vector<SeparatingAxis> axes;  // with the counts of their queries
-  for (const Edge& edge : batch.edges)
-    if (edge.kind == ConstraintKind::Contact) axes.push_back(context.scene.contacts.active[edge.of].axis);
+  for (const Index k : batch.contacts) axes.push_back(context.scene.contacts.active[k].axis);
   SolveBudget budget{all, context.step.solve_budget.until, kCommonWork};
   const Outcome outcome = runWith(budget, false, context, batch, t0, t1, row_seconds);
   if (outcome == Outcome::OverBudget) {
     island.cut_short = cut_short;
     auto axis = axes.begin();
-    for (const Edge& edge : batch.edges)
-      if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of].axis = *axis++;
+    for (const Index k : batch.contacts) context.scene.contacts.active[k].axis = *axis++;
     return std::nullopt;
   }
   island.work_left -= all - budget.left;

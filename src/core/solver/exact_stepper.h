@@ -42,8 +42,8 @@ class Stepper : public InnerRows {
  public:
   /// @param ends_early where the budget is out in the last segment, its solves end with the best they have; false:
   ///   OverBudget
-  Stepper(Context& context, const IslandBatch& batch, double t0, double t1, SolveBudget& budget,
-          bool ends_early, InnerClock& clock);
+  Stepper(Context& context, const Subgraph& batch, double t0, double t1, SolveBudget& budget, bool ends_early,
+          InnerClock& clock);
 
   void collide();
   void prepare();

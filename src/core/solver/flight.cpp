@@ -15,7 +15,7 @@ namespace {
 
 class Flight : public InnerRows {
  public:
-  Flight(Context& context, const IslandBatch& batch, double seconds)
+  Flight(Context& context, const Subgraph& batch, double seconds)
       : context_(context), batch_(batch), seconds_(seconds) {}
 
   bool beginSubStep() { return !std::exchange(begun_, true); }
@@ -34,14 +34,14 @@ class Flight : public InnerRows {
 
  private:
   Context& context_;
-  const IslandBatch& batch_;
+  const Subgraph& batch_;
   double seconds_;
   bool begun_ = false;
 };
 
 }  // namespace
 
-void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+void advance(Context& context, const Subgraph& batch, double t0, double t1) {
   InnerClock clock(context.step.row_seconds);
   Flight method(context, batch, t1 - t0);
   runInnerStep(method, clock);

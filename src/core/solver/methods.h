@@ -9,22 +9,16 @@
 
 namespace rbs {
 
-/// Islands that are advanced together: all their bodies and all their edges.
-struct IslandBatch {
-  const std::vector<Index>& bodies;
-  const std::vector<Edge>& edges;
-};
-
 namespace flight {
 /// Bodies without contacts, in closed form.
-void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+void advance(Context& context, const Subgraph& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The longest sub-step in which contacts can follow the bodies of these edges, s; infinite where nothing moves.
-double longestSubStep(const Context& context, const std::vector<Edge>& edges);
+/// The longest sub-step in which these contacts can follow their bodies, s; infinite where nothing moves.
+double longestSubStep(const Context& context, const std::vector<Index>& contacts);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
-void advance(Context& context, const IslandBatch& batch, double t0, double t1);
+void advance(Context& context, const Subgraph& batch, double t0, double t1);
 }  // namespace soft_step
 
 namespace exact_step {
@@ -36,10 +30,10 @@ enum class Outcome {
 };
 /// Bodies in contact, by Coulomb's law without softness; one island at a time. NoSolution and OverBudget leave the
 /// island as it was, for another method.
-Outcome advance(Context& context, const IslandBatch& batch, double t0, double t1);
+Outcome advance(Context& context, const Subgraph& batch, double t0, double t1);
 /// The same by what the island has of its own (SolveBudget), so that islands can be advanced at the same time; nothing where
 /// it needs more: it is left as it was. `row_seconds` gets the times of the rows.
-std::optional<Outcome> advanceByItsOwn(Context& context, const IslandBatch& batch, double t0, double t1,
+std::optional<Outcome> advanceByItsOwn(Context& context, const Subgraph& batch, double t0, double t1,
                                        std::vector<double>& row_seconds);
 }  // namespace exact_step
 

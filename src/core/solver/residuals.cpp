@@ -35,9 +35,8 @@ void checkIslands(Context& context) {
   for (Island& island : step.islands) {
     IslandResiduals& residuals = island.residuals;
     if (*residuals.method == 0) continue;
-    for (const Edge& edge : island.edges) {
-      if (edge.kind != ConstraintKind::Contact) continue;
-      const Contact& contact = context.scene.contacts.active[edge.of];
+    for (const Index k : island.contacts) {
+      const Contact& contact = context.scene.contacts.active[k];
       if (!contact.solved) continue;
       residuals.contacts += static_cast<std::uint32_t>(contact.points.size());
       for (const SolvedPoint& point : contact.points)

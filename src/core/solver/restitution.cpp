@@ -36,6 +36,7 @@ void Restitution::begin(const Context& context, const SolverContacts& contacts) 
 
 // Slower than half of what gravity adds in a step, a rebound would be over within it.
 void Restitution::apply(const Context& context, SolverContacts& contacts) const {
+  if (islands_.empty()) return;
   const double slowest = 0.5 * context.step.h() * context.scene.gravity_W.norm();
   struct Rebound {
     const SolverBlock* block;

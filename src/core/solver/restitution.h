@@ -22,6 +22,8 @@ class Restitution {
  public:
   /// At the start: takes the energies of the islands that may rebound.
   void begin(const Context& context, const SolverContacts& contacts);
+  /// No island may rebound.
+  bool empty() const { return islands_.empty(); }
   /// Makes the rebounds, and adds their impulses to those of the points.
   void apply(const Context& context, SolverContacts& contacts) const;
 

@@ -53,7 +53,7 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
   return curved * largest < 1.0 ? curved * largest * largest : 1.0 / curved;
 }
 
-void Resistance::prepare(const Context& context, const IslandBatch&, const SolverContacts& contacts) {
+void Resistance::prepare(const Context& context, const Subgraph&, const SolverContacts& contacts) {
   const SceneStore& scene = context.scene;
   for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {
     const SolverBlock& block = contacts.blocks[k];

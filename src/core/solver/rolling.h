@@ -37,7 +37,7 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 /// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.
 class Resistance {
  public:
-  void prepare(const Context& context, const IslandBatch& batch, const SolverContacts& contacts);
+  void prepare(const Context& context, const Subgraph& batch, const SolverContacts& contacts);
   bool empty() const { return rows_.empty(); }
   void warmStart(SolverContacts& contacts) const;
   void solve(SolverContacts& contacts);

@@ -26,6 +26,8 @@ class RollingEnergy {
  public:
   /// Finds the bodies that roll on a flat surface, and takes their energies.
   void find(const Context& context, const SolverContacts& contacts);
+  /// There are none.
+  bool empty() const { return rollers_.empty(); }
   /// Slows the spin of those that have gained, `seconds` later.
   void apply(const Context& context, double seconds, SolverContacts& contacts) const;
 

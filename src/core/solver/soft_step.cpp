@@ -17,7 +17,7 @@ constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 
 template <class Method>
-void advanceBy(Context& context, const IslandBatch& batch, double t0, double t1) {
+void advanceBy(Context& context, const Subgraph& batch, double t0, double t1) {
   InnerClock clock(context.step.row_seconds);
   Method method(context, batch, t0, t1);
   runInnerStep(method, clock);
@@ -31,14 +31,13 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
+double longestSubStep(const Context& context, const std::vector<Index>& contacts) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const double infinite = std::numeric_limits<double>::infinity();
   double travel = infinite, fall = infinite, spin = 0.0;  // s, s², and rad²/s²
-  for (const Edge& edge : edges) {
-    if (edge.kind != ConstraintKind::Contact) continue;
-    const Contact& contact = context.scene.contacts.active[edge.of];
+  for (const Index k : contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
     const Index i = contact.i, j = contact.j;
     const double length = smallerLength(bodies, i, j);
     const double load = (step.load[j].a_W - step.load[i].a_W).norm();
@@ -51,7 +50,7 @@ double longestSubStep(const Context& context, const std::vector<Edge>& edges) {
   return std::min({travel, std::sqrt(fall), kMostTurn / std::sqrt(spin)});
 }
 
-void advance(Context& context, const IslandBatch& batch, double t0, double t1) {
+void advance(Context& context, const Subgraph& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
   if constexpr (built::rolling)
     if (context.scene.effects[Effect::Rolling])

@@ -76,7 +76,7 @@ struct Stores {
 Softness softness(double h, double h_full);
 
 /// The method, with the kinds of constraints that it solves beside contacts. What a kind has to have:
-///   void prepare(const Context&, const IslandBatch&, SolverContacts&);  ///< its rows
+///   void prepare(const Context&, const Subgraph&, SolverContacts&);  ///< its rows
 ///   bool empty() const;                                                 ///< it has none in this batch
 ///   void warmStart(SolverContacts&);                                    ///< the last sub-step's impulses
 ///   void solve(SolverContacts&);                                        ///< one pass over its rows
@@ -84,14 +84,15 @@ Softness softness(double h, double h_full);
 template <class... Kinds>
 class SoftStep : public InnerRows {
  public:
-  SoftStep(Context& context, const IslandBatch& batch, double t0, double t1)
+  SoftStep(Context& context, const Subgraph& batch, double t0, double t1)
       : context_(context),
         batch_(batch),
         contacts_(context, batch, context.step.soft_stores->contacts),
         lanes_(contacts_, context.step.soft_stores->lanes, *context.step.workers),
         t0_(t0),
         dt_(t1 - t0) {
-    const double longest = longestSubStep(context, batch.edges), shortest = context.step.h() / kMostSubSteps;
+    const double longest = longestSubStep(context, batch.contacts),
+                 shortest = context.step.h() / kMostSubSteps;
     const double of_setting = context.step.h() / context.step.solver.sub_steps;
     too_fast_ = longest < std::min(of_setting, shortest);
     h_full_ = std::min(of_setting, std::max(longest, shortest));
@@ -137,13 +138,19 @@ class SoftStep : public InnerRows {
     if (too_fast_) energy_.apply(context_, contacts_);
   }
   void rebound() {
+    if (restitution_.empty() && energy_.empty() && rolling_.empty()) return;
     lanes_.giveBack();
-    if constexpr (built::restitution)
-      if (context_.scene.effects[Effect::Restitution]) restitution_.apply(context_, contacts_);
+    given_back_ = true;
+    if constexpr (built::restitution) restitution_.apply(context_, contacts_);
     energy_.apply(context_, contacts_);
     rolling_.apply(context_, dt_, contacts_);
   }
-  void store() { contacts_.store(h_, h_full_); }
+  // Where points are given back one block at a time, they come from memory once.
+  void store() {
+    contacts_.store(h_, h_full_, [this](Index block) {
+      if (!given_back_) lanes_.giveBack(block);
+    });
+  }
 
  private:
   template <class Do>
@@ -160,7 +167,7 @@ class SoftStep : public InnerRows {
   }
 
   Context& context_;
-  const IslandBatch& batch_;
+  const Subgraph& batch_;
   SolverContacts contacts_;
   ContactLanes lanes_;
   std::tuple<Kinds...> kinds_;
@@ -170,6 +177,7 @@ class SoftStep : public InnerRows {
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
+  bool given_back_ = false;  // the points have what the lanes had
   bool too_fast_;  // for the most sub-steps: no contact can be followed, and no energy may be gained
   Softness soft_;
 };
@@ -221,7 +229,6 @@ inline void SoftStep<Kinds...>::integrate() {
       s.turned_axes_at = s.turned, s.turned_axes = true;
     }
   });
-  lanes_.follow();
 }
 
 }  // namespace rbs::soft_step

@@ -39,7 +39,7 @@ void keepWithin(double margin, Manifold& manifold) {
 
 }  // namespace
 
-SolverContacts::SolverContacts(Context& context, const IslandBatch& batch, Stores& stores)
+SolverContacts::SolverContacts(Context& context, const Subgraph& batch, Stores& stores)
     : bodies(stores.bodies),
       blocks(stores.blocks),
       points(stores.points),
@@ -100,21 +100,20 @@ void SolverContacts::find(double now, double left, double h) {
   const EffectOverrides& overrides = context_.scene.settings.effects;
   const auto forced = overrides.find(Effect::Friction);
   const bool friction_forced = forced != overrides.end() && forced->second;
-  blocks.reserve(batch_.edges.size());
+  blocks.reserve(batch_.contacts.size());
   const auto add = [this](Index contact, Index i, Index j) {
     SolverBlock& block = blocks.emplace_back();
     block.i = i, block.j = j, block.contact = contact;
   };
   last_.clear();
-  for (const Edge& edge : batch_.edges) {
-    if (edge.kind != ConstraintKind::Contact) continue;
-    const Contact& contact = context_.scene.contacts.active[edge.of];
+  for (const Index k : batch_.contacts) {
+    const Contact& contact = context_.scene.contacts.active[k];
     if (!contact.state.isSolved()) continue;
     const Index i = slotOf(contact.i), j = slotOf(contact.j);
     if (bodies[i].inv_mass > 0.0 && bodies[j].inv_mass > 0.0) {
-      add(edge.of, i, j);
+      add(k, i, j);
     } else {
-      last_.push_back(edge.of);
+      last_.push_back(k);
     }
   }
   for (const Index k : last_) {
@@ -238,7 +237,7 @@ double SolverContacts::slipOf(const SolverBlock& block) const {
 }
 
 bool SolverContacts::isOfFew(const SolverBlock& block) const {
-  return context_.step.islands[islandOf(block)].edges.size() <= kFollowedPairs;
+  return context_.step.islands[islandOf(block)].contacts.size() <= kFollowedPairs;
 }
 
 void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint& found, const Vec3& centre_i,
@@ -345,15 +344,14 @@ void SolverContacts::refresh(Index which, double now, double left) {
 
 // The force of a point is its impulse over a whole sub-step. After a shorter one, which an impact has cut
 // off, the warm start it began with stands in for the rest: an impulse divided by a sliver of time is no force.
-void SolverContacts::store(double h, double h_full) {
+void SolverContacts::store(double h, double h_full, const std::function<void(Index)>& finish) {
   const double rest = std::max(h_full - h, 0.0);
   for (const SolverBody& s : bodies) {
     if (context_.step.island[s.body] == kNone) continue;
     context_.scene.bodies.twist[s.body] = {s.v, s.w};
   }
   std::vector<Contact>& active = context_.scene.contacts.active;
-  for (const Edge& edge : batch_.edges)
-    if (edge.kind == ConstraintKind::Contact) active[edge.of].beginSolve();
+  for (const Index k : batch_.contacts) active[k].beginSolve();
   for (const auto& [k, point] : opened_) active[k].addEarlier(point);
   // Of the blocks of a part: what the islands that they are of must know, in the order of the blocks. At the exact
   // settings the soft step stands in for solves that do not converge.
@@ -361,6 +359,7 @@ void SolverContacts::store(double h, double h_full) {
   std::vector<Residuals> parts(Workers::parts(blocks.size(), kBlocksOfAPart));
   context_.step.workers->share(blocks.size(), kBlocksOfAPart, [&](auto part, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
+      finish(static_cast<Index>(k));
       storeBlock(blocks[k], h, rest);
       Island* const island = &context_.step.islands[islandOf(blocks[k])];
       if (parts[part].empty() || parts[part].back().first != island) {

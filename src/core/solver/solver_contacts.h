@@ -8,6 +8,7 @@
 #include "solver/contact_preparation.h"
 #include "solver/methods.h"
 
+#include <functional>
 #include <vector>
 
 namespace rbs {
@@ -91,7 +92,7 @@ class SolverContacts {
     std::vector<std::vector<SolverPoint>> points_of_parts;  // as threads find them
   };
 
-  SolverContacts(Context& context, const IslandBatch& batch, Stores& stores);
+  SolverContacts(Context& context, const Subgraph& batch, Stores& stores);
 
   /// Finds the points of all contacts at time `now`, with `left` s to go, and the impulses that the forces of
   /// the last step make of a sub-step of length h.
@@ -137,8 +138,8 @@ class SolverContacts {
   /// The island of the dynamic bodies of a block.
   Index islandOf(const SolverBlock& block) const;
   /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
-  /// `h_full` that of one that nothing cuts short.
-  void store(double h, double h_full);
+  /// `h_full` that of one that nothing cuts short. `finish` is called for each block before its points are read.
+  void store(double h, double h_full, const std::function<void(Index block)>& finish);
 
   std::vector<SolverBody>& bodies;
   std::vector<SolverBlock>& blocks;
@@ -166,7 +167,7 @@ class SolverContacts {
   void addResiduals(const SolverBlock& block, IslandResiduals& solved) const;
 
   Context& context_;
-  const IslandBatch& batch_;
+  const Subgraph& batch_;
   double h_ = 0.0;            ///< of a sub-step, s
   Slots slots_;               ///< in `bodies`
   PointsOfContacts& opened_;  ///< points that are gone, with what they have given

@@ -113,9 +113,8 @@ std::string brokenIslands(const SceneStore& scene, const StepStore& step) {
       if (i >= found.size() || found[i]++ != 0) return "a body is in two islands";
       if (step.island[i] != k) return of(scene.bodies, i, "it does not know its island");
     }
-    for (const Edge& edge : island.edges)
-      if (edge.kind == ConstraintKind::Contact && edge.of >= scene.contacts.active.size())
-        return "an island has a contact that is not there";
+    for (const Index contact : island.contacts)
+      if (contact >= scene.contacts.active.size()) return "an island has a contact that is not there";
     if (!island.bodies.empty() && island.time != step.t1)
       return "an island has not come to the end of the step";
   }

@@ -27,10 +27,23 @@ struct Edge {
   }
 };
 
-/// Dynamic bodies that constraints connect, and the constraints. One body without any is in flight.
-struct Island {
+/// A part of the graph: bodies that forces move, and constraints that tie no others of them.
+struct Subgraph {
   std::vector<Index> bodies;
-  std::vector<Edge> edges;
+  std::vector<Index> contacts;  ///< in scene.contacts.active
+  std::vector<Edge> edges;      ///< of the other kinds
+
+  std::size_t constraints() const { return contacts.size() + edges.size(); }
+  bool flies() const { return constraints() == 0; }
+  void append(const Subgraph& other) {
+    bodies.insert(bodies.end(), other.bodies.begin(), other.bodies.end());
+    contacts.insert(contacts.end(), other.contacts.begin(), other.contacts.end());
+    edges.insert(edges.end(), other.edges.begin(), other.edges.end());
+  }
+};
+
+/// Bodies that constraints connect, with all of these. One body without any is in flight.
+struct Island : Subgraph {
   bool touching = false;         ///< some of its contacts touch
   double time = 0.0;             ///< how far it has been advanced
   bool exact = false;            ///< the exact step solves its constraints
@@ -41,8 +54,6 @@ struct Island {
   bool cut_short = false;                           ///< an exact solve has been ended by its budget
   std::uint32_t impacts = 0, deferred_impacts = 0;  ///< its part of the StepReport, and so are the warnings
   std::vector<Warning> warnings;
-
-  bool flies() const { return edges.empty(); }
 };
 
 }  // namespace rbs

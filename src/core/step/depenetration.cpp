@@ -172,10 +172,8 @@ bool rulesOver(const Context& context, const Island& island) {
   const StepStore& step = context.step;
   if (std::any_of(island.bodies.begin(), island.bodies.end(), [&](Index i) { return step.isCrowded(i); }))
     return true;
-  const auto isDeepEdge = [&](const Edge& edge) {
-    return edge.kind == ConstraintKind::Contact && isDeep(context, context.scene.contacts.active[edge.of]);
-  };
-  return std::count_if(island.edges.begin(), island.edges.end(), isDeepEdge) > kFewToSolve;
+  const auto overlaps = [&](Index k) { return isDeep(context, context.scene.contacts.active[k]); };
+  return std::count_if(island.contacts.begin(), island.contacts.end(), overlaps) > kFewToSolve;
 }
 
 void separate(Context& context) {

@@ -30,8 +30,7 @@ class IslandBefore {
       poses_.push_back(context.scene.bodies.pose[i]);
       twists_.push_back(context.scene.bodies.twist[i]);
     }
-    for (const Edge& edge : island_.edges)
-      if (edge.kind == ConstraintKind::Contact) contacts_.push_back(context.scene.contacts.active[edge.of]);
+    for (const Index k : island_.contacts) contacts_.push_back(context.scene.contacts.active[k]);
   }
   // All but the work that its solves have cost, and whether that was too much for the exact step.
   void putBack(Context& context) const {
@@ -45,8 +44,7 @@ class IslandBefore {
       context.scene.bodies.twist[island.bodies[k]] = twists_[k];
     }
     auto contact = contacts_.begin();
-    for (const Edge& edge : island.edges)
-      if (edge.kind == ConstraintKind::Contact) context.scene.contacts.active[edge.of] = *contact++;
+    for (const Index k : island.contacts) context.scene.contacts.active[k] = *contact++;
   }
 
  private:
@@ -54,7 +52,7 @@ class IslandBefore {
   Island island_;
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;
-  std::vector<Contact> contacts_;  // of its edges
+  std::vector<Contact> contacts_;
 };
 
 // The trajectories of the bodies of islands before these are advanced; others stay on theirs.

@@ -114,8 +114,8 @@ class ImpactLoop {
   Brought advanceBoth(const PendingImpact& impact) {
     std::uint64_t cost = 0;
     for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->edges.size() > kSmallIsland)
-        cost += island->edges.size();
+      if (island && island->time < impact.time && island->constraints() > kSmallIsland)
+        cost += island->constraints();
     if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
     if (!budget_.takeCut(step_.movedOf(impact.i, impact.j), step_.movedOf(impact.j, impact.i), cost))
       return Brought::Expensive;
@@ -169,7 +169,7 @@ class ImpactLoop {
     for (const auto& [root, islands] : sets) {
       std::uint64_t cost = 0;
       for (const Index place : islands)
-        if (step_.islands[place].edges.size() > kSmallIsland) cost += step_.islands[place].edges.size();
+        if (step_.islands[place].constraints() > kSmallIsland) cost += step_.islands[place].constraints();
       if (!budget_.takeCut(root, root, cost)) continue;
       const auto early = advanceUnlessEarly(context_, islands, step_.t1, rebounding);
       if (early) queueEarly(*early), found = true;

@@ -19,8 +19,7 @@ IslandContacts::IslandContacts(Context& context, ImpactBudget& budget)
       found_(contacts_.active.size()),
       has_edge_(found_, 0) {
   for (const Island& island : step_.islands)
-    for (const Edge& edge : island.edges)
-      if (edge.kind == ConstraintKind::Contact) has_edge_[edge.of] = 1;
+    for (const Index k : island.contacts) has_edge_[k] = 1;
 }
 
 Index IslandContacts::find(Index i, Index j) const {
@@ -57,7 +56,7 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   has_edge_[contact] = 1;
   if ((island.time > step_.t0 || !set_back_.empty()) && overlapDeeply(context_, i, j, island.time))
     step_.overlapping.emplace_back(i, j);
-  island.edges.push_back(islands::edgeOf(contacts_, contact));
+  island.contacts.push_back(contact);
 }
 
 // Two islands by their places to one time. Where many bodies have met in the air and join a heap one after the other, each at
@@ -68,8 +67,8 @@ void IslandContacts::bringTogether(Index a, Index b) {
   Island *behind = &step_.islands[a], *ahead = &step_.islands[b];
   if (behind->time > ahead->time) std::swap(behind, ahead);
   if (behind->time == ahead->time) return;
-  const bool is_cheap = step_.solver.exact || behind->edges.size() <= kSmallIsland;
-  if (is_cheap || budget_.takeJoin(behind->bodies.front(), ahead->bodies.front(), behind->edges.size())) {
+  const bool is_cheap = step_.solver.exact || behind->constraints() <= kSmallIsland;
+  if (is_cheap || budget_.takeJoin(behind->bodies.front(), ahead->bodies.front(), behind->constraints())) {
     advanceTo(context_, *behind, ahead->time);
   } else {
     ahead->time = behind->time;

@@ -20,15 +20,14 @@ namespace {
 // Contact forces that an exact setting does not find do not exist, as where moving bodies leave another one
 // no room; or they are out of reach of its solvers. A kinematic body that closes on another one tells the first. Said once a
 // step.
-void reportUnsolved(const Context& context, const IslandBatch& batch, Island& island) {
+void reportUnsolved(const Context& context, const Subgraph& batch, Island& island) {
   const auto isSaid = [](const Warning& warning) { return warning.kind == "unsolved"; };
   if (std::any_of(island.warnings.begin(), island.warnings.end(), isSaid)) return;
   const Bodies& bodies = context.scene.bodies;
   const Contact* squeezes = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Edge& edge : batch.edges) {
-    if (edge.kind != ConstraintKind::Contact) continue;
-    const Contact& contact = context.scene.contacts.active[edge.of];
+  for (const Index k : batch.contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
     if (!bodies.traits[contact.i].is_kinematic() && !bodies.traits[contact.j].is_kinematic()) continue;
     for (const SolvedPoint& point : contact.points) {
       const auto speedOf = [&](Index i) {
@@ -67,8 +66,7 @@ void reportCutShort(Context& context, const Island& island) {
 
 // The soft step takes an island that the exact step could not take. One that is over its budget stays with it until the end of
 // the step.
-void finishExact(Context& context, const IslandBatch& batch, exact_step::Outcome outcome, double t0,
-                 double t1) {
+void finishExact(Context& context, const Subgraph& batch, exact_step::Outcome outcome, double t0, double t1) {
   Island& island = context.step.islands[context.step.island[batch.bodies.front()]];
   using exact_step::Outcome;
   if (outcome == Outcome::Done) return;
@@ -77,9 +75,9 @@ void finishExact(Context& context, const IslandBatch& batch, exact_step::Outcome
   if (context.step.solver.exact && outcome != Outcome::OverBudget) reportUnsolved(context, batch, island);
 }
 
-void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double t0, double t1) {
+void advanceBatch(Context& context, const Subgraph& batch, bool exact, double t0, double t1) {
   if (!(t1 > t0) || batch.bodies.empty()) return;
-  if (batch.edges.empty()) {
+  if (batch.flies()) {
     flight::advance(context, batch, t0, t1);
   } else if (exact) {
     finishExact(context, batch, exact_step::advance(context, batch, t0, t1), t0, t1);
@@ -90,18 +88,14 @@ void advanceBatch(Context& context, const IslandBatch& batch, bool exact, double
 
 // Whether an island is advanced by sub-steps of its own.
 bool needsOwnSubSteps(const Context& context, const Island& island) {
-  return soft_step::longestSubStep(context, island.edges) < context.step.h() / context.step.solver.sub_steps;
-}
-
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
+  return soft_step::longestSubStep(context, island.contacts) <
+         context.step.h() / context.step.solver.sub_steps;
 }
 
 }  // namespace
 
 void advanceTo(Context& context, Island& island, double time) {
-  advanceBatch(context, {island.bodies, island.edges}, island.exact, island.time, time);
+  advanceBatch(context, island, island.exact, island.time, time);
   island.time = std::max(island.time, time);
 }
 
@@ -118,8 +112,7 @@ void advanceExact(Context& context, const std::vector<Island*>& islands) {
     const auto begin = std::chrono::steady_clock::now();
     step.workers->share(islands.size(), 1, [&](std::size_t k, auto, auto) {
       const Island& island = *islands[k];
-      outcomes[k] = exact_step::advanceByItsOwn(context, {island.bodies, island.edges}, island.time, step.t1,
-                                                row_seconds[k]);
+      outcomes[k] = exact_step::advanceByItsOwn(context, island, island.time, step.t1, row_seconds[k]);
     });
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     double sum = 0.0;
@@ -130,9 +123,8 @@ void advanceExact(Context& context, const std::vector<Island*>& islands) {
   }
   for (std::size_t k = 0; k < islands.size(); ++k) {
     Island& island = *islands[k];
-    const IslandBatch batch{island.bodies, island.edges};
-    if (!outcomes[k]) outcomes[k] = exact_step::advance(context, batch, island.time, step.t1);
-    finishExact(context, batch, *outcomes[k], island.time, step.t1);
+    if (!outcomes[k]) outcomes[k] = exact_step::advance(context, island, island.time, step.t1);
+    finishExact(context, island, *outcomes[k], island.time, step.t1);
     island.time = step.t1;
   }
 }
@@ -142,10 +134,7 @@ void advanceExact(Context& context, const std::vector<Island*>& islands) {
 void advanceToEnd(Context& context) {
   StepStore& step = context.step;
   std::vector<Island*> exact;
-  struct Together {
-    std::vector<Index> bodies;
-    std::vector<Edge> edges;
-  } flying, connected;
+  Subgraph flying, connected;
   for (Island& island : step.islands) {
     if (island.time >= step.t1) continue;
     if (!island.flies() && island.exact) {
@@ -153,16 +142,15 @@ void advanceToEnd(Context& context) {
     } else if (island.time > step.t0 || (!island.flies() && needsOwnSubSteps(context, island))) {
       advanceTo(context, island, step.t1);
     } else {
-      Together& batch = island.flies() ? flying : connected;
-      append(batch.bodies, island.bodies);
-      append(batch.edges, island.edges);
+      (island.flies() ? flying : connected).append(island);
       island.time = step.t1;
     }
   }
   advanceExact(context, exact);
+  std::sort(connected.contacts.begin(), connected.contacts.end());
   std::sort(connected.edges.begin(), connected.edges.end());
-  advanceBatch(context, {flying.bodies, flying.edges}, false, step.t0, step.t1);
-  advanceBatch(context, {connected.bodies, connected.edges}, false, step.t0, step.t1);
+  advanceBatch(context, flying, false, step.t0, step.t1);
+  advanceBatch(context, connected, false, step.t0, step.t1);
 }
 
 void reportIslands(Context& context) {
@@ -175,7 +163,7 @@ void reportIslands(Context& context) {
     report.islands += island.flies() ? 0 : 1;
     report.impacts += island.impacts;
     report.deferred_impacts += island.deferred_impacts;
-    append(report.warnings, island.warnings);
+    report.warnings.insert(report.warnings.end(), island.warnings.begin(), island.warnings.end());
     if (step.solver.exact && island.cut_short && !island.residuals.converged) reportCutShort(context, island);
     const BodyId oldest = bodies.id[*std::min_element(island.bodies.begin(), island.bodies.end())];
     const char* const method = *island.residuals.method != 0 ? island.residuals.method : "flight";

@@ -21,11 +21,6 @@ void contactEdges(const Context& context, std::vector<Edge>& edges) {
 // A row for each kind of constraint: it adds the edges that the kind has in this step, in canonical order.
 constexpr std::array kEdgeSources{contactEdges};
 
-template <class T>
-void append(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
 }  // namespace
 
 Need need(const SceneAnalysis& c) {
@@ -53,9 +48,9 @@ void build(Context& context, const std::vector<Index>& bodies) {
   connect(context, bodies, edges);
   for (std::size_t k = first; k < context.step.islands.size(); ++k) {
     Island& island = context.step.islands[k];
-    for (const Edge& edge : island.edges)
-      if (edge.kind == ConstraintKind::Contact && context.scene.contacts.active[edge.of].state.isTouching())
-        island.touching = true;
+    island.touching = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index contact) {
+      return context.scene.contacts.active[contact].state.isTouching();
+    });
     chooseSolver(context, island);
   }
 }
@@ -88,9 +83,12 @@ void connect(Context& context, const std::vector<Index>& bodies, const std::vect
     island.bodies.push_back(i);
     island.work_left += kWorkPerBody;
   }
-  for (const Edge& edge : edges)
-    if (const Index first = firstMover(edge); first != kNone)
-      step.islands[step.island[first]].edges.push_back(edge);
+  for (const Edge& edge : edges) {
+    const Index first = firstMover(edge);
+    if (first == kNone) continue;
+    Island& island = step.islands[step.island[first]];
+    edge.kind == ConstraintKind::Contact ? island.contacts.push_back(edge.of) : island.edges.push_back(edge);
+  }
 }
 
 DisjointSets candidateSets(const Context& context) {
@@ -101,6 +99,8 @@ DisjointSets candidateSets(const Context& context) {
   };
   for (const Contact& contact : context.scene.contacts.active) unite(contact.i, contact.j);
   for (const auto& [i, j] : context.step.impacted) unite(i, j);
+  for (const Island& one : context.step.islands)
+    for (const Index i : one.bodies) unite(one.bodies.front(), i);
   return sets;
 }
 
@@ -116,12 +116,10 @@ Index merge(Context& context, Index a, Index b) {
   kept.cut_short = kept.cut_short || gone.cut_short;
   kept.impacts += gone.impacts;
   kept.deferred_impacts += gone.deferred_impacts;
-  append(kept.warnings, gone.warnings);
-  append(kept.bodies, gone.bodies);
-  append(kept.edges, gone.edges);
+  kept.warnings.insert(kept.warnings.end(), gone.warnings.begin(), gone.warnings.end());
+  kept.append(gone);
   kept.touching = kept.touching || gone.touching;
-  gone.bodies.clear();
-  gone.edges.clear();
+  static_cast<Subgraph&>(gone) = {};
   return a;
 }
 

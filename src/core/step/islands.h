@@ -24,8 +24,8 @@ void build(Context& context, const std::vector<Index>& bodies);
 /// Makes the islands of these bodies that edges connect. Edges of other bodies are left out.
 void connect(Context& context, const std::vector<Index>& bodies, const std::vector<Edge>& edges);
 
-/// The bodies that forces move, united where the broad phase found them near each other or they met in the step: what one
-/// does in the step, those of other sets do not feel.
+/// The bodies that forces move, united where the broad phase found them near each other, they met in the step or constraints
+/// connect them: what one does in the step, those of other sets do not feel.
 DisjointSets candidateSets(const Context& context);
 
 /// Makes one island of two that have been advanced to the same time, and gives the place of it.

@@ -20,8 +20,6 @@ std::vector<char> concernedBy(const Context& context, const IndexPairs& pairs) {
     if (isMoved(i) && isMoved(j)) sets.unite(i, j);
   };
   for (const auto& [i, j] : pairs) unite(i, j);
-  for (const Island& island : step.islands)
-    for (const Index i : island.bodies) unite(island.bodies.front(), i);
 
   std::vector<char> is_root(n, 0), concerned(n, 0);
   for (const auto& [i, j] : pairs)
@@ -127,7 +125,21 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
   step.impacted.insert(step.impacted.end(), step.reached.begin(), step.reached.end());
   step.reached.clear(), step.overlapping.clear();
   const std::vector<char> again = concernedBy(context, all);
+  for (Island& island : step.islands)
+    if (!island.bodies.empty() && again[island.bodies.front()]) {
+      step.moving_pairs -= island.moving_pairs;
+      island.bodies.clear();
+    }
+  sortIslands(step);
+  Contacts& contacts = context.scene.contacts;
+  IndexPairs kept_pairs;
+  for (const Island& island : step.islands)
+    for (const Index k : island.contacts) kept_pairs.emplace_back(contacts.active[k].i, contacts.active[k].j);
   restoreContacts(context, missed, again);
+  auto pair = kept_pairs.begin();
+  for (Island& island : step.islands)
+    for (Index& k : island.contacts)
+      k = contacts.find(pair->first, pair->second, contacts.active.size()), ++pair;
 
   std::vector<Index> back;
   for (const Index i : context.scene.lists.in_islands)
@@ -141,17 +153,6 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
   std::copy_if(at_start_.impacts.begin(), at_start_.impacts.end(), std::back_inserter(step.impacts),
                [&](const PendingImpact& impact) { return again[impact.i] || again[impact.j]; });
 
-  for (Island& island : step.islands)
-    if (!island.bodies.empty() && again[island.bodies.front()]) {
-      step.moving_pairs -= island.moving_pairs;
-      island.bodies.clear();
-    }
-  sortIslands(step);
-  Contacts& contacts = context.scene.contacts;
-  for (Island& island : step.islands)
-    for (Edge& edge : island.edges)
-      if (edge.kind == ConstraintKind::Contact)
-        edge.of = contacts.find(edge.bodies[0], edge.bodies[1], contacts.active.size());
   const std::size_t kept = step.islands.size();
   islands::build(context, back);
   for (std::size_t k = kept; k < step.islands.size(); ++k) step.islands[k].work_left >>= times;

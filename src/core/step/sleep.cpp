@@ -83,14 +83,10 @@ void update(Context& context) {
   std::vector<char> is_ready(step.islands.size(), 0);
   for (Index k = 0; k < step.islands.size(); ++k) {
     const Island& island = step.islands[k];
-    const bool parts = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-      return edge.kind == ConstraintKind::Contact &&
-             depenetration::isDeep(context, scene.contacts.active[edge.of]);
+    const bool parts = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index contact) {
+      return depenetration::isDeep(context, scene.contacts.active[contact]);
     });
-    const bool carried = std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-      return edge.kind == ConstraintKind::Contact && scene.contacts.active[edge.of].bears();
-    });
-    bool ready = carried && !blown;
+    bool ready = !blown;
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
       const bool rests = !parts && !step.isCrowded(i) && isStill(scene, i, step.h());

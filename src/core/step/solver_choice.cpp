@@ -124,6 +124,23 @@ Vec3 commonVelocity(const Bodies& bodies, const Island& island) {
   return momentum / mass;
 }
 
+// What forces do not move and constraints tie to an island, ascending.
+std::vector<Index> carriersOf(const Context& context, const Island& island) {
+  std::vector<Index> carriers;
+  const auto add = [&](Index i) {
+    if (i != kNone && !context.scene.bodies.traits[i].moved_by_forces()) carriers.push_back(i);
+  };
+  for (const Index k : island.contacts) {
+    add(context.scene.contacts.active[k].i);
+    add(context.scene.contacts.active[k].j);
+  }
+  for (const Edge& edge : island.edges)
+    for (const Index i : edge.bodies) add(i);
+  std::sort(carriers.begin(), carriers.end());
+  carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
+  return carriers;
+}
+
 // Whether no body of an island moves faster than this as seen from one of its carriers: what forces do not move, and the world
 // where there is none; or as seen by one that moves with all of them, as on a sled.
 bool isCalm(const Context& context, const Island& island, double speed) {
@@ -134,13 +151,8 @@ bool isCalm(const Context& context, const Island& island, double speed) {
     return (twist.v_WB - common_W).norm() + bodies.traits[i].bounding_radius * twist.w_WB.norm() <= speed;
   };
   if (std::all_of(island.bodies.begin(), island.bodies.end(), isSlow)) return true;
-  std::vector<Index> carriers;
-  for (const Edge& edge : island.edges)
-    for (const Index i : edge.bodies)
-      if (i != kNone && !bodies.traits[i].moved_by_forces()) carriers.push_back(i);
+  std::vector<Index> carriers = carriersOf(context, island);
   if (carriers.empty()) carriers.push_back(kNone);
-  std::sort(carriers.begin(), carriers.end());
-  carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
   return std::any_of(carriers.begin(), carriers.end(), [&](Index carrier) {
     return std::all_of(island.bodies.begin(), island.bodies.end(),
                        [&](Index i) { return speedSeenFrom(bodies, carrier, i) <= speed; });
@@ -153,15 +165,14 @@ bool isCalm(const Context& context, const Island& island, double speed) {
 bool isJolted(const Context& context, const Island& island, double least, double most) {
   const Bodies& bodies = context.scene.bodies;
   const auto jolts = [&](Index carrier) {
-    if (carrier == kNone || !bodies.traits[carrier].is_kinematic()) return false;
+    if (!bodies.traits[carrier].is_kinematic()) return false;
     if (bodies.twist[carrier].v_WB.isZero(0.0) && bodies.twist[carrier].w_WB.isZero(0.0)) return false;
     double fastest = 0.0;
     for (const Index i : island.bodies) fastest = std::max(fastest, speedSeenFrom(bodies, carrier, i));
     return least <= fastest && fastest <= most;
   };
-  return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-    return std::any_of(edge.bodies.begin(), edge.bodies.end(), jolts);
-  });
+  const std::vector<Index> carriers = carriersOf(context, island);
+  return std::any_of(carriers.begin(), carriers.end(), jolts);
 }
 
 enum class Promotion {
@@ -177,18 +188,16 @@ Promotion promotionOf(const Context& context, const Island& island) {
   const auto& list = context.scene.contacts.active;
   std::vector<Index> touching;
   bool was_exact = false;
-  std::vector<Index> contacts;
-  for (const Edge& edge : island.edges)
-    if (edge.kind == ConstraintKind::Contact) contacts.push_back(edge.of);
-  for (const Index k : contacts) {
+  for (const Index k : island.contacts) {
     was_exact = was_exact || list[k].exact;
     if (list[k].state.isTouching()) touching.push_back(k);
   }
   const Stiffness& bounds = was_exact ? kStay : kEnter;
-  if (touching.empty()) touching = contacts;  // nothing is known yet of what has just been put together
-  if (island.edges.size() > bounds.pairs) return Promotion::None;
-  const bool few = island.edges.size() <= kFewPairs;
-  const Forces forces = few ? forcesOf(context, contacts) : Forces{};
+  if (touching.empty())
+    touching = island.contacts;  // nothing is known yet of what has just been put together
+  if (island.contacts.size() > bounds.pairs) return Promotion::None;
+  const bool few = island.contacts.size() <= kFewPairs;
+  const Forces forces = few ? forcesOf(context, island.contacts) : Forces{};
   if (forces.crushes) return Promotion::Always;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
   if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return Promotion::Always;
@@ -201,7 +210,7 @@ Promotion promotionOf(const Context& context, const Island& island) {
   if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return Promotion::Always;
 
   double mass_ratio = 1.0, slenderness = 1.0;
-  for (const Index k : contacts) {
+  for (const Index k : island.contacts) {
     const Traits &a = bodies.traits[list[k].i], &b = bodies.traits[list[k].j];
     if (a.moved_by_forces() && b.moved_by_forces())
       mass_ratio = std::max(mass_ratio, std::max(a.mass / b.mass, b.mass / a.mass));
@@ -212,49 +221,52 @@ Promotion promotionOf(const Context& context, const Island& island) {
   return stiff ? Promotion::Always : Promotion::None;
 }
 
+// Whether an exact solve could find the forces that move an island. It knows contacts alone.
+bool isForExact(const Context& context, const Island& island) {
+  return island.edges.empty() && !depenetration::rulesOver(context, island);
+}
+
 }  // namespace
 
 void chooseSolver(Context& context, Island& island) {
   const SolverSettings& settings = context.step.solver;
-  island.exact = settings.exact && !depenetration::rulesOver(context, island);
-  if (settings.exact || !settings.promotes || island.flies() || depenetration::rulesOver(context, island))
-    return;
+  const bool can_be = isForExact(context, island);
+  island.exact = settings.exact && can_be;
+  if (settings.exact || !settings.promotes || island.flies() || !can_be) return;
   const Promotion promotion = promotionOf(context, island);
   island.exact = promotion != Promotion::None;
   if (promotion != Promotion::WhileItMoves) return;
-  island.exact = context.step.moving_pairs + island.edges.size() <= kMovingPairs;
-  if (island.exact) context.step.moving_pairs += island.moving_pairs = island.edges.size();
+  island.exact = context.step.moving_pairs + island.contacts.size() <= kMovingPairs;
+  if (island.exact) context.step.moving_pairs += island.moving_pairs = island.contacts.size();
 }
 
 // One sweep a sub-step halves the speed of a heavy body on one r times lighter about r sub-steps later. On its way until
 // then it goes through the light one where that is thinner.
 bool isCrushing(const Context& context, const Island& island) {
   const SolverSettings& settings = context.step.solver;
-  if (!settings.promotes || island.edges.size() > kFewPairs || depenetration::rulesOver(context, island))
-    return false;
+  if (!settings.promotes || island.contacts.size() > kFewPairs || !isForExact(context, island)) return false;
   const Bodies& bodies = context.scene.bodies;
   const double h = context.step.h() / settings.sub_steps;
   // Or has given an impulse earlier in this step: what rattles touches as good as all the time.
-  const auto touches = [&](const Edge& edge) {
-    if (edge.kind != ConstraintKind::Contact) return false;
-    const Contact& contact = context.scene.contacts.active[edge.of];
-    const PairState& state = contact.state;
-    return state.isTouching() || state.isMissed() || !contact.earlier.empty();
-  };
+  std::vector<const Contact*> touching;
+  for (const Index k : island.contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
+    if (contact.state.isTouching() || contact.state.isMissed() || !contact.earlier.empty())
+      touching.push_back(&contact);
+  }
   // Whether it is pressed on what else the light one touches.
   const auto crushes = [&](Index heavy, Index light) {
     const Traits &a = bodies.traits[heavy], &b = bodies.traits[light];
     if (!a.moved_by_forces() || !b.moved_by_forces() || a.mass < kEnter.mass_ratio * b.mass) return false;
-    return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-      if (!touches(edge) || (edge.bodies[0] != light && edge.bodies[1] != light)) return false;
-      const Index base = edge.bodies[0] == light ? edge.bodies[1] : edge.bodies[0];
+    return std::any_of(touching.begin(), touching.end(), [&](const Contact* contact) {
+      if (contact->i != light && contact->j != light) return false;
+      const Index base = contact->i == light ? contact->j : contact->i;
       const double speed = (bodies.twist[heavy].v_WB - bodies.twist[base].v_WB).norm();
       return base != heavy && speed * h * a.mass / b.mass > 0.5 * b.length;
     });
   };
-  return std::any_of(island.edges.begin(), island.edges.end(), [&](const Edge& edge) {
-    return touches(edge) &&
-           (crushes(edge.bodies[0], edge.bodies[1]) || crushes(edge.bodies[1], edge.bodies[0]));
+  return std::any_of(touching.begin(), touching.end(), [&](const Contact* contact) {
+    return crushes(contact->i, contact->j) || crushes(contact->j, contact->i);
   });
 }
 

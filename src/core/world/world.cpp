@@ -15,9 +15,10 @@
 
 namespace rbs {
 
+// The first number that no body has. So it follows from the names alone, and a world that is saved and restored goes on alike.
 std::string World::Impl::freeName(const Shape& shape, const std::unordered_set<std::string>& taken) {
   const std::string stem = shapeName(shape);
-  std::uint64_t& number = next_number[stem];
+  std::uint64_t& number = numbers_taken[stem];
   std::string name;
   do name = stem + '_' + std::to_string(++number);
   while (taken.count(name) || scene.bodies.indexOf(name) != kNone);
@@ -109,6 +110,7 @@ void World::removeBody(BodyId id) {
                        scene.wrenches.end());
   removeFromAnalysis(scene, i);
   scene.bodies.erase(i);
+  impl_->numbers_taken.clear();
   impl_->edited(true, std::vector<Index>{});
   impl_->record([&] { return commands::RemoveBody{name}; });
 }
@@ -121,6 +123,7 @@ void World::clear() {
   scene.grabs.clear();
   scene.holds.clear();
   scene.contacts = {};
+  impl_->numbers_taken.clear();
   const unsigned threads = this->threads();
   impl_->step = {};
   setThreads(threads);
@@ -189,7 +192,7 @@ void World::editBody(BodyId id, const BodyEdit& edit) {
   bodies.pose[i] = fresh.pose[0];
   bodies.since[i] = impl_->scene.time;
   bodies.twist[i] = fresh.twist[0];
-  if (edit.name) bodies.rename(i, *edit.name);
+  if (edit.name) bodies.rename(i, *edit.name), impl_->numbers_taken.clear();
   bodies.color[i] = fresh.color[0];
   bodies.traits[i] = fresh.traits[0];
   bodies.traits[i].held = old.held;

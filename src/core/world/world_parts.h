@@ -28,7 +28,8 @@ struct World::Impl {
   std::uint64_t next_serial = 1;
   std::uint64_t edits = 0;
   std::uint64_t description_version = 0;
-  std::unordered_map<std::string, std::uint64_t> next_number;  // of names by shape
+  // By the stem of a name: the numbers up to this one have bodies. Dropped when a name is given up.
+  std::unordered_map<std::string, std::uint64_t> numbers_taken;
   mutable std::shared_ptr<const std::vector<BodyDescription>> descriptions;
   std::function<void(const Command&)> journal;
 
