@@ -63,6 +63,18 @@ class ContactLanes {
     Lanes turned_i[3], turned_j[3];  // the surfaces
     Lanes shift;                     // along n, of j against i, m
   };
+  /// A bundle while a pass solves it, in the frames of its contacts but for what is read from bodies and written to them.
+  struct InPass {
+    Lanes v[6], w_W[6];            // velocities and spins of i and j, m/s, rad/s
+    Lanes u[3], w_i[3], w_j[3];    // of the centre of j against that of i; the spins
+    Lanes first_i[3], first_j[3];  // the spins as they came
+    Lanes total[3];                // of the changes of all impulses, N s
+    Lanes inv_mass;                // of both, 1/kg
+  };
+  /// Softness, and the inverse of the length of a sub-step, 1/s.
+  struct SoftLanes {
+    Lanes bias, mass, impulse, per_second;
+  };
   /// Axes of revolution, in the frame of their bundle.
   struct Axes {
     Lanes i[3], j[3];
@@ -162,6 +174,13 @@ class ContactLanes {
   template <Pass kPass, bool kFriction>
   void solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h);
   void follow(std::size_t bundle);
+  void read(const Bundle& bundle, InPass& pairs) const;
+  void write(const Bundle& bundle, InPass& pairs) const;
+  template <bool kMarks, bool kAgain>
+  void solveFriction(const Bundle& bundle, InPass& pairs, LaneMask* slides);
+  template <Pass kPass>
+  void solveNormals(const Bundle& bundle, const Axes& axes, const SoftLanes& soft, InPass& pairs);
+  void addToSums(const Bundle& bundle, bool has_friction);
 
   SolverContacts& contacts_;
   Workers& workers_;

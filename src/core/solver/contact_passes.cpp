@@ -112,7 +112,86 @@ RBS_WIDE void ContactLanes::follow(std::size_t b) {
 // In the frame of the contact, n, t1, t2. There u is the velocity of the centre of j against that of i. Impulses p change it
 // by (1/m_i + 1/m_j) p. At an arm (r_n, r_1, r_2) unit impulses along n, t1 and t2 have the moments
 //   (0, r_2, -r_1),   (-r_2, 0, r_n),   (r_1, -r_n, 0).
-//
+RBS_INLINE void ContactLanes::read(const Bundle& bundle, InPass& pairs) const {
+  gatherTwists(bundle.i, pairs.v, pairs.w_W);
+  gatherTwists(bundle.j, pairs.v + 3, pairs.w_W + 3);
+  Lanes apart[3];
+  for (int c = 0; c < 3; ++c) apart[c] = pairs.v[3 + c] - pairs.v[c];
+  toFrame(bundle.frame, apart, pairs.u);
+  toFrame(bundle.frame, pairs.w_W, pairs.w_i);
+  toFrame(bundle.frame, pairs.w_W + 3, pairs.w_j);
+  for (int c = 0; c < 3; ++c) {
+    pairs.first_i[c] = pairs.w_i[c], pairs.first_j[c] = pairs.w_j[c];
+    fill(pairs.total[c], 0.0);
+  }
+  pairs.inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
+}
+
+RBS_INLINE void ContactLanes::write(const Bundle& bundle, InPass& pairs) const {
+  Lanes impulse[3], turned_i[3], turned_j[3];
+  for (int c = 0; c < 3; ++c) pairs.w_i[c] -= pairs.first_i[c], pairs.w_j[c] -= pairs.first_j[c];
+  fromFrame(bundle.frame, pairs.total, impulse);
+  fromFrame(bundle.frame, pairs.w_i, turned_i);
+  fromFrame(bundle.frame, pairs.w_j, turned_j);
+  for (int c = 0; c < 3; ++c) {
+    pairs.v[c] -= bundle.inv_mass_i * impulse[c];
+    pairs.v[3 + c] += bundle.inv_mass_j * impulse[c];
+    pairs.w_W[c] += turned_i[c];
+    pairs.w_W[3 + c] += turned_j[c];
+  }
+  scatterTwists(pairs.v, pairs.w_W, bundle.to_i);
+  scatterTwists(pairs.v + 3, pairs.w_W + 3, bundle.to_j);
+}
+
+// Of all points, or again of those that slide, which the first time marks.
+template <bool kMarks, bool kAgain>
+RBS_INLINE void ContactLanes::solveFriction(const Bundle& bundle, InPass& pairs, LaneMask* slides) {
+  Lanes zero;
+  fill(zero, 0.0);
+  Lanes *u = pairs.u, *w_i = pairs.w_i, *w_j = pairs.w_j;
+  const Lanes *I = bundle.inv_inertia_i, *J = bundle.inv_inertia_j;
+  for (int k = 0; k < bundle.size; ++k) {
+    FrictionRow& row = friction_[bundle.friction + k];
+    const NormalRow& normal = normal_[bundle.normal + k];
+    const Lanes limit = bundle.mu * normal.impulse;
+    const LaneMask pushes = limit > zero || row.impulse1 != zero || row.impulse2 != zero;
+    if (kAgain && !any(slides[k] & pushes)) continue;
+    const Lanes *r = normal.arm_i, *s = normal.arm_j;
+    const Lanes slip1 = u[1] + ((w_j[2] * s[0] - w_j[0] * s[2]) - (w_i[2] * r[0] - w_i[0] * r[2]));
+    const Lanes slip2 = u[2] + ((w_j[0] * s[1] - w_j[1] * s[0]) - (w_i[0] * r[1] - w_i[1] * r[0]));
+    Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
+    Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
+    const LaneMask slide = l1 * l1 + l2 * l2 > limit * limit;
+    if (any(slide)) {
+      const Lanes r1 = row.impulse1 - row.rho * slip1, r2 = row.impulse2 - row.rho * slip2;
+      const Lanes square = r1 * r1 + r2 * r2;
+      Lanes length;
+      for (int lane = 0; lane < kLanes; ++lane) length[lane] = std::sqrt(square[lane]);
+      const Lanes share = length > limit ? limit / length : zero + 1.0;
+      l1 = slide ? share * r1 : l1;
+      l2 = slide ? share * r2 : l2;
+    }
+    if (kAgain) {
+      l1 = slides[k] ? l1 : row.impulse1;
+      l2 = slides[k] ? l2 : row.impulse2;
+    }
+    if (kMarks) slides[k] = slide;
+    const Lanes change1 = l1 - row.impulse1, change2 = l2 - row.impulse2;
+    row.impulse1 = l1;
+    row.impulse2 = l2;
+    u[1] += pairs.inv_mass * change1;
+    u[2] += pairs.inv_mass * change2;
+    pairs.total[1] += change1;
+    pairs.total[2] += change2;
+    w_i[0] -= change1 * (r[0] * I[2] - r[2] * I[0]) + change2 * (r[1] * I[0] - r[0] * I[1]);
+    w_i[1] -= change1 * (r[0] * I[4] - r[2] * I[1]) + change2 * (r[1] * I[1] - r[0] * I[3]);
+    w_i[2] -= change1 * (r[0] * I[5] - r[2] * I[2]) + change2 * (r[1] * I[2] - r[0] * I[4]);
+    w_j[0] += change1 * (s[0] * J[2] - s[2] * J[0]) + change2 * (s[1] * J[0] - s[0] * J[1]);
+    w_j[1] += change1 * (s[0] * J[4] - s[2] * J[1]) + change2 * (s[1] * J[1] - s[0] * J[3]);
+    w_j[2] += change1 * (s[0] * J[5] - s[2] * J[2]) + change2 * (s[1] * J[2] - s[0] * J[4]);
+  }
+}
+
 // A pass waits for what one point after the other does to the next. Along the normals it keeps three numbers for that:
 // d_0, what the impulses p_k have changed of the normal velocity of j against i at the centre of i, and d_1 and d_2, what they
 // have changed of the spins of j against i along t1 and t2. With r the arm on i, the speed at a point is
@@ -125,161 +204,107 @@ RBS_WIDE void ContactLanes::follow(std::size_t b) {
 // The normal of a surface of revolution goes through its axis. So a normal impulse has no moment about that axis, though
 // the place of a point may be one of a while ago, or one of a few that stand for a rim: along normals, spins and
 // inertias are without their parts along it.
+template <ContactLanes::Pass kPass>
+RBS_INLINE void ContactLanes::solveNormals(const Bundle& bundle, const Axes& axes, const SoftLanes& soft,
+                                           InPass& pairs) {
+  Lanes zero;
+  fill(zero, 0.0);
+  const Lanes *u = pairs.u, *I = bundle.inv_inertia_i, *J = bundle.inv_inertia_j;
+  const LaneMask moves = bundle.inv_mass_i > zero;
+  const NormalRow& front = normal_[bundle.normal];
+  const Lanes D1 = moves ? front.arm_j[1] - front.arm_i[1] : zero;
+  const Lanes D2 = moves ? front.arm_j[2] - front.arm_i[2] : zero;
+  Lanes n_i[3], n_j[3], I_n[6], J_n[6];  // the spins and inertias, without axes of revolution
+  for (int c = 0; c < 3; ++c) n_i[c] = pairs.w_i[c], n_j[c] = pairs.w_j[c];
+  for (int c = 0; c < 6; ++c) I_n[c] = I[c], J_n[c] = J[c];
+  if (bundle.has_axes) {
+    leaveOut(axes.i, n_i);
+    leaveOut(axes.j, n_j);
+    leaveOutOfMatrix(axes.i, I_n);
+    leaveOutOfMatrix(axes.j, J_n);
+  }
+  const Lanes K11 = I_n[3] + J_n[3], K12 = I_n[4] + J_n[4], K22 = I_n[5] + J_n[5];
+  const Lanes K01 = J_n[3] * D2 - J_n[4] * D1, K02 = J_n[4] * D2 - J_n[5] * D1;
+  const Lanes K00 = pairs.inv_mass + (K01 * D2 - K02 * D1);
+  Lanes d0 = zero, d1 = zero, d2 = zero, moment1 = zero, moment2 = zero;
+  for (int k = 0; k < bundle.size; ++k) {
+    NormalRow& row = normal_[bundle.normal + k];
+    const auto open = row.open > zero;
+    Lanes at_rest, mass;  // the impulse that a point at rest would get
+    if (kPass == Pass::Soft) {
+      const Lanes closing = soft.bias * row.open, capped = closing > -bundle.push ? closing : -bundle.push;
+      const Lanes target = open ? soft.per_second * row.open : capped;
+      const Lanes kept = open ? row.impulse : row.impulse - soft.impulse * row.impulse;
+      mass = open ? row.mass : soft.mass * row.mass;
+      at_rest = kept - mass * target;
+    } else {
+      // Points without an impulse stay so.
+      mass = row.impulse == zero ? zero : row.mass;
+      at_rest = row.impulse - mass * (open ? soft.per_second * row.open : zero);
+    }
+    const Lanes *r = row.arm_i, *s = row.arm_j;
+    const Lanes speed = u[0] + ((n_j[1] * s[2] - n_j[2] * s[1]) - (n_i[1] * r[2] - n_i[2] * r[1]));
+    const Lanes arm1 = moves ? r[1] : s[1], arm2 = moves ? r[2] : s[2];
+    const Lanes k0 = K00 + (arm2 * K01 - arm1 * K02), k1 = K01 + (arm2 * K11 - arm1 * K12),
+                k2 = K02 + (arm2 * K12 - arm1 * K22);
+    const Lanes by1 = mass * arm2, by2 = mass * arm1;
+    Lanes l_n = ((at_rest - mass * speed) - mass * d0) - (d1 * by1 - d2 * by2);
+    l_n = l_n > zero ? l_n : zero;
+    const Lanes change = l_n - row.impulse;
+    row.impulse = l_n;
+    d0 += change * k0;
+    d1 += change * k1;
+    d2 += change * k2;
+    pairs.total[0] += change;
+    moment1 += change * arm2;
+    moment2 -= change * arm1;
+  }
+  pairs.u[0] += pairs.inv_mass * pairs.total[0];
+  const Lanes at_j1 = moment1 + D2 * pairs.total[0], at_j2 = moment2 - D1 * pairs.total[0];
+  Lanes turn_i[3], turn_j[3];
+  if (bundle.has_axes) {
+    Lanes moment_i[3] = {zero, moment1, moment2}, moment_j[3] = {zero, at_j1, at_j2};
+    leaveOut(axes.i, moment_i);
+    leaveOut(axes.j, moment_j);
+    turn(I, moment_i, turn_i);
+    turn(J, moment_j, turn_j);
+  } else {
+    turnAcross(I, moment1, moment2, turn_i);
+    turnAcross(J, at_j1, at_j2, turn_j);
+  }
+  for (int c = 0; c < 3; ++c) pairs.w_i[c] -= turn_i[c], pairs.w_j[c] += turn_j[c];
+}
+
+RBS_INLINE void ContactLanes::addToSums(const Bundle& bundle, bool has_friction) {
+  for (int k = 0; k < bundle.size; ++k) {
+    SumRow& sum = sums_[bundle.normal + k];
+    sum.n += normal_[bundle.normal + k].impulse;
+    if (!has_friction) continue;
+    const FrictionRow& row = friction_[bundle.friction + k];
+    sum.t1 += row.impulse1;
+    sum.t2 += row.impulse2;
+  }
+}
+
 template <ContactLanes::Pass kPass, bool kFriction>
 RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h) {
-  Lanes zero, per_second, bias, soft_mass, soft_impulse;
-  fill(zero, 0.0);
-  fill(per_second, 1.0 / h);
-  fill(bias, soft.bias);
-  fill(soft_mass, soft.mass);
-  fill(soft_impulse, soft.impulse);
+  SoftLanes of;
+  fill(of.per_second, 1.0 / h);
+  fill(of.bias, soft.bias);
+  fill(of.mass, soft.mass);
+  fill(of.impulse, soft.impulse);
   LaneMask slides[Manifold::kPoints];
   for (std::size_t b = begin; b < end; ++b) {
     if (kPass != Pass::Soft) follow(b);
     const Bundle& bundle = bundles_[b];
-    Lanes v[6], w_W[6], u[3], w_i[3], w_j[3];
-    gatherTwists(bundle.i, v, w_W);
-    gatherTwists(bundle.j, v + 3, w_W + 3);
-    const Lanes apart[3] = {v[3] - v[0], v[4] - v[1], v[5] - v[2]};
-    toFrame(bundle.frame, apart, u);
-    toFrame(bundle.frame, w_W, w_i);
-    toFrame(bundle.frame, w_W + 3, w_j);
-    const Lanes first_i[3] = {w_i[0], w_i[1], w_i[2]}, first_j[3] = {w_j[0], w_j[1], w_j[2]};
-    const Lanes inv_mass = bundle.inv_mass_i + bundle.inv_mass_j;
-    const Lanes *I = bundle.inv_inertia_i, *J = bundle.inv_inertia_j;
-    Lanes total[3] = {zero, zero, zero};
-
-    // Of all points, or again of those that slide.
-    const auto solveFriction = [&](bool again) __attribute__((always_inline)) {
-      for (int k = 0; k < bundle.size; ++k) {
-        FrictionRow& row = friction_[bundle.friction + k];
-        const NormalRow& normal = normal_[bundle.normal + k];
-        const Lanes limit = bundle.mu * normal.impulse;
-        const LaneMask pushes = limit > zero || row.impulse1 != zero || row.impulse2 != zero;
-        if (again && !any(slides[k] & pushes)) continue;
-        const Lanes *r = normal.arm_i, *s = normal.arm_j;
-        const Lanes slip1 = u[1] + ((w_j[2] * s[0] - w_j[0] * s[2]) - (w_i[2] * r[0] - w_i[0] * r[2]));
-        const Lanes slip2 = u[2] + ((w_j[0] * s[1] - w_j[1] * s[0]) - (w_i[0] * r[1] - w_i[1] * r[0]));
-        Lanes l1 = row.impulse1 - (row.mass11 * slip1 + row.mass12 * slip2);
-        Lanes l2 = row.impulse2 - (row.mass12 * slip1 + row.mass22 * slip2);
-        const LaneMask slide = l1 * l1 + l2 * l2 > limit * limit;
-        if (any(slide)) {
-          const Lanes r1 = row.impulse1 - row.rho * slip1, r2 = row.impulse2 - row.rho * slip2;
-          const Lanes square = r1 * r1 + r2 * r2;
-          Lanes length;
-          for (int lane = 0; lane < kLanes; ++lane) length[lane] = std::sqrt(square[lane]);
-          const Lanes share = length > limit ? limit / length : zero + 1.0;
-          l1 = slide ? share * r1 : l1;
-          l2 = slide ? share * r2 : l2;
-        }
-        if (again) {
-          l1 = slides[k] ? l1 : row.impulse1;
-          l2 = slides[k] ? l2 : row.impulse2;
-        }
-        if (kPass != Pass::Soft && !again) slides[k] = slide;
-        const Lanes change1 = l1 - row.impulse1, change2 = l2 - row.impulse2;
-        row.impulse1 = l1;
-        row.impulse2 = l2;
-        u[1] += inv_mass * change1;
-        u[2] += inv_mass * change2;
-        total[1] += change1;
-        total[2] += change2;
-        w_i[0] -= change1 * (r[0] * I[2] - r[2] * I[0]) + change2 * (r[1] * I[0] - r[0] * I[1]);
-        w_i[1] -= change1 * (r[0] * I[4] - r[2] * I[1]) + change2 * (r[1] * I[1] - r[0] * I[3]);
-        w_i[2] -= change1 * (r[0] * I[5] - r[2] * I[2]) + change2 * (r[1] * I[2] - r[0] * I[4]);
-        w_j[0] += change1 * (s[0] * J[2] - s[2] * J[0]) + change2 * (s[1] * J[0] - s[0] * J[1]);
-        w_j[1] += change1 * (s[0] * J[4] - s[2] * J[1]) + change2 * (s[1] * J[1] - s[0] * J[3]);
-        w_j[2] += change1 * (s[0] * J[5] - s[2] * J[2]) + change2 * (s[1] * J[2] - s[0] * J[4]);
-      }
-    };
-    if (kFriction && bundle.has_friction) solveFriction(false);
-
-    const LaneMask moves = bundle.inv_mass_i > zero;
-    const NormalRow& front = normal_[bundle.normal];
-    const Lanes D1 = moves ? front.arm_j[1] - front.arm_i[1] : zero;
-    const Lanes D2 = moves ? front.arm_j[2] - front.arm_i[2] : zero;
-    Lanes n_i[3], n_j[3], I_n[6], J_n[6];  // the spins and inertias, without axes of revolution
-    for (int c = 0; c < 3; ++c) n_i[c] = w_i[c], n_j[c] = w_j[c];
-    for (int c = 0; c < 6; ++c) I_n[c] = I[c], J_n[c] = J[c];
-    if (bundle.has_axes) {
-      leaveOut(axes_[b].i, n_i);
-      leaveOut(axes_[b].j, n_j);
-      leaveOutOfMatrix(axes_[b].i, I_n);
-      leaveOutOfMatrix(axes_[b].j, J_n);
-    }
-    const Lanes K11 = I_n[3] + J_n[3], K12 = I_n[4] + J_n[4], K22 = I_n[5] + J_n[5];
-    const Lanes K01 = J_n[3] * D2 - J_n[4] * D1, K02 = J_n[4] * D2 - J_n[5] * D1;
-    const Lanes K00 = inv_mass + (K01 * D2 - K02 * D1);
-    Lanes d0 = zero, d1 = zero, d2 = zero, moment1 = zero, moment2 = zero;
-    for (int k = 0; k < bundle.size; ++k) {
-      NormalRow& row = normal_[bundle.normal + k];
-      const auto open = row.open > zero;
-      Lanes at_rest, mass;  // the impulse that a point at rest would get
-      if (kPass == Pass::Soft) {
-        const Lanes closing = bias * row.open, capped = closing > -bundle.push ? closing : -bundle.push;
-        const Lanes target = open ? per_second * row.open : capped;
-        const Lanes kept = open ? row.impulse : row.impulse - soft_impulse * row.impulse;
-        mass = open ? row.mass : soft_mass * row.mass;
-        at_rest = kept - mass * target;
-      } else {
-        // Points without an impulse stay so.
-        mass = row.impulse == zero ? zero : row.mass;
-        at_rest = row.impulse - mass * (open ? per_second * row.open : zero);
-      }
-      const Lanes *r = row.arm_i, *s = row.arm_j;
-      const Lanes speed = u[0] + ((n_j[1] * s[2] - n_j[2] * s[1]) - (n_i[1] * r[2] - n_i[2] * r[1]));
-      const Lanes arm1 = moves ? r[1] : s[1], arm2 = moves ? r[2] : s[2];
-      const Lanes k0 = K00 + (arm2 * K01 - arm1 * K02), k1 = K01 + (arm2 * K11 - arm1 * K12),
-                  k2 = K02 + (arm2 * K12 - arm1 * K22);
-      const Lanes by1 = mass * arm2, by2 = mass * arm1;
-      Lanes l_n = ((at_rest - mass * speed) - mass * d0) - (d1 * by1 - d2 * by2);
-      l_n = l_n > zero ? l_n : zero;
-      const Lanes change = l_n - row.impulse;
-      row.impulse = l_n;
-      d0 += change * k0;
-      d1 += change * k1;
-      d2 += change * k2;
-      total[0] += change;
-      moment1 += change * arm2;
-      moment2 -= change * arm1;
-    }
-    u[0] += inv_mass * total[0];
-    const Lanes at_j1 = moment1 + D2 * total[0], at_j2 = moment2 - D1 * total[0];
-    Lanes turn_i[3], turn_j[3];
-    if (bundle.has_axes) {
-      Lanes moment_i[3] = {zero, moment1, moment2}, moment_j[3] = {zero, at_j1, at_j2};
-      leaveOut(axes_[b].i, moment_i);
-      leaveOut(axes_[b].j, moment_j);
-      turn(I, moment_i, turn_i);
-      turn(J, moment_j, turn_j);
-    } else {
-      turnAcross(I, moment1, moment2, turn_i);
-      turnAcross(J, at_j1, at_j2, turn_j);
-    }
-    for (int c = 0; c < 3; ++c) w_i[c] -= turn_i[c], w_j[c] += turn_j[c];
-    if (kPass != Pass::Soft && kFriction && bundle.has_friction) solveFriction(true);
-    if (kPass == Pass::Last)
-      for (int k = 0; k < bundle.size; ++k) {
-        SumRow& sum = sums_[bundle.normal + k];
-        sum.n += normal_[bundle.normal + k].impulse;
-        if (!kFriction || !bundle.has_friction) continue;
-        const FrictionRow& row = friction_[bundle.friction + k];
-        sum.t1 += row.impulse1;
-        sum.t2 += row.impulse2;
-      }
-    Lanes impulse[3], turned_i[3], turned_j[3];
-    for (int c = 0; c < 3; ++c) w_i[c] -= first_i[c], w_j[c] -= first_j[c];
-    fromFrame(bundle.frame, total, impulse);
-    fromFrame(bundle.frame, w_i, turned_i);
-    fromFrame(bundle.frame, w_j, turned_j);
-    for (int c = 0; c < 3; ++c) {
-      v[c] -= bundle.inv_mass_i * impulse[c];
-      v[3 + c] += bundle.inv_mass_j * impulse[c];
-      w_W[c] += turned_i[c];
-      w_W[3 + c] += turned_j[c];
-    }
-    scatterTwists(v, w_W, bundle.to_i);
-    scatterTwists(v + 3, w_W + 3, bundle.to_j);
+    const bool has_friction = kFriction && bundle.has_friction;
+    InPass pairs;
+    read(bundle, pairs);
+    if (has_friction) solveFriction<kPass != Pass::Soft, false>(bundle, pairs, slides);
+    solveNormals<kPass>(bundle, axes_[b], of, pairs);
+    if (kPass != Pass::Soft && has_friction) solveFriction<false, true>(bundle, pairs, slides);
+    if (kPass == Pass::Last) addToSums(bundle, has_friction);
+    write(bundle, pairs);
   }
 }
 
