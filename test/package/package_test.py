@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The package as its packagers and licence scanners read it."""
+import math
 import os
 import pathlib
 import re
@@ -76,6 +77,15 @@ class PackageTest(unittest.TestCase):
         done = run('doxygen', '-', cwd=ROOT, input=(ROOT / 'Doxyfile').read_text() + 'OUTPUT_DIRECTORY = %s/doc\n' % BUILD)
         self.assertEqual((done.returncode, done.stdout), (0, ''))
         self.assertTrue((BUILD / 'doc/html/classrbs_1_1World.html').is_file())
+
+    def test_rviz_begins_with_the_view_of_the_first_scene(self):
+        layout = yaml.safe_load((ROOT / 'rviz/sim.rviz').read_text())['Visualization Manager']['Views']['Current']
+        view = yaml.safe_load((ROOT / 'scenes/playground.yaml').read_text())['view']
+        x, y, z = (eye - target for eye, target in zip(view['eye'], view['target']))
+        self.assertEqual([layout['Focal Point'][axis] for axis in 'XYZ'], view['target'])
+        self.assertAlmostEqual(layout['Distance'], math.hypot(x, y, z), delta=0.01)
+        self.assertAlmostEqual(layout['Pitch'], math.atan2(z, math.hypot(x, y)), delta=0.002)
+        self.assertAlmostEqual(layout['Yaw'], math.atan2(y, x) % (2.0 * math.pi), delta=0.002)
 
     def test_every_target_that_is_compiled_carries_our_name(self):
         folders = [pathlib.Path(line) for line in (BUILD / 'CMakeFiles/TargetDirectories.txt').read_text().split()]
