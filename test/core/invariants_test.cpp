@@ -112,7 +112,7 @@ TEST(Invariants, OfAStepAreFoundBroken) {
       {"a place in a problem was not given back", [](auto&, auto& s) { s.slot[2] = 0; }},
       {"a body is in two islands", [](auto&, auto& s) { s.islands.push_back(s.islands[0]); }},
       {"body 'ball': it does not know its island", [](auto&, auto& s) { s.island[3] = 9; }},
-      {"an island has a contact that is not there", [](auto&, auto& s) { s.islands[0].edges.at(0).of = 99; }},
+      {"an island has a contact that is not there", [](auto&, auto& s) { s.islands[0].contacts.at(0) = 99; }},
       {"an island has not come to the end of the step", [](auto&, auto& s) { s.islands[0].time = 0.0; }},
       {"body 'low': the islands do not hold the awake dynamic bodies",
        [](auto&, auto& s) { s.islands[0].bodies.clear(); }},

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 using namespace rbs;
@@ -224,6 +225,83 @@ TEST_P(Impact, ABodyThatMayNotTurnMeetsTheFloor) {
       advance(world, 2.0);
       EXPECT_NEAR(stateOf(world, "box").pose.p_WB.z(), 0.5, 2e-3) << fidelityName(fidelity) << ", e " << e;
     }
+}
+
+class ImpactAtAnySetting : public testing::TestWithParam<Fidelity> {};
+INSTANTIATE_TEST_SUITE_P(Settings, ImpactAtAnySetting, testing::ValuesIn(kFidelities),
+                         [](const auto& setting) { return std::string(fidelityName(setting.param)); });
+
+// A body on a floor that comes to another one, or to a wall, just before or after the end of a step.
+TEST_P(ImpactAtAnySetting, AtTheEndOfAStepReboundsLikeAnyOther) {
+  const double h = 1.0 / 60.0, enough = GetParam() < Fidelity::Accurate ? 1e-6 : 1e-9;
+  for (const bool round : {true, false})
+    for (const bool meets_wall : {true, false})
+      for (const double v : {0.12, 12.0})
+        for (const double late :
+             {-1e-7, -1e-9, -1e-10, -1e-12, 0.0, 1e-12, 1e-10, 1e-9, 1e-8, 9e-8, 1.1e-7, 1e-6}) {
+          SceneDef scene = onFloor(h, 0.0);
+          scene.fidelity = GetParam();
+          const Shape shape = round ? Shape(Sphere{0.5}) : Shape(Box{Vec3::Ones()});
+          scene.bodies.push_back(body("comes", shape, {0.0, 0.0, 0.5}));
+          scene.bodies.push_back(body("waits", shape, {1.0 + 10.0 * v * h + late, 0.0, 0.5}));
+          scene.bodies[1].twist.v_WB.x() = v;
+          if (meets_wall) scene.bodies[2].kind = BodyKind::Static;
+          for (BodyDef& def : scene.bodies) def.material.friction = 0.0;
+          scene.bodies[1].material.restitution = scene.bodies[2].material.restitution = 1.0;
+          World world(ordered(scene));
+          for (int k = 0; k < 14; ++k) world.step();
+          EXPECT_NEAR(stateOf(world, "comes").twist.v_WB.x(), meets_wall ? -v : 0.0, enough * v)
+              << (round ? "ball" : "box") << (meets_wall ? " and wall, " : ", ") << v << " m/s, " << late;
+        }
+}
+
+// Nothing drives balls on a floor together: so no rebound is over within a step.
+TEST_P(ImpactAtAnySetting, BallsOnAFloorReboundHoweverSlowly) {
+  for (const double e : {0.5, 0.9, 1.0})
+    for (const double v : {0.01, 0.03, 0.07, 0.09}) {
+      SceneDef scene = onFloor(1.0 / 60.0, 0.0);
+      scene.fidelity = GetParam();
+      scene.bodies.push_back(ball("cue", 0.03, {0.0, 0.0, 0.03}));
+      scene.bodies.push_back(ball("object", 0.03, {0.065, 0.0, 0.03}));
+      scene.bodies[1].twist.v_WB.x() = v;
+      for (BodyDef& def : scene.bodies) def.material.friction = 0.0;
+      for (const int k : {1, 2}) scene.bodies[k].material.restitution = e;
+      World world(ordered(scene));
+      while (world.time() < 0.005 / v + 0.1) world.step();
+      EXPECT_NEAR(stateOf(world, "cue").twist.v_WB.x(), 0.5 * (1.0 - e) * v, 1e-6 * v) << e << ", " << v;
+      EXPECT_NEAR(stateOf(world, "object").twist.v_WB.x(), 0.5 * (1.0 + e) * v, 1e-6 * v) << e << ", " << v;
+    }
+}
+
+// With u' = -k u^2 a body that meets a wall after t1 comes back, after t2 more, at e v_1/(1 + k e v_1 t2), with
+// v_1 = v/(1 + k v t1).
+TEST_P(ImpactAtAnySetting, TurnsTheDragRound) {
+  const double h = 1.0 / 60.0, side = 0.2, mass = 0.05;
+  for (const bool round : {true, false})
+    for (const double v : {5.0, 15.0, 40.0})
+      for (const double share : {0.05, 0.5, 0.9})
+        for (const double e : {1.0, 0.5, 0.0}) {
+          SceneDef scene = emptySpace(h);
+          scene.fidelity = GetParam();
+          scene.air = Air{};
+          const double k = 0.5 * scene.air->density / mass *
+                           (round ? 0.47 * kPi * 0.25 * side * side : kEdgedDrag * side * side);
+          const double t1 = share * h, v1 = v / (1.0 + k * v * t1);
+          const double way = std::log1p(k * v * t1) / k;
+          scene.bodies.push_back(box("wall", {1.0, 4.0, 4.0}, {0.5 + 0.5 * side + way, 0.0, 0.0}));
+          scene.bodies.back().kind = BodyKind::Static;
+          const Shape shape = round ? Shape(Sphere{0.5 * side}) : Shape(Box{Vec3::Constant(side)});
+          scene.bodies.push_back(body("foam", shape, Vec3::Zero()));
+          scene.bodies.back().mass = mass;
+          scene.bodies.back().twist.v_WB.x() = v;
+          for (BodyDef& def : scene.bodies) def.material.restitution = e, def.material.friction = 0.0;
+          World world(ordered(scene));
+          world.step();
+          // The step of a box in the air is implicit, of second order.
+          const double drag = k * v * h, enough = round ? 1e-3 * v : 0.6 * drag * drag * v + 1e-3 * v;
+          EXPECT_NEAR(stateOf(world, "foam").twist.v_WB.x(), -e * v1 / (1.0 + k * e * v1 * (h - t1)), enough)
+              << (round ? "ball, " : "box, ") << v << " m/s, " << share << " of a step, e " << e;
+        }
 }
 
 }  // namespace

@@ -67,6 +67,45 @@ TEST_P(Load, ATorqueTurnsWhatStandsByItsOwnMomentOfInertia) {
 
 // The force is done on the point that it was applied to, wherever the rod turns it: its work is the force
 // times the way of that point.
+// A rod at rest is turned so fast that its end would be past a thin plate in the first step. It levers itself off the plate.
+TEST_P(Load, ATorqueTurnsNothingThroughAPlate) {
+  for (const double torque : {1.0, 10.0, 33.0})
+    for (const double gap : {0.02, 0.06}) {
+      SceneDef scene = emptySpace(1.0 / 60.0);
+      scene.fidelity = GetParam();
+      scene.bodies.push_back(box("plate", {0.4, 1.0, 0.005}, {0.4, 0.0, 0.01 + gap + 0.0025}));
+      scene.bodies.back().kind = BodyKind::Static;
+      scene.bodies.push_back(box("rod", {1.0, 0.02, 0.02}, Vec3::Zero()));
+      scene.bodies.back().mass = 0.4;
+      World world(ordered(scene));
+      world.applyWrench(world.find("rod"), Vec3::Zero(), Vec3(0.0, -torque, 0.0), Vec3::Zero(), 1.0);
+      for (int k = 0; k < 5; ++k) {
+        world.step();
+        // Whether the end that comes up to the plate, or the edge of the plate, is through.
+        const Pose X_WR = stateOf(world, "rod").pose;
+        const Vec3 edge_R = X_WR.q_WB.conjugate() * (Vec3(0.2, 0.0, 0.01 + gap) - X_WR.p_WB);
+        const bool beside = std::abs(edge_R.x()) < 0.5;
+        if (beside) EXPECT_GT(edge_R.z(), -0.004) << torque << " N m, " << gap << " m, step " << k;
+      }
+    }
+}
+
+// A cube that nothing touches turns by alpha t^2/2, whether another one is near or not.
+TEST_P(Load, ATorqueTurnsWhatHasNeighboursLikeWhatHasNone) {
+  for (const bool near : {false, true}) {
+    SceneDef scene = emptySpace(1.0 / 30.0);
+    scene.fidelity = GetParam();
+    scene.bodies.push_back(box("cube", Vec3::Ones(), Vec3::Zero()));
+    scene.bodies.push_back(box("other", Vec3::Ones(), {near ? 1.25 : 5.0, 0.0, 0.0}));
+    scene.bodies[0].mass = 6.0;  // I = 1 kg m^2
+    World world(ordered(scene));
+    world.applyWrench(world.find("cube"), Vec3::Zero(), Vec3(0.0, 0.0, 2.0), Vec3::Zero(), 5.0);
+    for (int k = 0; k < 11; ++k) world.step();
+    const Quat turned(Eigen::AngleAxisd(world.time() * world.time(), Vec3::UnitZ()));
+    EXPECT_LE(stateOf(world, "cube").pose.q_WB.angularDistance(turned), 1e-9) << near;
+  }
+}
+
 TEST_P(Load, TheForceOfAWrenchMovesWithItsPoint) {
   SceneDef scene = emptySpace(1.0 / 960.0);
   scene.fidelity = GetParam();

@@ -8,14 +8,6 @@ const std::vector<Shortfall>& knownShortfalls() {
   static const std::vector<Shortfall> list{
       {"A11", "interactive", "first bounces found, e = 0.5", "9 of 12",
        "a pair that meets more than six times with hardly any time in between becomes a contact"},
-      {"A11", "accurate", "drift at rest, e = 0.1", "2.7e-11 m",
-       "the exact contact at rest leaves its own tolerance"},
-      {"A11", "accurate", "drift at rest, e = 0.5", "5e-13 m",
-       "the exact contact at rest leaves its own tolerance"},
-      {"A11", "accurate", "drift at rest, e = 0.9", "2e-12 m",
-       "the exact contact at rest leaves its own tolerance"},
-      {"A11", "accurate", "drift at rest, e = 0.99", "6.8e-13 m",
-       "the exact contact at rest leaves its own tolerance"},
       {"A38", "interactive", "places after 60 steps, boxes of 0.001 m against 0.05 m, of the size", "0.00099",
        "rounding decides the order of the first touches, and one pass a sub-step does not bring the answers "
        "together"},

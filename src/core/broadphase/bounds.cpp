@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "broadphase/bounds.h"
 
+#include "dynamics/free_top.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -52,6 +54,18 @@ Array4 drifted(const Array4& reach, const Traits& t, double turn) {
   return (reach + turn * t.bounding_radius).min(t.bounding_radius);
 }
 
+// How far a body may turn in dt, rad: the spin of one that is no ball grows to what spinBoundsOf() says, and a torque T turns
+// it by |I^-1 T| dt²/2 more.
+double mostTurn(const Bodies& bodies, const Load& load, Index i, double dt) {
+  const Inertia& inertia = bodies.inertia[i];
+  const Vec3& w_W = bodies.twist[i].w_WB;
+  const bool grows = inertia.gyroscopic && !inertia.steady && !w_W.isZero(0.0);
+  const double spin =
+      grows ? spinBoundsOf(bodies.pose[i].q_WB.conjugate() * w_W, inertia).w : w_W.norm();
+  if (load.torque_W.isZero(0.0)) return dt * spin;
+  return dt * (spin + 0.5 * dt * inertia.inv_moments.maxCoeff() * load.torque_W.norm());
+}
+
 }  // namespace
 
 // The path over dt bulges from the straight line between its ends: a parabola by |a| dt²/8.
@@ -61,7 +75,7 @@ Bounds sweptBounds(const Bodies& bodies, const Load& load, Index i, double dt) {
   const Array4 centre = alongAxes(bodies.pose[i].p_WB);
   const Array4 path = alongAxes(dt * (twist.v_WB + 0.5 * dt * load.a_W));
   const double slack = 0.125 * dt * dt * load.a_W.norm() + kSkin * t.length;
-  const double turn = dt * twist.w_WB.norm();
+  const double turn = mostTurn(bodies, load, i, dt);
   const Reach far = reachOf(bodies, i);
   return {centre + path.min(0.0) - drifted(far.behind, t, turn) - slack,
           centre + path.max(0.0) + drifted(far.ahead, t, turn) + slack};

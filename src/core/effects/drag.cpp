@@ -126,6 +126,7 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
 // the load that it answers to.
 class ContactForces {
  public:
+  ContactForces() = default;  ///< none
   explicit ContactForces(const Context& context) {
     const Bodies& bodies = context.scene.bodies;
     for (const Contact* contact : context.scene.contacts.withPoints()) {  // of what has just woken as well
@@ -197,27 +198,43 @@ Need need(const SceneAnalysis& c) {
   return {true, medium + " on " + count(c.askingFor(Effect::Drag), "body", "bodies")};
 }
 
+namespace {
+
+// Adds the drag of body i over h s to its load.
+void add(Context& context, Index i, double h, const ContactForces& contacts) {
+  const SceneStore& scene = context.scene;
+  Load& load = context.step.load[i];
+  const Medium medium = mediumOf(context, i);
+  const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
+  if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape))
+    return dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, contacts, load);
+  const double k = dragOf(scene, i, medium), mass = scene.bodies.traits[i].mass;
+  const Vec3 alone = load.a_W - k * u.norm() * u;
+  const Vec3 carried = contacts.on(i, mass * alone) / mass;
+  load.a_W = sphereAcceleration(u, k, load.a_W + carried, h) - carried;
+}
+
+}  // namespace
+
 // Runs after the other loads: the implicit step sees them all. The gust is taken at the middle of the step.
 void run(Context& context) {
-  const SceneStore& scene = context.scene;
   StepStore& step = context.step;
-  const double h = step.h();
-  step.air = airVelocity(scene.settings, step.t0 + 0.5 * h);
+  step.air = airVelocity(context.scene.settings, step.t0 + 0.5 * step.h());
   step.load_without_drag.resize(step.load.size());
   const ContactForces contacts(context);
-  for (const Index i : scene.lists.feelingOf(Effect::Drag)) {
-    const Medium medium = mediumOf(context, i);
-    const Vec3 u = scene.bodies.twist[i].v_WB - medium.v_W;
-    step.load_without_drag[i] = step.load[i].a_W;
-    if (const auto* box = std::get_if<Box>(&scene.bodies.traits[i].shape)) {
-      dragBox(*box, scene.bodies, i, u, halfDensity(scene, i, medium), h, contacts, step.load[i]);
-    } else {
-      const double k = dragOf(scene, i, medium), mass = scene.bodies.traits[i].mass;
-      const Vec3 alone = step.load[i].a_W - k * u.norm() * u;
-      const Vec3 carried = contacts.on(i, mass * alone) / mass;
-      step.load[i].a_W = sphereAcceleration(u, k, step.load[i].a_W + carried, h) - carried;
-    }
+  for (const Index i : context.scene.lists.feelingOf(Effect::Drag)) {
+    step.load_without_drag[i] = step.load[i];
+    add(context, i, step.h(), contacts);
   }
+}
+
+void renew(Context& context, Index i, double seconds) {
+  StepStore& step = context.step;
+  const std::vector<Index>& feeling = context.scene.lists.feelingOf(Effect::Drag);
+  if (step.load_without_drag.empty() || !(seconds > 0.0)) return;
+  if (!std::binary_search(feeling.begin(), feeling.end(), i)) return;
+  step.load[i] = step.load_without_drag[i];
+  add(context, i, seconds, {});
 }
 
 std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, const Vec3& v_WB,
@@ -229,7 +246,7 @@ std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, 
       std::holds_alternative<Box>(t.shape))
     return {};
   const Medium medium = mediumOf(context, i);
-  const Vec3 b = context.step.load_without_drag[i], air = medium.v_W;
+  const Vec3 b = context.step.load_without_drag[i].a_W, air = medium.v_W;
   const double k = dragOf(context.scene, i, medium);
   Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
   const double scale = u.norm() + seconds * b.norm();

@@ -30,6 +30,9 @@ void run(Context& context);
 namespace drag {
 Need need(const SceneAnalysis& analysis);
 void run(Context& context);
+/// Takes the drag of body i anew, at the velocity that an impact has left it, for the `seconds` of the step after it.
+/// Nothing for a body that feels none.
+void renew(Context& context, Index i, double seconds);
 /// Where body i of this step is and how fast, `seconds` on from (p_WB, v_WB), when nothing touches it. Empty
 /// for bodies that the air turns (boxes) and for those that feel no air, and where it stops them at once:
 /// there the mean acceleration in step.load says it.

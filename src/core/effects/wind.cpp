@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The wind: what drag measures velocities against.
 #include "base/algebra.h"
+#include "base/random.h"
 #include "effects/effects.h"
 
 #include <cmath>
@@ -15,18 +16,12 @@ Vec3 airVelocity(const SceneDef& settings, double time) {
   const Wind& wind = *settings.wind;
   Vec3 u = wind.velocity;
   if (wind.gust == 0.0) return u;
-  std::uint64_t state = settings.seed;
-  const auto uniform = [&state] {  // SplitMix64 (Steele, Lea, Flood, OOPSLA 2014)
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  };
+  SplitMix64 random(settings.seed);
   constexpr int kWaves = 8;
   for (int axis = 0; axis < 2; ++axis) {
     for (int k = 0; k < kWaves; ++k) {
-      const double period = 0.7 * std::pow(9.0 / 0.7, (k + uniform()) / kWaves);
-      const double phase = 2.0 * kPi * uniform();
+      const double period = 0.7 * std::pow(9.0 / 0.7, (k + random.uniform()) / kWaves);
+      const double phase = 2.0 * kPi * random.uniform();
       u[axis] += wind.gust * std::sqrt(2.0 / kWaves) * std::sin(2.0 * kPi * time / period + phase);
     }
   }

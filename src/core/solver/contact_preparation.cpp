@@ -22,6 +22,9 @@ constexpr double kSoftRest = 1e-3;
 // Share of the smaller length from which on an overlap is no rounding of a pair that has gone round to another side.
 constexpr double kDeepSide = 1e-3;
 
+// Share of gravity that counts as driving a pair together which it does not.
+constexpr double kAcross = 0.04;
+
 }  // namespace
 
 double smallerLength(const Bodies& bodies, Index i, Index j) {
@@ -40,6 +43,11 @@ PairConstants pairConstants(const Context& context, Index i, Index j) {
   pair.bears = kLoaded * mass * pair.load;
   pair.push = fallSpeed(pair.load, pair.length);
   return pair;
+}
+
+double slowestRebound(const Context& context, const Vec3& n_W) {
+  const Vec3& g_W = context.scene.gravity_W;
+  return 0.5 * context.step.h() * std::max(std::abs(n_W.dot(g_W)), kAcross * g_W.norm());
 }
 
 double reachOf(const Traits& body, const Traits& other, const Vec3& p_W, const Vec3& u_W, double time) {

@@ -29,6 +29,10 @@ PairConstants pairConstants(const Context& context, Index i, Index j);
 /// The smaller length of two bodies, m.
 double smallerLength(const Bodies& bodies, Index i, Index j);
 
+/// The speed of a rebound along n, m/s, that the soft step would not show: gravity, or what contacts pass on of it, ends it
+/// within the step.
+double slowestRebound(const Context& context, const Vec3& n_W);
+
 /// How far from the centre of a body the surface lies that another may touch within `time` (s), m, as far as
 /// turning moves it: 0 for a sphere. A plane has no end: the other body touches it as far away as it gets.
 /// p_W and u_W are the position and the velocity of one centre from the other.

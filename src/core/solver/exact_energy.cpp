@@ -16,9 +16,8 @@ double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const Index i = island_.indices()[k];
     const auto& [pose, twist] = motions[k];
-    const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
     energy += bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - step_.load[i].a_W.dot(pose.p_WB)) +
-              0.5 * w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B));
+              bodies.spinEnergy(i, pose.q_WB, twist.w_WB);
   }
   return energy;
 }

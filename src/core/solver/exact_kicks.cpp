@@ -28,6 +28,9 @@ constexpr double kNoChange = 1e3;
 // body.
 constexpr double kEditOverlap = 1e-2;
 
+// Share of the smaller length up to which an overlap is the rounding of a time of impact.
+constexpr double kJustBefore = 1e-9;
+
 // Cosine of the turn of a normal from which it is another one, of which the slip tells nothing.
 constexpr double kSameWay = 0.95;
 
@@ -45,6 +48,11 @@ const char* nameOf(CoulombSolver solver) {
       break;
   }
   return "admm";
+}
+
+// Whether a point meets at the end of the step, and will rebound: the impact is found at the start of the next one.
+bool comesToRebound(const TouchingPoint& point, double u_n) {
+  return point.gap > -kJustBefore * point.length && point.force_W.isZero(0.0) && u_n < -point.rebounds_from;
 }
 
 // Adds an impulse on the second side of a point, and its opposite on the first.
@@ -136,6 +144,7 @@ CoulombResult Stepper::kickAtInstant(TouchingPoints& touching, CoulombBodies& bo
     const TouchingPoint& point = touching.points[k];
     const bool pushed = seconds > 0.0 && !point.force_W.isZero(0.0);
     if (point.gap > (pushed ? kPushedGap : kTouch) * point.length) continue;
+    if (comesToRebound(point, velocityAt(bodies, touching.law[k])[2])) continue;
     closed.push_back(k);
     problem.points.push_back(touching.law[k]);
     problem.points.back().impulse = seconds * (touching.law[k].frame.transpose() * point.force_W);

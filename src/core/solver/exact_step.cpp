@@ -50,7 +50,7 @@ namespace {
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
 // rest to rounding needs no solve in the next step.
-constexpr double kLoneTolerance = 1e-12;
+constexpr double kLoneTolerance = 1e-15;
 // |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any

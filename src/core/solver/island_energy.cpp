@@ -8,8 +8,8 @@
 namespace rbs {
 
 double spinEnergy(const Context& context, const SolverBody& s, const Vec3& w_W) {
-  const Vec3 w_B = context.scene.bodies.pose[s.body].q_WB.conjugate() * w_W;
-  return 0.5 * w_B.dot(context.scene.bodies.inertia[s.body].moments.cwiseProduct(w_B));
+  const Bodies& bodies = context.scene.bodies;
+  return bodies.spinEnergy(s.body, bodies.pose[s.body].q_WB, w_W);
 }
 
 double kineticEnergy(const Context& context, const SolverBody& s) {

@@ -16,10 +16,8 @@ namespace {
 // Kinetic and potential energy of a body.
 double energyOf(const Context& context, Index i, const Pose& pose, const Twist& twist) {
   const Bodies& bodies = context.scene.bodies;
-  const Vec3 w_B = pose.q_WB.conjugate() * twist.w_WB;
-  return 0.5 * (bodies.traits[i].mass * twist.v_WB.squaredNorm() +
-                w_B.dot(bodies.inertia[i].moments.cwiseProduct(w_B))) -
-         bodies.traits[i].mass * context.scene.gravity_W.dot(pose.p_WB);
+  return bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - context.scene.gravity_W.dot(pose.p_WB)) +
+         bodies.spinEnergy(i, pose.q_WB, twist.w_WB);
 }
 
 // From the most expensive to the cheapest.

@@ -34,10 +34,8 @@ void Restitution::begin(const Context& context, const SolverContacts& contacts) 
   islands_.begin(context, contacts, std::move(found));
 }
 
-// Slower than half of what gravity adds in a step, a rebound would be over within it.
 void Restitution::apply(const Context& context, SolverContacts& contacts) const {
   if (islands_.empty()) return;
-  const double slowest = 0.5 * context.step.h() * context.scene.gravity_W.norm();
   struct Rebound {
     const SolverBlock* block;
     SolverPoint* point;
@@ -45,10 +43,12 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
   };
   std::vector<Rebound> rebounds;
   std::vector<SolverBody> before;
-  for (const SolverBlock& block : contacts.blocks)
+  for (const SolverBlock& block : contacts.blocks) {
+    if (block.pair.e == 0.0) continue;
+    const double least = slowestRebound(context, block.n);
     for (int k = block.first; k < block.first + block.size; ++k) {
       SolverPoint& point = contacts.points[k];
-      if (-block.pair.e * point.u_0 <= slowest || point.earlier_n + point.sum_n == 0.0) continue;
+      if (-block.pair.e * point.u_0 <= least || point.earlier_n + point.sum_n == 0.0) continue;
       const double u_n = contacts.normalVelocityAt(block, point);
       const double impulse = -point.mass_n * (u_n + block.pair.e * point.u_0);
       if (impulse <= 0.0) continue;
@@ -56,6 +56,7 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
       push(contacts, block, point, impulse);
       rebounds.push_back({&block, &point, impulse});
     }
+  }
   if (rebounds.empty()) return;
 
   const std::vector<double> shares = sharesOf(context, before, contacts.bodies);

@@ -210,18 +210,28 @@ inline void SoftStep<Kinds...>::integrate() {
     const Vec3 fall = h_ * context_.step.load[s.body].a_W;
     const double push = (s.v - s.v_free).norm(), enough = kPushedShare * fall.norm();
     if (push < enough) step -= 0.5 * h_ * (1.0 - push / enough) * fall;
+    const Vec3& torque_W = context_.step.load[s.body].torque_W;
+    Vec3 later = Vec3::Zero();  // what the spin at the end is beyond that in the middle
+    if (!torque_W.isZero(0.0)) {
+      const Vec3 gain = h_ * (s.inv_inertia_W * torque_W);
+      const double pushed = (s.w - s.w_free).norm(), much = kPushedShare * gain.norm();
+      if (pushed < much) later = 0.5 * (1.0 - pushed / much) * gain;
+      s.w -= later;
+    }
     s.moved += step;
     s.turned += h_ * s.w;
     s.surface_turned += h_ * surfaceSpin(bodies, s.body, s.w);
     bodies.pose[s.body].p_WB += step;
     Quat& q_WB = bodies.pose[s.body].q_WB;
-    if (inertia.lazy_orientation) return;
-    if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
-      q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
-    } else {
-      rotateFreely(q_WB, s.w, inertia, h_);
-      s.w = withoutNegativeZeros(s.w);
+    if (!inertia.lazy_orientation) {
+      if ((inertia.isotropic && !inertia.gyroscopic) || s.w.norm() * h_ < kSteadyTurn) {
+        q_WB = (rotationBy(h_ * s.w) * q_WB).normalized();
+      } else {
+        rotateFreely(q_WB, s.w, inertia, h_);
+      }
     }
+    s.w = withoutNegativeZeros(s.w + later);
+    if (inertia.lazy_orientation) return;
     const bool has_axes = !inertia.isotropic || !s.axis_W.isZero(0.0);
     if (has_axes && (s.turned - s.turned_axes_at).squaredNorm() > kAxesTurn * kAxesTurn) {
       if (!inertia.isotropic) s.inv_inertia_W = inertia.inverseW(q_WB.toRotationMatrix());

@@ -194,11 +194,26 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   to.resize(to.size() + block.size);
   for (int k = 0; k < block.size; ++k)
     preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, to[block.first + k]);
+  if (contact.state.isCandidate() && meetsAtEnd(block, left, to)) to.resize(block.first), block.size = 0;
   const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
   block.on_arc = carries(i) || carries(j);
   if (block.on_arc) followArc(block, now, to);
   block.rolls = rolls(block, left);
   block.travels = travels(block, left);
+}
+
+// Whether a pair comes to touch when the step ends, but for rounding, and will rebound: the impact is found at the start of the
+// next step. By a contact it would be stopped first.
+bool SolverContacts::meetsAtEnd(const SolverBlock& block, double left,
+                                const std::vector<SolverPoint>& of) const {
+  if (block.pair.e == 0.0) return false;
+  double gap = std::numeric_limits<double>::infinity(), speed = 0.0;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    gap = std::min(gap, of[k].gap + left * of[k].u_0);
+    speed = std::max(speed, -of[k].u_0);
+  }
+  return std::abs(gap) < kTouch * block.pair.length &&
+         block.pair.e * speed > slowestRebound(context_, block.n);
 }
 
 // Where a round surface touches another body, the contact travels over that body as the two turn against each other,

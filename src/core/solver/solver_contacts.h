@@ -151,6 +151,7 @@ class SolverContacts {
   void findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                   std::vector<SolverPoint>& to) const;
   LastNormal lastNormal(const SolverBlock& block) const;
+  bool meetsAtEnd(const SolverBlock& block, double left, const std::vector<SolverPoint>& of) const;
   bool rolls(const SolverBlock& block, double left) const;
   bool travels(const SolverBlock& block, double left) const;
   double slipOf(const SolverBlock& block) const;

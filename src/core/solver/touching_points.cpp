@@ -8,6 +8,7 @@
 #include "solver/rolling.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace rbs {
 
@@ -64,6 +65,9 @@ TouchingPoints findTouching(const Context& context, const std::vector<Index>& ac
                         searchMargin(contact, reach * (near + kMargin * pair.length)),
                         exactLimits(step, pair), last.of(k, contact, pair.bears), contact.axis);
     const auto [t1, t2] = tangents(manifold.n_W);
+    const double rebounds_from = pair.e > 0.0 && contact.state.isCandidate()
+                                     ? step.solver.slowest_impact * step.h() * pair.load
+                                     : std::numeric_limits<double>::infinity();
     const std::size_t first = out.law.size();
     for (int p = 0; p < manifold.size; ++p) {
       const ManifoldPoint& found = manifold.points[p];
@@ -78,7 +82,8 @@ TouchingPoints findTouching(const Context& context, const std::vector<Index>& ac
       if (law.j == kNone) prescribed_W += velocityAt(twist_j, law.r_j);
       if (law.i == kNone) prescribed_W -= velocityAt(twist_i, law.r_i);
       law.bias = law.frame.transpose() * prescribed_W;
-      out.points.push_back({k, found.feature, found.separation, pair.length, pair.push, found.p_W});
+      out.points.push_back(
+          {k, found.feature, found.separation, pair.length, pair.push, rebounds_from, found.p_W});
       out.law.push_back(law);
     }
     if constexpr (built::rolling)

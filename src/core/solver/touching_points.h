@@ -16,6 +16,8 @@ struct TouchingPoint {
   double gap;             ///< m; negative is overlap
   double length;          ///< the smaller one of the pair, m
   double push;            ///< speed at which overlap may be taken away, m/s
+  /// Closing speed from which on the pair will rebound, m/s: it has restitution and has not touched yet. Else infinite.
+  double rebounds_from;
   Vec3 p_W;
   Vec3 force_W{0.0, 0.0, 0.0};    ///< on j, N: what is expected of it next
   Vec3 impulse_W{0.0, 0.0, 0.0};  ///< on j, N s: what it has done so far

@@ -84,6 +84,11 @@ struct Bodies {
   BodyDescription describe(Index i) const;
   BodyDef define(Index i, double time) const;
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+  /// Kinetic energy of the spin w of a body that is turned by q_WB, J.
+  double spinEnergy(Index i, const Quat& q_WB, const Vec3& w_W) const {
+    const Vec3 w_B = q_WB.conjugate() * w_W;
+    return 0.5 * w_B.dot(inertia[i].moments.cwiseProduct(w_B));
+  }
   /// Axis of revolution, of length 1; zero for a sphere, and for a body that has none.
   Vec3 axis_W(Index i) const {
     return traits[i].revolved && !traits[i].round ? Vec3(pose[i].q_WB * Vec3::UnitZ()) : Vec3(Vec3::Zero());

@@ -190,7 +190,7 @@ struct StepStore {
   double t0 = 0.0, t1 = 0.0;            ///< s
   SolverSettings solver;                ///< resolved from the scene's Setting
   std::vector<Load> load;               ///< by body; those of ballistic bodies are not filled in
-  std::vector<Vec3> load_without_drag;  ///< by body: load.a_W without the drag; empty: there is none
+  std::vector<Load> load_without_drag;  ///< by body that feels drag: its load without it; empty: there is none
   Vec3 air;                             ///< velocity of the air where there is drag, m/s
   std::vector<double> submerged;        ///< by body: share of its volume in the fluid; empty without a fluid
   std::vector<Bounds> bounds;           ///< by body: where it may be during the step

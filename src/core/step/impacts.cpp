@@ -26,6 +26,8 @@ constexpr double kSunk = 1e-6;
 // as a fraction of what gravity adds in a step, and the gap too small to matter, as one of the smaller
 // length.
 constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
+// Share of the acceleration that counts as driving a pair together which it does not: contacts may pass it on.
+constexpr double kAcross = 0.04;
 
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
@@ -75,18 +77,23 @@ double turningAcceleration(const Context& context, Index i, const Motion& trajec
   return traits.bounding_radius * (spin.w * spin.w + spin.change);
 }
 
-// The speed below which a rebound is not worth an impact of its own: it would be over within the step,
-// because gravity, or whatever else drives the pair together, adds twice as much in one (a far smaller share
-// of it at the exact settings, and for an elastic pair, which would go on to rebound for ever); or it would
+// The speed below which a rebound along n is not worth an impact of its own: it would be over within the step,
+// because gravity, or whatever else drives the pair together along n, adds twice as much in one (a far smaller share
+// of it at the exact settings, and for an elastic pair, which would go on to rebound for ever; balls that meet on a floor
+// count as driven by a little of it); or it would
 // open a gap too small to matter. At a speed u a gap is at most u h after a step, and at most u²/(2 a) where
 // an acceleration a closes it again. The first bound makes an end of sequences between three bodies that
 // shrink forever, which only pairs that lose energy have. The second makes an end of those that shrink no
 // more because time of impact is as exact as that gap.
-double slowest(const Context& context, Index i, Index j) {
+double slowest(const Context& context, Index i, Index j, const Vec3& n_W) {
   const StepStore& step = context.step;
   const Motion trajectory_i = trajectoryOf(context, i), trajectory_j = trajectoryOf(context, j);
-  double a = (trajectory_i.a_W - trajectory_j.a_W).norm();
-  if (step.supported[i] || step.supported[j]) a = std::max(a, context.scene.gravity_W.norm());
+  const Vec3 apart_W = trajectory_i.a_W - trajectory_j.a_W;
+  double a = apart_W.norm(), along = std::abs(n_W.dot(apart_W));
+  if (step.supported[i] || step.supported[j]) {
+    a = std::max(a, context.scene.gravity_W.norm());
+    along = std::max(along, std::abs(n_W.dot(context.scene.gravity_W)));
+  }
   const bool lossy = losesEnergy(context.scene, i, j);
   const double gap =
       (lossy ? step.solver.smallest_gap : kElasticGap) * smallerLength(context.scene.bodies, i, j);
@@ -95,7 +102,7 @@ double slowest(const Context& context, Index i, Index j) {
   const double unseen = std::max(lossy ? gap / step.h() : 0.0, std::sqrt(2.0 * gap * most_a));
   const double share =
       lossy ? step.solver.slowest_impact : std::min(step.solver.slowest_impact, kElasticSpeed);
-  return std::max(share * step.h() * a, unseen);
+  return std::max(share * step.h() * std::max(along, kAcross * a), unseen);
 }
 
 // Whether nothing carries a body now.
@@ -146,7 +153,8 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   };
   const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <= slowest(context, i, j)) return;
+    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <= slowest(context, i, j, at_impact.manifold.n_W))
+      return;
     const auto [first, second] = std::minmax(i, j);
     prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
   };
@@ -263,7 +271,7 @@ Outcome resolve(Context& context, Contact& contact, double time) {
   bodies.twist[i].w_WB += at_impact.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += at_impact.b.twist.v_WB - before_b.v_WB;
   bodies.twist[j].w_WB += at_impact.b.twist.w_WB - before_b.w_WB;
-  return law.restitution * speed > slowest(context, i, j) ? Outcome::Rebound : Outcome::Stay;
+  return law.restitution * speed > slowest(context, i, j, at_impact.manifold.n_W) ? Outcome::Rebound : Outcome::Stay;
 }
 
 }  // namespace rbs::impacts

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/plane_stop.h"
 
+#include "base/algebra.h"
 #include "base/text.h"
 #include "effects/effects.h"
 
@@ -42,7 +43,8 @@ void lift(Context& context, Index plane, Index i) {
   const Vec3 up_W = X_WP.q_WB * Vec3::UnitZ();
   bodies.pose[i].p_WB += rise * up_W;
   Vec3& v_W = bodies.twist[i].v_WB;
-  const double gained = std::max(0.0, up_W.dot(bodies.twist[plane].v_WB - v_W));
+  const Vec3 of_plane_W = velocityAt(bodies.twist[plane], bodies.pose[i].p_WB - X_WP.p_WB);
+  const double gained = std::max(0.0, up_W.dot(of_plane_W - v_W));
   v_W += gained * up_W;
   SolvedPoint point;
   point.feature = SolvedPoint::kLifted;

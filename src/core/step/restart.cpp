@@ -52,6 +52,8 @@ Restart::Restart(Context& context) : at_start_(*context.step.restart_stores) {
     for (const Contact& contact : *list)
       if (!contact.earlier.empty()) at_start_.earlier.emplace_back(contact.key, contact.earlier);
   at_start_.impacts = context.step.impacts;
+  at_start_.load.clear();
+  if (!context.step.load_without_drag.empty()) at_start_.load = context.step.load;
 }
 
 // Where a pair stands among those known at the start, or is to stand.
@@ -146,6 +148,7 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
     if (again[i]) back.push_back(i);
   for (const Index i : back) {
     bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
+    if (!at_start_.load.empty()) step.load[i] = at_start_.load[i];
     step.bounds[i] = sweptBounds(bodies, step.load[i], i, step.h());
     step.stamp[i] = 0;
   }

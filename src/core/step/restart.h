@@ -28,6 +28,7 @@ struct RestartStores {
   /// Impulses of earlier divisions of the step, by contact.
   std::vector<std::pair<ContactKey, std::vector<SolvedPoint>>> earlier;
   std::vector<PendingImpact> impacts;
+  std::vector<Load> load;  ///< by body, where there is drag, which impacts change; else empty
 };
 
 /// What is known at the start of a step, before any body moves.

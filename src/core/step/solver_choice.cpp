@@ -6,12 +6,15 @@
 //   slender bodies on end: their contacts are hardly independent
 //   arches         thrust, which friction holds only while the bodies stand as they were put
 //   weight near an edge, and bodies that lie on a free one by a point or a line: what sinks in also tilts
-//   crushed bodies a light one that a heavy one presses on sinks in until it is squirted out.
+//   crushed bodies a light one that a heavy one presses on sinks in until it is squirted out
+//   what slides or rolls alone: the solve of one body takes no longer than its sub-steps.
 // A direct solve minds none of them. It is cheap where the forces of the last step still hold, and expensive where bodies
 // tumble; there the errors of the soft step do not show. So only islands are promoted that are small and calm: nothing moves
 // faster than what gravity adds in a step or two, as seen from something that carries them, or from their centre of mass. What
 // stands in a train, or on a sled, stands like that on the ground. Crushed bodies are promoted whatever their speed.
 #include "step/solver_choice.h"
+
+#include "solver/solver_contacts.h"
 
 #include "step/depenetration.h"
 
@@ -39,9 +42,10 @@ constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 1
 // g h: blocks that are let go a little above each other fall for a step, and the soft step makes them faster still.
 constexpr std::size_t kFewPairs = 30;
 constexpr double kFewCalm = 3.0;
-// Pairs of all such towers of a step. One that moves takes 50 times the work of one at rest, and hundreds that land at the same
-// time would hold a step for a second.
-constexpr std::size_t kMovingPairs = 300;
+// The most pairs of a body that is alone, and how fast its surface may turn, share of g h: one that tips over or tumbles comes to
+// lie on other points within a step, and costs more.
+constexpr std::size_t kSimplePairs = 3;
+constexpr double kSteady = 0.01;
 // Two bodies lean on each other where friction is more than this share of the normal force; one of them may
 // tip where one of their points has less than this share of the force of another; and it is crushed where the
 // force is more than this many times its weight.
@@ -175,11 +179,18 @@ bool isJolted(const Context& context, const Island& island, double least, double
   return std::any_of(carriers.begin(), carriers.end(), jolts);
 }
 
-enum class Promotion {
-  None,
-  Always,
-  WhileItMoves,  ///< as far as a step has time for it
-};
+// Whether an island is a body that slides, or a ball: a direct solve costs it no more than the sub-steps of the soft step.
+bool isSimple(const Context& context, const Island& island, double fall) {
+  const Bodies& bodies = context.scene.bodies;
+  if (island.bodies.size() > 1 || island.contacts.size() > kSimplePairs) return false;
+  const Index i = island.bodies.front();
+  return bodies.traits[i].bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() <=
+         kSteady * fall;
+}
+
+// The most pairs that islands of a step may have together, if they move and the exact step is to take this one. One that moves
+// takes 50 times the work of one at rest; hundreds of small towers that land at the same time would hold a step for a second.
+enum Promotion : std::size_t { None = 0, WhileFewMove = 30, WhileSomeMove = 300, Always = ~std::size_t{0} };
 
 // Whether the soft step would do badly on an island that a direct solve can afford. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
@@ -195,19 +206,19 @@ Promotion promotionOf(const Context& context, const Island& island) {
   const Stiffness& bounds = was_exact ? kStay : kEnter;
   if (touching.empty())
     touching = island.contacts;  // nothing is known yet of what has just been put together
-  if (island.contacts.size() > bounds.pairs) return Promotion::None;
+  if (island.contacts.size() > bounds.pairs) return None;
   const bool few = island.contacts.size() <= kFewPairs;
   const Forces forces = few ? forcesOf(context, island.contacts) : Forces{};
-  if (forces.crushes) return Promotion::Always;
+  if (forces.crushes) return Always;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
-  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return Promotion::Always;
+  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return Always;
   const auto isTall = [&] {
     return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
   };
+  const Promotion otherwise = isSimple(context, island, fall) ? WhileFewMove : None;
   if (!isCalm(context, island, bounds.speed * fall))
-    return few && isCalm(context, island, kFewCalm * fall) && isTall() ? Promotion::WhileItMoves
-                                                                       : Promotion::None;
-  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return Promotion::Always;
+    return few && isCalm(context, island, kFewCalm * fall) && isTall() ? WhileSomeMove : otherwise;
+  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return Always;
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : island.contacts) {
@@ -218,7 +229,7 @@ Promotion promotionOf(const Context& context, const Island& island) {
       if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
   }
   const bool stiff = mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
-  return stiff ? Promotion::Always : Promotion::None;
+  return stiff ? Always : otherwise;
 }
 
 // Whether an exact solve could find the forces that move an island. It knows contacts alone.
@@ -234,10 +245,9 @@ void chooseSolver(Context& context, Island& island) {
   island.exact = settings.exact && can_be;
   if (settings.exact || !settings.promotes || island.flies() || !can_be) return;
   const Promotion promotion = promotionOf(context, island);
-  island.exact = promotion != Promotion::None;
-  if (promotion != Promotion::WhileItMoves) return;
-  island.exact = context.step.moving_pairs + island.contacts.size() <= kMovingPairs;
-  if (island.exact) context.step.moving_pairs += island.moving_pairs = island.contacts.size();
+  island.exact = promotion == Always || context.step.moving_pairs + island.contacts.size() <= promotion;
+  if (island.exact && promotion != Always)
+    context.step.moving_pairs += island.moving_pairs = island.contacts.size();
 }
 
 // One sweep a sub-step halves the speed of a heavy body on one r times lighter about r sub-steps later. On its way until
