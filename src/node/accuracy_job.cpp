@@ -157,7 +157,7 @@ AccuracyStudy AccuracyJob::read(ChildProcess& program) {
     trouble = words("its output is not an accuracy study: ", error.what());
   }
   if (!stop_) ROS_WARN_STREAM("scene_accuracy was ended: " << trouble);
-  if (!stop_ || study.windows == 0) study.trouble = "scene_accuracy gave no result: " + trouble;
+  if (!stop_ || study.windows == 0) study.trouble = "the measurement gave no result: " + trouble;
   return study;
 }
 

@@ -105,23 +105,19 @@ void Services::offerAccuracy() {
     if (request.windows != 0) options.windows = request.windows;
     if (request.max_cpu_seconds != 0.0) options.max_cpu_seconds = request.max_cpu_seconds;
     response.job = accuracy_.start(options);
-    return words("job ", response.job, ": measuring for up to ", options.max_cpu_seconds,
-                 " s of CPU time; ~accuracy reports progress");
+    return words("measures for up to ", options.max_cpu_seconds, " s of CPU time (study ", response.job, ")");
   });
   offer<Trigger>("stop_accuracy", [this](const Trigger::Request&, Trigger::Response&) {
-    return accuracy_.stop() ? "stopped; the results so far stay in ~accuracy"
-                            : "no accuracy study was running";
+    return accuracy_.stop() ? "stopped; the results so far are kept" : "no accuracy study was running";
   });
   offer<SetBool>("estimate_error", [this](const SetBool::Request& request, SetBool::Response&) {
     simulator_.estimateErrors(request.data);
-    return request.data ? "error estimation on: a second simulation with half the step size runs alongside; "
-                          "~status reports the difference"
+    return request.data ? "error estimation on: a second simulation with half the step size runs alongside"
                         : "error estimation off";
   });
   offer<SetBool>("show_ghost", [this](const SetBool::Request& request, SetBool::Response&) {
     reference_run_.show(request.data);
-    return request.data ? "reference run on: it starts from the present state; ~ghost shows it"
-                        : "reference run off";
+    return request.data ? "reference run on: it starts from the present state" : "reference run off";
   });
 }
 

@@ -2,6 +2,7 @@
 #include "status_publisher.h"
 
 #include "convert.h"
+#include "names.h"
 #include "pace.h"
 #include "words.h"
 
@@ -104,6 +105,7 @@ rigid_body_sim::Status statusMsg(const Timeline::Moment& moment, const Pace& pac
   const Snapshot& snapshot = *moment.snapshot;
   rigid_body_sim::Status msg;
   msg.header.stamp = moment.stamp;
+  msg.header.frame_id = worldFrame();
   msg.scene = snapshot.scene;
   msg.view_eye = toPoint(snapshot.view.eye);
   msg.view_target = toPoint(snapshot.view.target);

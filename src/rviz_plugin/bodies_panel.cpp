@@ -390,11 +390,13 @@ void BodiesPanel::groupSelection() {
   auto* const dialog = new QInputDialog(this);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setWindowTitle("Make a group");
-  dialog->setLabelText(QString("Name of the group of %1:").arg(bodyCount(simulator_.selection().size())));
-  connect(dialog, &QInputDialog::textValueSelected, this, [this](const QString& text) {
+  const QStringList bodies = simulator_.selection();
+  dialog->setLabelText(QString("Name of the group of %1:").arg(bodyCount(bodies.size())));
+  connect(dialog, &QInputDialog::textValueSelected, this, [this, bodies](const QString& text) {
     const QString name = text.simplified();
-    if (name.isEmpty() || name == kAllBodies) return showMessage("A group needs a name of its own.", true);
-    in_group_[name] = simulator_.selection();
+    if (name.isEmpty() || name == kAllBodies || in_group_.contains(name))
+      return showMessage("A group needs a name of its own.", true);
+    in_group_[name] = bodies;
     showGroups(name);
     chooseGroup(groups_->currentIndex());
     Q_EMIT configChanged();

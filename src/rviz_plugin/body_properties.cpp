@@ -158,6 +158,8 @@ void BodyProperties::follow() {
   bodies_.clear();
   if (isTyping()) findShown();
   if (bodies_.empty()) findSelected();
+  // A name that has just been changed is selected by its old name for a moment.
+  if (bodies_.empty() && !simulator_.selection().isEmpty()) findShown();
   show();  // before the form is hidden: a field that loses the focus enters what is typed
   const QWidget* const focus = QApplication::focusWidget();
   if (bodies_.empty() && focus && form_->isAncestorOf(focus)) Q_EMIT left(heading_->text());

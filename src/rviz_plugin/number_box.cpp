@@ -2,16 +2,21 @@
 #include "number_box.h"
 
 #include <QKeyEvent>
-#include <QLineEdit>
 #include <QLocale>
 
 namespace rbs {
 namespace {
 
-// Whether it is a key that is no part of a number, which a widget could keep from the shortcuts.
-bool leaveToShortcuts(QEvent* event) {
+// Whether it is a key that is no part of a number, which a widget could keep from the shortcuts; or Undo or Redo, while nothing
+// is typed.
+bool leaveToShortcuts(QEvent* event, bool is_typing) {
   if (event->type() != QEvent::ShortcutOverride) return false;
-  const QString text = static_cast<QKeyEvent*>(event)->text();
+  auto* const key = static_cast<QKeyEvent*>(event);
+  if (!is_typing && (key->matches(QKeySequence::Undo) || key->matches(QKeySequence::Redo))) {
+    event->ignore();
+    return true;
+  }
+  const QString text = key->text();
   const bool is_other =
       !text.isEmpty() && text[0].isPrint() && !text[0].isDigit() && !QString("+-.,eE").contains(text[0]);
   if (is_other) event->ignore();
@@ -25,15 +30,16 @@ NumberBox::NumberBox() {
   locale.setNumberOptions(QLocale::OmitGroupSeparator | QLocale::RejectGroupSeparator);
   setLocale(locale);
   lineEdit()->installEventFilter(this);
+  connect(this, &QAbstractSpinBox::editingFinished, this, [this] { lineEdit()->setModified(false); });
 }
 
 // Both the line and the box take keys for themselves before they are shortcuts.
 bool NumberBox::eventFilter(QObject* object, QEvent* event) {
-  return leaveToShortcuts(event) || QDoubleSpinBox::eventFilter(object, event);
+  return leaveToShortcuts(event, lineEdit()->isModified()) || QDoubleSpinBox::eventFilter(object, event);
 }
 
 bool NumberBox::event(QEvent* event) {
-  return leaveToShortcuts(event) || QDoubleSpinBox::event(event);
+  return leaveToShortcuts(event, lineEdit()->isModified()) || QDoubleSpinBox::event(event);
 }
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <QDoubleSpinBox>
+#include <QLineEdit>
 
 namespace rbs {
 
@@ -11,6 +12,8 @@ namespace rbs {
 class NumberBox : public QDoubleSpinBox {
  public:
   NumberBox();
+  /// Whether it has what has been typed and not entered yet.
+  bool isTyping() const { return hasFocus() && lineEdit()->isModified(); }
   /// Keys that are no part of a number are shortcuts of the window also while it has the focus.
   bool eventFilter(QObject* object, QEvent* event) override;
 

@@ -62,7 +62,8 @@ bool SceneBar::isAnotherScene(const rigid_body_sim::Status& status) const {
 void SceneBar::show(const rigid_body_sim::Status& status) {
   const QString scene = QString::fromStdString(status.scene);
   const bool is_fresh = !file_.isEmpty() && since_file_.elapsed() < kSettling;
-  if (!is_fresh && isAnotherScene(status)) file_.clear();
+  const bool is_undone = status.redo.compare(0, 7, "loaded ") == 0 && redo_.compare(0, 7, "loaded ") != 0;
+  if (is_fresh ? is_undone : isAnotherScene(status)) file_.clear();
   world_ = status.world;
   steps_ = status.steps;
   redo_ = status.redo;

@@ -26,6 +26,7 @@ constexpr Shortcut kInView[] = {
     {"Drag", "pull a body"},
     {"Right click", "menu of a body"},
     {"Delete", "delete the selected bodies"},
+    {"Home", "the view of the scene"},
     {"Escape, click on nothing", "select nothing"}};
 constexpr Shortcut kInList[] = {{"F2", "rename"},
                                 {"Delete", "delete"},

@@ -13,6 +13,7 @@
 #include <QLabel>
 #include <QVBoxLayout>
 
+#include <rviz/frame_manager.h>
 #include <rviz/panel_dock_widget.h>
 #include <rviz/render_panel.h>
 #include <rviz/view_manager.h>
@@ -139,14 +140,15 @@ void SimulationPanel::addKeys() {
   addKey(Qt::CTRL | Qt::SHIFT | Qt::Key_Z, [this] { simulator_.redo(); });
   addKey(
       Qt::Key_Delete, [this] { deleteSelection(window_); }, vis_manager_->getRenderPanel());
+  addKey(
+      Qt::Key_Home, [this] { look(); }, vis_manager_->getRenderPanel());
   qApp->installEventFilter(this);
 }
 
-// What is typed into an open list or menu is meant for it.
+// What is typed into an open list or menu is meant for it, which sees it all the same: a list takes Return here.
 bool SimulationPanel::eventFilter(QObject*, QEvent* event) {
-  const bool is_for_popup = event->type() == QEvent::ShortcutOverride && QApplication::activePopupWidget();
-  if (is_for_popup) event->accept();
-  return is_for_popup;
+  if (event->type() == QEvent::ShortcutOverride && QApplication::activePopupWidget()) event->accept();
+  return false;
 }
 
 void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void()>& act, QWidget* focus) {
@@ -192,6 +194,7 @@ void SimulationPanel::follow(const QString& node) {
   showMessage({}, true);
   scenes_->forgetFile();
   effects_->forgetNeglected();
+  warnings_->clear();
   simulator_.follow(node);
 }
 
@@ -221,18 +224,40 @@ void SimulationPanel::countWarnings(int count) {
 }
 
 void SimulationPanel::look(const rigid_body_sim::Status& status) {
+  frame_ = status.header.frame_id;
+  eye_ = status.view_eye;
+  target_ = status.view_target;
   const QString scene = QString::fromStdString(status.scene);
   if (scene == scene_) return;
   scene_ = scene;
-  if (rviz::ViewController* const view = vis_manager_->getViewManager()->getCurrent()) {
-    lookFrom(*view, status.view_eye, status.view_target);
-  }
+  look();
+}
+
+// As the scene asks, in the fixed frame: the worlds of two simulators may stand beside each other.
+void SimulationPanel::look() {
+  rviz::ViewController* const view = vis_manager_->getViewManager()->getCurrent();
+  if (!view) return;
+  const auto inFixedFrame = [this](const geometry_msgs::Point& point) {
+    geometry_msgs::Pose pose;
+    pose.position = point;
+    pose.orientation.w = 1.0;
+    Ogre::Vector3 place;
+    Ogre::Quaternion turn;
+    const bool is_known =
+        !frame_.empty() && vis_manager_->getFrameManager()->transform(frame_, ros::Time(), pose, place, turn);
+    if (!is_known) return point;
+    geometry_msgs::Point there;
+    there.x = place.x, there.y = place.y, there.z = place.z;
+    return there;
+  };
+  lookFrom(*view, inFixedFrame(eye_), inFixedFrame(target_));
 }
 
 void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
   enableControls();
-  if (!is_heard) scenes_->forgetFile();  // who answers next may be another simulator of this name
+  if (!is_heard)
+    scenes_->forgetFile(), warnings_->clear();  // who answers next may be another simulator of this name
   showMessage({}, false);
 }
 

@@ -67,6 +67,7 @@ class SimulationPanel : public rviz::Panel {
   void enableControls();
   void enableEdits(bool is_live);
   void look(const rigid_body_sim::Status& status);
+  void look();
   void showMessage(const QString& text, bool is_trouble);
   void countWarnings(int count);
   void followSelection(const QStringList& bodies);
@@ -80,8 +81,10 @@ class SimulationPanel : public rviz::Panel {
   QList<SimulationPanel*> panels() const;
 
   SimulatorClient simulator_;
-  QPointer<QWidget> window_;  ///< of RViz
-  QString scene_;             ///< that the view belongs to
+  QPointer<QWidget> window_;           ///< of RViz
+  QString scene_;                      ///< that the view belongs to
+  std::string frame_;                  ///< of the world
+  geometry_msgs::Point eye_, target_;  ///< of its view, in that frame
   bool is_heard_ = false;
   QWidget* controls_;
   TransportBar* transport_;

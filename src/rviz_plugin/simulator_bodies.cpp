@@ -32,13 +32,16 @@ bool isSeeThrough(const rigid_body_sim::BodyDescription& body) {
 
 SimulatorBodies::SimulatorBodies(const std::string& node) : node_(node) {
   constexpr int kQueue = 100;
+  static const ros::WallDuration kKept(
+      1.0);  // a node that starts later is not to find what nobody saw happen
   const boost::function<void(const rigid_body_sim::BodyDescriptionsConstPtr&)> keep =
       [this](const rigid_body_sim::BodyDescriptionsConstPtr& message) { descriptions_ = *message; };
   subscriber_ = ros_.subscribe<rigid_body_sim::BodyDescriptions>(node + "/body_descriptions", 1, keep);
   publisher_ = ros_.advertise<Feedback>(node + "/interactive_bodies/mouse", kQueue,
                                         [this](const ros::SingleSubscriberPublisher& newcomer) {
-                                          for (const Feedback& feedback : unheard_)
-                                            newcomer.publish(feedback);
+                                          const ros::WallTime oldest = ros::WallTime::now() - kKept;
+                                          for (const auto& [time, feedback] : unheard_)
+                                            if (time > oldest) newcomer.publish(feedback);
                                           unheard_.clear();
                                         });
 }
@@ -69,7 +72,7 @@ std::optional<Met> SimulatorBodies::meet(const geometry_msgs::Point& origin,
 void SimulatorBodies::send(const Feedback& feedback) {
   if (listens() && unheard_.empty()) return publisher_.publish(feedback);
   if (feedback.event_type == Feedback::MOUSE_DOWN) unheard_.clear();  // nobody waits for an earlier drag
-  unheard_.push_back(feedback);
+  unheard_.emplace_back(ros::WallTime::now(), feedback);
 }
 
 }  // namespace rbs

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rbs {
@@ -40,7 +41,7 @@ class SimulatorBodies {
 
   /// Whether the node takes what send() sends. Not, for instance, while a bag is played without it.
   bool listens() const { return publisher_.getNumSubscribers() > 0; }
-  /// Sends what a mouse does to a body. What comes before the node listens is kept until it does.
+  /// Sends what a mouse does to a body. What comes before the node listens is kept for a second.
   void send(const visualization_msgs::InteractiveMarkerFeedback& feedback);
 
  private:
@@ -49,7 +50,7 @@ class SimulatorBodies {
   const std::string node_;
   ros::NodeHandle ros_;
   rigid_body_sim::BodyDescriptions descriptions_;
-  std::vector<Feedback> unheard_;
+  std::vector<std::pair<ros::WallTime, Feedback>> unheard_;
   ros::Subscriber subscriber_;
   ros::Publisher publisher_;
 };

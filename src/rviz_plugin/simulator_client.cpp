@@ -72,7 +72,10 @@ void SimulatorClient::receive(const rigid_body_sim::Status& status) {
 
 void SimulatorClient::receiveStudy(const rigid_body_sim::AccuracyStudy& study) {
   Q_EMIT studyReceived(study);
-  if (study.done && !study.trouble.empty()) Q_EMIT reported(QString::fromStdString(study.trouble), true);
+  // Once, and not of one that was over when we came.
+  if (!study.done) running_study_ = study.job;
+  if (!study.done || std::exchange(running_study_, std::nullopt) != study.job) return;
+  if (!study.trouble.empty()) Q_EMIT reported(QString::fromStdString(study.trouble), true);
 }
 
 void SimulatorClient::receiveSelection(const rigid_body_sim::BodyNames& bodies) {
@@ -211,7 +214,8 @@ void SimulatorClient::callFile(const char* service, const QString& file,
   using rigid_body_sim::File;
   File::Request request;
   request.file = file.toStdString();
-  request.overwrite = true;
+  // Qt has asked whether to replace this very name. The simulator adds the suffix that it lacks, and refuses then.
+  request.overwrite = file.endsWith(".yaml") || file.endsWith(".yml");
   worker_->call<File>(inNode(service), request, [this, file, used](const File::Response&) {
     Q_EMIT(this->*used)(file);
   });

@@ -123,7 +123,8 @@ class SimulatorClient : public QObject {
   bool wind_ = false;
   bool is_replay_ = false;
   bool is_seeking_ = false;
-  std::optional<double> next_seek_;  ///< the time that is asked for meanwhile, s
+  std::optional<std::uint32_t> running_study_;  ///< its job
+  std::optional<double> next_seek_;             ///< the time that is asked for meanwhile, s
 };
 
 }  // namespace rbs

@@ -164,6 +164,7 @@ QVector<QPointF> TimePlot::pointsOf(const Trace& trace, const View& view, double
   for (const Sample& sample : trace.samples(view.from, view.to, most)) {
     const double value = isLogarithmic(view) ? std::max(kLeastShown, sample.value) : sample.value - shift;
     points.append({sample.time, value});
+    seen.size = std::max(seen.size, std::abs(sample.value));
     seen.low = std::min(seen.low, value);
     seen.high = std::max(seen.high, value);
   }
@@ -213,7 +214,7 @@ void TimePlot::setScale(const View& view, Range seen) {
   if (values_) return setAxisScale(yLeft, values_->low, values_->high);
   if (seen.low > seen.high) seen = is_logarithmic_ ? Range{1e-12, 1.0} : Range{0.0, 1.0};
   if (is_logarithmic_) return setAxisScale(yLeft, 0.5 * seen.low, 2.0 * seen.high);
-  const double size = std::max(std::abs(seen.low), std::abs(seen.high));
+  const double size = std::max({seen.size, std::abs(seen.low), std::abs(seen.high)});
   const double lacking =
       std::max(size > 0.0 ? kFlat * size : 1.0, seen.high - seen.low) - (seen.high - seen.low);
   seen.low -= 0.5 * lacking;

@@ -76,6 +76,7 @@ class TimePlot : public QwtPlot {
  private:
   struct Range {
     double low, high;
+    double size = 0.0;  ///< of the largest value before the baseline was taken off
   };
   struct Grip {
     QPoint at;

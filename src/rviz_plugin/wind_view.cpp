@@ -35,7 +35,7 @@ double degreesOf(int dial) {
 }
 
 void showUnlessEdited(NumberBox& box, double value) {
-  if (box.hasFocus()) return;
+  if (box.isTyping()) return;
   const QSignalBlocker quiet(box);
   box.setValue(value);
 }

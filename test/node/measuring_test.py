@@ -94,7 +94,7 @@ class MeasuringTest(unittest.TestCase):
         for name, script in FAULTY.items():
             with self.subTest(name):
                 pid = self.measure_with(script)
-                self.assertIn('scene_accuracy gave no result', self.told().trouble)
+                self.assertIn('the measurement gave no result', self.told().trouble)
                 self.assert_gone(pid)
                 self.assertEqual(children_of(self.node.pid), [])
                 self.assertIn('no result', ask('apply_accuracy', max_error=1.0).message)

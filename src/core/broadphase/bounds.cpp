@@ -59,9 +59,9 @@ Array4 drifted(const Array4& reach, const Traits& t, double turn) {
 double mostTurn(const Bodies& bodies, const Load& load, Index i, double dt) {
   const Inertia& inertia = bodies.inertia[i];
   const Vec3& w_W = bodies.twist[i].w_WB;
-  const bool grows = inertia.gyroscopic && !inertia.steady && !w_W.isZero(0.0);
+  const bool grows = bodies.traits[i].moved_by_forces() && !inertia.isotropic && !inertia.steady;
   const double spin =
-      grows ? spinBoundsOf(bodies.pose[i].q_WB.conjugate() * w_W, inertia).w : w_W.norm();
+      grows && !w_W.isZero(0.0) ? spinBoundsOf(bodies.pose[i].q_WB.conjugate() * w_W, inertia).w : w_W.norm();
   if (load.torque_W.isZero(0.0)) return dt * spin;
   return dt * (spin + 0.5 * dt * inertia.inv_moments.maxCoeff() * load.torque_W.norm());
 }

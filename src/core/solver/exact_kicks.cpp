@@ -52,7 +52,8 @@ const char* nameOf(CoulombSolver solver) {
 
 // Whether a point meets at the end of the step, and will rebound: the impact is found at the start of the next one.
 bool comesToRebound(const TouchingPoint& point, double u_n) {
-  return point.gap > -kJustBefore * point.length && point.force_W.isZero(0.0) && u_n < -point.rebounds_from;
+  const bool has_pushed = !point.force_W.isZero(0.0) || !point.impulse_W.isZero(0.0);
+  return point.gap > -kJustBefore * point.length && !has_pushed && u_n < -point.rebounds_from;
 }
 
 // Adds an impulse on the second side of a point, and its opposite on the first.

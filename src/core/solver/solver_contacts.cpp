@@ -194,7 +194,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   to.resize(to.size() + block.size);
   for (int k = 0; k < block.size; ++k)
     preparePoint(block, manifold.points[k], X_i.p_WB, X_j.p_WB, to[block.first + k]);
-  if (contact.state.isCandidate() && meetsAtEnd(block, left, to)) to.resize(block.first), block.size = 0;
+  if (contact.isFresh() && meetsAtEnd(block, left, to)) to.resize(block.first), block.size = 0;
   const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
   block.on_arc = carries(i) || carries(j);
   if (block.on_arc) followArc(block, now, to);

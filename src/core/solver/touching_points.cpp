@@ -65,7 +65,7 @@ TouchingPoints findTouching(const Context& context, const std::vector<Index>& ac
                         searchMargin(contact, reach * (near + kMargin * pair.length)),
                         exactLimits(step, pair), last.of(k, contact, pair.bears), contact.axis);
     const auto [t1, t2] = tangents(manifold.n_W);
-    const double rebounds_from = pair.e > 0.0 && contact.state.isCandidate()
+    const double rebounds_from = pair.e > 0.0 && contact.isFresh()
                                      ? step.solver.slowest_impact * step.h() * pair.load
                                      : std::numeric_limits<double>::infinity();
     const std::size_t first = out.law.size();

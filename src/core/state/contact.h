@@ -79,6 +79,8 @@ struct Contact {
   /// Of its last query, with the counts of the step. It changes no result, only the time that one takes.
   mutable SeparatingAxis axis;
 
+  /// The bodies may touch in this step and have not yet.
+  bool isFresh() const { return state.isCandidate() && earlier.empty(); }
   bool isOf(BodyId body) const { return key.i == body || key.j == body; }
   /// Whether one of its points bears a force.
   bool bears() const {

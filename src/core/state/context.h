@@ -187,17 +187,18 @@ struct Stores;
 struct RestartStores;
 
 struct StepStore {
-  double t0 = 0.0, t1 = 0.0;            ///< s
-  SolverSettings solver;                ///< resolved from the scene's Setting
-  std::vector<Load> load;               ///< by body; those of ballistic bodies are not filled in
-  std::vector<Load> load_without_drag;  ///< by body that feels drag: its load without it; empty: there is none
-  Vec3 air;                             ///< velocity of the air where there is drag, m/s
-  std::vector<double> submerged;        ///< by body: share of its volume in the fluid; empty without a fluid
-  std::vector<Bounds> bounds;           ///< by body: where it may be during the step
-  std::vector<char> supported;          ///< by body: some contact carried it in the last step
-  std::vector<char> crowded;            ///< by body: some contact of it is depenetrating; empty: of none
-  std::vector<PendingImpact> impacts;   ///< found at the start of the step
-  std::vector<std::uint32_t> stamp;     ///< by body: how often an impact has changed its trajectory
+  double t0 = 0.0, t1 = 0.0;  ///< s
+  SolverSettings solver;      ///< resolved from the scene's Setting
+  std::vector<Load> load;     ///< by body; those of ballistic bodies are not filled in
+  std::vector<Load>
+      load_without_drag;               ///< by body that feels drag: its load without it; empty: there is none
+  Vec3 air;                            ///< velocity of the air where there is drag, m/s
+  std::vector<double> submerged;       ///< by body: share of its volume in the fluid; empty without a fluid
+  std::vector<Bounds> bounds;          ///< by body: where it may be during the step
+  std::vector<char> supported;         ///< by body: some contact carried it in the last step
+  std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
+  std::vector<PendingImpact> impacts;  ///< found at the start of the step
+  std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its trajectory
   std::vector<std::pair<double, Pose>>
       last_impact;  ///< by body with a stamp: when that was, and where the body was
   /// Pairs of the impacts that have been resolved, also before the step began again, and what was `reached` then.

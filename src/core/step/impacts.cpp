@@ -89,10 +89,12 @@ double slowest(const Context& context, Index i, Index j, const Vec3& n_W) {
   const StepStore& step = context.step;
   const Motion trajectory_i = trajectoryOf(context, i), trajectory_j = trajectoryOf(context, j);
   const Vec3 apart_W = trajectory_i.a_W - trajectory_j.a_W;
-  double a = apart_W.norm(), along = std::abs(n_W.dot(apart_W));
+  // What does not rebound stays together, however it is driven.
+  const bool rebounds = context.scene.restitutionOf(i, j) > 0.0;
+  double a = apart_W.norm(), along = rebounds ? std::abs(n_W.dot(apart_W)) : a;
   if (step.supported[i] || step.supported[j]) {
     a = std::max(a, context.scene.gravity_W.norm());
-    along = std::max(along, std::abs(n_W.dot(context.scene.gravity_W)));
+    along = rebounds ? std::max(along, std::abs(n_W.dot(context.scene.gravity_W))) : a;
   }
   const bool lossy = losesEnergy(context.scene, i, j);
   const double gap =
@@ -153,7 +155,8 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   };
   const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <= slowest(context, i, j, at_impact.manifold.n_W))
+    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <=
+        slowest(context, i, j, at_impact.manifold.n_W))
       return;
     const auto [first, second] = std::minmax(i, j);
     prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
@@ -271,7 +274,8 @@ Outcome resolve(Context& context, Contact& contact, double time) {
   bodies.twist[i].w_WB += at_impact.a.twist.w_WB - before_a.w_WB;
   bodies.twist[j].v_WB += at_impact.b.twist.v_WB - before_b.v_WB;
   bodies.twist[j].w_WB += at_impact.b.twist.w_WB - before_b.w_WB;
-  return law.restitution * speed > slowest(context, i, j, at_impact.manifold.n_W) ? Outcome::Rebound : Outcome::Stay;
+  return law.restitution * speed > slowest(context, i, j, at_impact.manifold.n_W) ? Outcome::Rebound
+                                                                                  : Outcome::Stay;
 }
 
 }  // namespace rbs::impacts
