@@ -582,6 +582,7 @@ TEST_F(BodiesPanelTest, AGroupFollowsARename) {
   enter("Name", "globe");
   EXPECT_TRUE(
       waitFor([this] { return rows() == QStringList{"globe"} && selectedRows() == QStringList{"globe"}; }));
+  EXPECT_TRUE(field("Name").hasFocus()) << "the body is not gone";
 }
 
 TEST_F(BodiesPanelTest, HidesAndShowsByKeys) {

@@ -208,6 +208,29 @@ TEST_F(SimulationPanelTest, SavesNoOtherSceneOverAFile) {
   simulator_.undo();  // of the load
   ASSERT_TRUE(waitFor([&] { return status_.redo.substr(0, 6) == "loaded"; }));
   EXPECT_EQ(save(), "");
+
+  // Also at once, while a status of before the load may be on its way.
+  simulator_.enableWind(true);  // so that there is nothing to redo
+  ASSERT_TRUE(waitFor([this] { return status_.wind; }));
+  simulator_.loadScene(folder.filePath("s.yaml"));
+  ASSERT_TRUE(waitFor([&] { return save() == "s.yaml"; }));
+  simulator_.undo();
+  ASSERT_TRUE(waitFor([&] { return status_.redo.substr(0, 6) == "loaded"; }));
+  EXPECT_EQ(save(), "");
+}
+
+// The dialog has asked about the name as it was typed; the simulator adds the suffix.
+TEST_F(SimulationPanelTest, ReplacesNoFileThatNobodyWasAskedAbout) {
+  const QTemporaryDir folder;
+  const QString file = folder.filePath("lab.v2.yaml");
+  QFile kept(file);
+  ASSERT_TRUE(kept.open(QIODevice::WriteOnly));
+  kept.write("mine");
+  kept.close();
+  simulator_.saveScene(folder.filePath("lab.v2"));
+  EXPECT_TRUE(waitFor([this] { return told_.contains("save_scene"); })) << told_.toStdString();
+  ASSERT_TRUE(kept.open(QIODevice::ReadOnly));
+  EXPECT_EQ(kept.readAll(), QByteArray("mine"));
 }
 
 // The first is under way: its answer comes. What waits is given up, and said to be.
