@@ -22,9 +22,6 @@ constexpr double kSoftRest = 1e-3;
 // Share of the smaller length from which on an overlap is no rounding of a pair that has gone round to another side.
 constexpr double kDeepSide = 1e-3;
 
-// Share of gravity that counts as driving a pair together which it does not.
-constexpr double kAcross = 0.04;
-
 }  // namespace
 
 double smallerLength(const Bodies& bodies, Index i, Index j) {

@@ -29,6 +29,9 @@ PairConstants pairConstants(const Context& context, Index i, Index j);
 /// The smaller length of two bodies, m.
 double smallerLength(const Bodies& bodies, Index i, Index j);
 
+/// Share of gravity, or of a load, that counts as driving a pair together along which it does not act: contacts may pass it on.
+inline constexpr double kAcross = 0.04;
+
 /// The speed of a rebound along n, m/s, that the soft step would not show: gravity, or what contacts pass on of it, ends it
 /// within the step.
 double slowestRebound(const Context& context, const Vec3& n_W);

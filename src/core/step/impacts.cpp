@@ -26,8 +26,6 @@ constexpr double kSunk = 1e-6;
 // as a fraction of what gravity adds in a step, and the gap too small to matter, as one of the smaller
 // length.
 constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
-// Share of the acceleration that counts as driving a pair together which it does not: contacts may pass it on.
-constexpr double kAcross = 0.04;
 
 double marginOf(const Context& context, Index i, Index j) {
   const StepStore& step = context.step;
