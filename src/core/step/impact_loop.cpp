@@ -4,6 +4,7 @@
 #include "broadphase/bounds.h"
 #include "broadphase/bounds_tree.h"
 #include "effects/effects.h"
+#include "effects_built.h"
 #include "solver/contact_preparation.h"
 #include "step/early_impacts.h"
 #include "step/impact_budget.h"
@@ -309,7 +310,7 @@ class ImpactLoop {
   void beginAnew(Index i, double time) {
     ++step_.stamp[i];
     step_.last_impact[i] = {time, context_.scene.bodies.pose[i]};
-    drag::renew(context_, i, step_.t1 - time);
+    if constexpr (built::drag) drag::renew(context_, i, step_.t1 - time);
     queryNeighbours(i);
   }
 
