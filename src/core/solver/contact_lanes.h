@@ -145,6 +145,9 @@ class ContactLanes {
     Last,   ///< Relax, and the impulses of the sub-step are added to the sums
   };
   void solve(Pass pass, const Softness& soft, double h);
+  /// Measures, after the last sub-step, how far the points of each block are from the law of contact. `unit` is the speed of which
+  /// residuals are shares, m/s.
+  void measure(double unit);
   /// Calls `what` for each body, on the threads that have them in their caches.
   template <class What>
   void forBodies(const What& what) {
@@ -181,6 +184,7 @@ class ContactLanes {
   template <Pass kPass>
   void solveNormals(const Bundle& bundle, const Axes& axes, const SoftLanes& soft, InPass& pairs);
   void addToSums(const Bundle& bundle, bool has_friction);
+  void measure(std::size_t bundle, double unit);
 
   SolverContacts& contacts_;
   Workers& workers_;

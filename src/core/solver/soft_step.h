@@ -147,6 +147,7 @@ class SoftStep : public InnerRows {
   }
   // Where points are given back one block at a time, they come from memory once.
   void store() {
+    lanes_.measure(context_.step.h() * orEarths(context_.scene.gravity_W.norm()));
     contacts_.store(h_, h_full_, [this](Index block) {
       if (!given_back_) lanes_.giveBack(block);
     });

@@ -262,7 +262,7 @@ void SolverContacts::preparePoint(const SolverBlock& block, const ManifoldPoint&
   point.r_j = found.p_W - centre_j;
   point.gap = point.open = found.separation;
   point.feature = found.feature;
-  point.u_0 = normalVelocityAt(block, point);
+  point.u_0 = block.pair.e > 0.0 ? normalVelocityAt(block, point) : 0.0;
 }
 
 // A kinematic body that turns carries what touches it along an arc. Its velocity is taken at the point where
@@ -382,7 +382,11 @@ void SolverContacts::store(double h, double h_full, const std::function<void(Ind
         solved.method = "soft_step";
         solved.converged = !context_.step.solver.exact;
       }
-      addResiduals(blocks[k], parts[part].back().second);
+      IslandResiduals& solved = parts[part].back().second;
+      const BlockResiduals& of_block = blocks[k].residuals;
+      solved.signorini = std::max(solved.signorini, of_block.signorini);
+      solved.coulomb = std::max(solved.coulomb, of_block.coulomb);
+      solved.dissipation = std::max(solved.dissipation, of_block.dissipation);
     }
   });
   for (const Residuals& part : parts)
@@ -417,29 +421,6 @@ SolvedPoint SolverContacts::solvedPoint(const SolverBlock& block, const SolverPo
   solved.normal_impulse = point.earlier_n + point.sum_n;
   solved.friction_impulse_W = point.earlier_W - point.earlier_n * block.n + inPlane(block, point.sum_t);
   return solved;
-}
-
-// How far the points of a block are from the law of contact after the last sub-step.
-void SolverContacts::addResiduals(const SolverBlock& block, IslandResiduals& solved) const {
-  if (block.size == 0) return;
-  const double unit = context_.step.h() * orEarths(context_.scene.gravity_W.norm());
-  for (int k = block.first; k < block.first + block.size; ++k) {
-    const SolverPoint& point = points[k];
-    const Vec3 u = velocityAt(block, point);
-    const double u_n = normalVelocityAt(block, point);
-    if (point.l_n == 0.0) {
-      if (point.open <= 0.0) solved.signorini = std::max(solved.signorini, -u_n / unit);
-      continue;
-    }
-    solved.signorini = std::max(solved.signorini, std::abs(u_n) / unit);
-    if (block.pair.mu == 0.0) continue;
-    const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
-    const double limit = block.pair.mu * point.l_n, friction = point.l_t.norm();
-    const bool sticks = friction < limit * (1.0 - 1e-9);
-    const Eigen::Vector2d unopposed = sticks ? u_t : Eigen::Vector2d(u_t + u_t.norm() / friction * point.l_t);
-    solved.coulomb = std::max(solved.coulomb, (friction - limit) / (point.mass_n * unit));
-    solved.dissipation = std::max(solved.dissipation, unopposed.norm() / unit);
-  }
 }
 
 }  // namespace rbs

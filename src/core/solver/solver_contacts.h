@@ -45,7 +45,7 @@ struct SolverPoint {
   SolverPoint() {}         // not "= default": a vector would clear what is about to be filled in
   Vec3 r_i, r_j;           // from the centres, m
   double gap;              // when it was found, m
-  double u_0;              // normal velocity of j against i when it was found, m/s
+  double u_0;              // normal velocity of j against i when it was found, m/s; 0 where nothing rebounds
   double mass_n;           // effective, along the normal, kg
   Eigen::Matrix2d mass_t;  // effective, in the contact plane, kg
   double l_n = 0.0;        // impulses of this sub-step, N s
@@ -59,6 +59,11 @@ struct SolverPoint {
   double open;  // gap after the last sub-step, m
   std::uint32_t feature;
   Vec3 p_W;
+};
+
+/// How far the points of a contact are from its law, as the residuals of an island have it.
+struct BlockResiduals {
+  double signorini = 0.0, coulomb = 0.0, dissipation = 0.0;
 };
 
 /// The points of a contact.
@@ -76,6 +81,7 @@ struct SolverBlock {
   Vec3 opened_W{0.0, 0.0, 0.0};               // impulse of points that have opened since the start, on j, N s
   double drift_limit;                         // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
+  BlockResiduals residuals;                   // after the last sub-step
 };
 
 class SolverContacts {
@@ -103,17 +109,6 @@ class SolverContacts {
   void followArc(Index block, double now);
   /// Finds the points of a block anew.
   void refresh(Index block, double now, double left);
-  /// Velocity of j against i at a point, m/s.
-  Vec3 velocityAt(const SolverBlock& block, const SolverPoint& point) const {
-    const SolverBody &i = bodies[block.i], &j = bodies[block.j];
-    Vec3 u = Vec3::Zero();
-    if (!j.still) u = j.v + j.w.cross(point.r_j);
-    if (!i.still) {
-      u -= i.v;
-      u -= i.w.cross(point.r_i);
-    }
-    return u;
-  }
   /// The impulse of a point on j since the start, N s.
   static Vec3 impulseOf(const SolverBlock& block, const SolverPoint& point) {
     return point.earlier_W + point.sum_n * block.n + inPlane(block, point.sum_t);
@@ -122,7 +117,7 @@ class SolverContacts {
   static Vec3 normalMoment(const SolverBody& s, const Vec3& r, const Vec3& n_W) {
     return r.cross(n_W) - momentAbout(s.axis_W, r, n_W) * s.axis_W;
   }
-  /// The same velocity along the normal, by these moments.
+  /// Velocity of j against i along the normal at a point, by these moments, m/s.
   double normalVelocityAt(const SolverBlock& block, const SolverPoint& point) const {
     const SolverBody &i = bodies[block.i], &j = bodies[block.j];
     double u_n = 0.0;
@@ -137,8 +132,9 @@ class SolverContacts {
   const Vec3& position(const SolverBody& s) const { return context_.scene.bodies.pose[s.body].p_WB; }
   /// The island of the dynamic bodies of a block.
   Index islandOf(const SolverBlock& block) const;
-  /// Writes the velocities to the bodies, and the points to the contacts. `h` is the length of a sub-step,
-  /// `h_full` that of one that nothing cuts short. `finish` is called for each block before its points are read.
+  /// Writes the velocities to the bodies, and the points to the contacts, with the residuals of the blocks to their islands. `h` is
+  /// the length of a sub-step, `h_full` that of one that nothing cuts short. `finish` is called for each block before its points
+  /// are read.
   void store(double h, double h_full, const std::function<void(Index block)>& finish);
 
   std::vector<SolverBody>& bodies;
@@ -165,7 +161,6 @@ class SolverContacts {
   static Vec3 inPlane(const SolverBlock& block, const Eigen::Vector2d& t);
   SolvedPoint solvedPoint(const SolverBlock& block, const SolverPoint& point) const;
   void storeBlock(const SolverBlock& block, double h, double rest) const;
-  void addResiduals(const SolverBlock& block, IslandResiduals& solved) const;
 
   Context& context_;
   const Subgraph& batch_;
