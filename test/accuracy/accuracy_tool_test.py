@@ -125,7 +125,8 @@ class Runs(Folder):
             self.assertEqual(1 + len(result['rows']), len(file.readlines()))
 
     def test_sub_steps_and_tolerances_are_swept_and_change_errors_where_they_should(self):
-        done = self.tool('--problems', 'sliding_stop', 'mass_ratio', '--engines', 'ours', '--quick', '--passes', '1')
+        done = self.tool('--problems', 'sliding_stop', 'mass_ratio', 'rolling_oblique', '--engines', 'ours', '--quick',
+                         '--passes', '1')
         self.assertEqual(0, done.returncode, done.stderr)
         result = self.results()
 
@@ -137,6 +138,7 @@ class Runs(Folder):
         sub_steps = [at_60[s] for s in ('preview, 1 sub-step', 'preview, 2 sub-steps', 'preview', 'preview, 8 sub-steps')]
         self.assertEqual(sorted(sub_steps, reverse=True), sub_steps)
         self.assertGreater(sub_steps[0], 2 * sub_steps[3])
+        at_60 = errors_at_60('rolling_oblique')
         self.assertGreater(at_60['interactive, 2 sub-steps'], 2 * at_60['interactive, 32 sub-steps'])
         at_60 = errors_at_60('mass_ratio')
         self.assertGreater(at_60['accurate, tolerance 0.01'], 10 * at_60['accurate, tolerance 1e-08'])

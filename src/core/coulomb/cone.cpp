@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
+#include <utility>
 
 namespace rbs {
 
@@ -34,16 +35,18 @@ class Sliding {
     double low = 0.0, high = std::max(values_[1], 1e-300);
     while (excess(high) > 0.0) low = high, high *= 4.0;
     double f_low = excess(low), f_high = excess(high);
-    for (int k = 0; k < 200 && high - low > 1e-16 * high; ++k) {
+    for (int k = 0, side = 0; k < 200 && high - low > 1e-16 * high; ++k) {
       double a =
           low == 0.0 || k % 8 == 7 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
       if (!(a > low && a < high)) a = 0.5 * (low + high);
       const double f = excess(a);
       if (f == 0.0) return impulse(a);
       if (f > 0.0) {
-        low = a, f_low = f, f_high *= 0.5;
+        low = a, f_low = f;
+        if (std::exchange(side, -1) == -1) f_high *= 0.5;
       } else {
-        high = a, f_high = f, f_low *= 0.5;
+        high = a, f_high = f;
+        if (std::exchange(side, 1) == 1) f_low *= 0.5;
       }
     }
     Vec3 r = impulse(high);

@@ -85,8 +85,9 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const TouchingPoints& later, c
 }
 
 // Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under
-// constant forces, so that two attempts are enough. The residual speed of a solve cannot be distinguished
-// from rest.
+// constant forces, so that two attempts are enough. The rule halves the speed at an end of the bracket that has stayed twice
+// (M. Dowell and P. Jarratt, "A modified regula falsi method", BIT 11, 1971). The residual speed of a solve cannot be
+// distinguished from rest.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
   const auto none = [&](const Left& left) {
     return std::abs(left.share) < 1e-13 ||
@@ -95,16 +96,18 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
   double low = 0.0, f_low = 1.0, high = tau,
          f_high = trySegment(tau, Friction::KeepsDirection).slip_left.share;
   if (f_high >= 0.0) return;
-  for (int k = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
+  for (int k = 0, side = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
     const double middle = (low * f_high - high * f_low) / (f_high - f_low);
     const Left left = trySegment(middle, Friction::KeepsDirection).slip_left;
     const double f = left.share;
     if (none(left)) {
       low = high = middle;
     } else if (f > 0.0) {
-      low = middle, f_low = f, f_high *= 0.5;
+      low = middle, f_low = f;
+      if (std::exchange(side, -1) == -1) f_high *= 0.5;
     } else {
-      high = middle, f_high = f, f_low *= 0.5;
+      high = middle, f_high = f;
+      if (std::exchange(side, 1) == 1) f_low *= 0.5;
     }
   }
   tau = high;

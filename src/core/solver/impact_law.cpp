@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace rbs {
 
@@ -230,13 +231,11 @@ std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, 
     const double at_e = impact.solve(e, a, b);
     if (at_e <= 0.0) {
       low = e, at_low = at_e;
-      if (side == -1) at_high *= 0.5;
-      side = -1;
+      if (std::exchange(side, -1) == -1) at_high *= 0.5;
       if (at_e >= -rounding) break;
     } else {
       high = e, at_high = at_e;
-      if (side == 1) at_low *= 0.5;
-      side = 1;
+      if (std::exchange(side, 1) == 1) at_low *= 0.5;
     }
   }
   impact.solve(low, a, b);
