@@ -74,6 +74,32 @@ Mat3 responseAt(const SolverContacts& contacts, const SolverBlock& block, const 
          r_j * j.inv_inertia_W * r_j;
 }
 
+// Velocity of j against i at a point.
+Vec3 velocityAt(const SolverContacts& contacts, const SolverBlock& block, const SolverPoint& point) {
+  const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
+  return j.v + j.w.cross(point.r_j) - i.v - i.w.cross(point.r_i);
+}
+
+// How far the points of a block are from the law of contact, in units of 1 m/s.
+BlockResiduals residualsOf(const SolverContacts& contacts, const SolverBlock& block) {
+  BlockResiduals worst;
+  for (int k = block.first; k < block.first + block.size; ++k) {
+    const SolverPoint& point = contacts.points[k];
+    const Vec3 u = velocityAt(contacts, block, point);
+    const double u_n = block.n.dot(u), limit = block.pair.mu * point.l_n, friction = point.l_t.norm();
+    const double off = point.l_n != 0.0 ? std::abs(u_n) : point.open <= 0.0 ? -u_n : 0.0;
+    worst.signorini = std::max(worst.signorini, off);
+    if (limit == 0.0) continue;
+    const Eigen::Vector2d u_t(block.t1.dot(u), block.t2.dot(u));
+    const bool sticks = friction < limit * (1.0 - 1e-9);
+    const Eigen::Vector2d against = sticks ? u_t : Eigen::Vector2d(u_t + u_t.norm() / friction * point.l_t);
+    worst.dissipation = std::max(worst.dissipation, against.norm());
+    const double mass = 1.0 / block.n.dot(responseAt(contacts, block, point) * block.n);
+    worst.coulomb = std::max(worst.coulomb, (friction - limit) / mass);
+  }
+  return worst;
+}
+
 // The friction of a block: of all points, or again of those that slide, which are written down in `slides`.
 void solveFriction(SolverContacts& contacts, const SolverBlock& block, bool again,
                    std::vector<bool>& slides) {
@@ -83,7 +109,7 @@ void solveFriction(SolverContacts& contacts, const SolverBlock& block, bool agai
     SolverPoint& point = contacts.points[k];
     if (again && !slides[k]) continue;
     const Eigen::Matrix2d S = T.transpose() * responseAt(contacts, block, point) * T;
-    const Eigen::Vector2d slip = T.transpose() * contacts.velocityAt(block, point);
+    const Eigen::Vector2d slip = T.transpose() * velocityAt(contacts, block, point);
     const double limit = block.pair.mu * point.l_n;
     Eigen::Vector2d l_t = point.l_t - S.inverse() * slip;
     slides[k] = l_t.norm() > limit;
@@ -104,7 +130,7 @@ void passInOrder(SolverContacts& contacts, bool soft) {
       SolverPoint& point = contacts.points[k];
       if (!soft && point.l_n == 0.0) continue;
       const double mass = 1.0 / block.n.dot(responseAt(contacts, block, point) * block.n);
-      const double u_n = block.n.dot(contacts.velocityAt(block, point));
+      const double u_n = block.n.dot(velocityAt(contacts, block, point));
       double l_n = point.l_n - mass * u_n;
       if (point.open > 0.0)
         l_n = point.l_n - mass * (u_n + point.open / kSubStep);
@@ -131,6 +157,7 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
     contacts.find(0.0, kStep, kSubStep);
     one_by_one.find(0.0, kStep, kSubStep);
     std::size_t points = 0, slides = 0;
+    double signorini = 0.0, dissipation = 0.0;
     for (const SolverBlock& block : contacts.blocks) points += static_cast<std::size_t>(block.size);
     ASSERT_GT(points, 200u);
     ContactLanes::Stores lane_stores;
@@ -142,6 +169,14 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
       passInOrder(one_by_one, soft);
     }
     lanes.giveBack();
+    lanes.measure(1.0);
+    for (const SolverBlock& block : contacts.blocks) {
+      const BlockResiduals expected = residualsOf(contacts, block), &measured = block.residuals;
+      EXPECT_NEAR(measured.signorini, expected.signorini, 1e-12);
+      EXPECT_NEAR(measured.coulomb, expected.coulomb, 1e-12);
+      EXPECT_NEAR(measured.dissipation, expected.dissipation, 1e-12);
+      signorini = std::max(signorini, measured.signorini), dissipation = std::max(dissipation, measured.dissipation);
+    }
     for (std::size_t k = 0; k < contacts.bodies.size(); ++k) {
       EXPECT_LT((contacts.bodies[k].v - one_by_one.bodies[k].v).norm(), 1e-11) << k;
       EXPECT_LT((contacts.bodies[k].w - one_by_one.bodies[k].w).norm(), 1e-10) << k;
@@ -153,6 +188,8 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
         EXPECT_LT((a.l_t - b.l_t).norm(), 1e-9) << k;
         slides += a.l_t.norm() > 0.999 * block.pair.mu * a.l_n && a.l_n > 0.0 && block.pair.mu > 0.0;
       }
+    EXPECT_GT(signorini, 1e-3) << "there is something to measure";
+    if (GetParam() > 0.0) EXPECT_GT(dissipation, 1e-3);
     if (GetParam() > 0.0) EXPECT_GT(slides, 20u) << "both branches of friction are to be taken";
   }
 }
