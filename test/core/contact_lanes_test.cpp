@@ -175,7 +175,8 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
       EXPECT_NEAR(measured.signorini, expected.signorini, 1e-12);
       EXPECT_NEAR(measured.coulomb, expected.coulomb, 1e-12);
       EXPECT_NEAR(measured.dissipation, expected.dissipation, 1e-12);
-      signorini = std::max(signorini, measured.signorini), dissipation = std::max(dissipation, measured.dissipation);
+      signorini = std::max(signorini, measured.signorini),
+      dissipation = std::max(dissipation, measured.dissipation);
     }
     for (std::size_t k = 0; k < contacts.bodies.size(); ++k) {
       EXPECT_LT((contacts.bodies[k].v - one_by_one.bodies[k].v).norm(), 1e-11) << k;

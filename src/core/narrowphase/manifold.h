@@ -46,6 +46,14 @@ inline double leastSeparation(const Manifold& manifold) {
   return least;
 }
 
+/// Keeps the points whose separation is at most `most`, m.
+inline void keepWithin(double most, Manifold& manifold) {
+  const auto end = manifold.points.begin() + manifold.size;
+  const auto is_open = [&](const ManifoldPoint& point) { return point.separation > most; };
+  manifold.size =
+      static_cast<int>(std::remove_if(manifold.points.begin(), end, is_open) - manifold.points.begin());
+}
+
 /// Keeps the deepest point and up to three others that span the largest area with it.
 void reduceToFour(Manifold& manifold);
 

@@ -57,9 +57,12 @@ LastingLimits exactLimits(const StepStore& step, const PairConstants& pair) {
   return {kTouch * pair.length, step.solver.tolerance * pair.load * step.h(), kExactClosing};
 }
 
+double sag(const PairConstants& pair, double h) {
+  return pair.load * (h / kStiffness) * (h / kStiffness);
+}
+
 LastingLimits softLimits(const StepStore& step, const PairConstants& pair, double h) {
-  const double sag = pair.load * (h / kStiffness) * (h / kStiffness);
-  const double sunk = pair.carried ? kMargin * pair.length + 2.0 * sag : kTouch * pair.length;
+  const double sunk = pair.carried ? kMargin * pair.length + 2.0 * sag(pair, h) : kTouch * pair.length;
   return {std::min(sunk, kMostFlush * pair.length), kSoftRest * pair.load * step.h(), kSoftClosing};
 }
 

@@ -54,8 +54,9 @@ inline constexpr double kStiffness = 0.3 * kPi;
 /// How far two faces may differ in height where a body slides from one to the other, and what counts as rest,
 /// in the exact step: it leaves no overlap above the one, and no velocity above the other.
 LastingLimits exactLimits(const StepStore& step, const PairConstants& pair);
-/// The same in the soft step with sub-steps of length h (s): a body that contacts carry sinks in by load/w^2,
-/// and more may lie on it.
+/// How far a body sinks into a soft contact in sub-steps of length h (s), m: by load/w^2.
+double sag(const PairConstants& pair, double h);
+/// The same limits in the soft step: a body that contacts carry sinks in, and more may lie on it.
 LastingLimits softLimits(const StepStore& step, const PairConstants& pair, double h);
 
 /// Within which the points of a contact are looked for, m: `margin`, or any distance where it was missed before.

@@ -29,14 +29,6 @@ bool isCurved(const Traits& t) {
 // Blocks that a thread takes at a time.
 constexpr std::size_t kBlocksOfAPart = 128;
 
-// Keeps the points open by no more than `margin`; the deepest in any case.
-void keepWithin(double margin, Manifold& manifold) {
-  margin = std::max(margin, leastSeparation(manifold));
-  const auto open = [&](const ManifoldPoint& point) { return point.separation > margin; };
-  const auto begin = manifold.points.begin();
-  manifold.size = static_cast<int>(std::remove_if(begin, begin + manifold.size, open) - begin);
-}
-
 }  // namespace
 
 SolverContacts::SolverContacts(Context& context, const Subgraph& batch, Stores& stores)
@@ -180,7 +172,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
       contactManifold(store, i.body, {now, X_i, {i.v, i.w}}, j.body, {now, X_j, {j.v, j.w}}, now, now + left,
                       margin, softLimits(context_.step, block.pair, h_), last, contact.axis);
   if (!context_.step.solver.all_points && !contact.state.isMissed()) {
-    keepWithin(in_sub_step + room + kDriftLimit * length, manifold);
+    keepWithin(std::max(in_sub_step + room + kDriftLimit * length, leastSeparation(manifold)), manifold);
     reduceToFour(manifold);
   }
   block.n = manifold.n_W;
@@ -202,8 +194,8 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   block.travels = travels(block, left);
 }
 
-// Whether a pair comes to touch when the step ends, but for rounding, and will rebound: the impact is found at the start of the
-// next step. By a contact it would be stopped first.
+// Whether a pair comes to touch when the step ends, and will rebound: the impact is found at the start of the next step. By a
+// contact it would be stopped first. What soft contacts carry comes sooner or later than it was predicted to, by what it sinks in.
 bool SolverContacts::meetsAtEnd(const SolverBlock& block, double left,
                                 const std::vector<SolverPoint>& of) const {
   if (block.pair.e == 0.0) return false;
@@ -212,7 +204,7 @@ bool SolverContacts::meetsAtEnd(const SolverBlock& block, double left,
     gap = std::min(gap, of[k].gap + left * of[k].u_0);
     speed = std::max(speed, -of[k].u_0);
   }
-  return std::abs(gap) < kTouch * block.pair.length &&
+  return std::abs(gap) < kTouch * block.pair.length + sag(block.pair, h_) &&
          block.pair.e * speed > slowestRebound(context_, block.n);
 }
 

@@ -60,8 +60,14 @@ struct ImpactContact {
     const StepStore& step = context.step;
     const LastingLimits limits = step.solver.exact ? exactLimits(step, pair)
                                                    : softLimits(step, pair, step.h() / step.solver.sub_steps);
-    manifold = contactManifold(bodies, i, trajectory_i, j, trajectory_j, time, time + step.h(),
-                               marginOf(context, i, j), limits, {}, axis);
+    const double margin = marginOf(context, i, j);
+    manifold = contactManifold(bodies, i, trajectory_i, j, trajectory_j, time, time + step.h(), 2.0 * margin,
+                               limits, {}, axis);
+    // What is within the margin of the nearest point strikes with it. Where that one is open by nearly the margin, rounding would
+    // leave out others of the same face.
+    const double least = leastSeparation(manifold);
+    if (least > margin) manifold.size = 0;
+    keepWithin(std::max(least, 0.0) + margin, manifold);
   }
   ImpactSide a, b;
   Manifold manifold;
