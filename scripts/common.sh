@@ -11,6 +11,13 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build
 cmake_arguments=()
 
+# Where help is asked for, prints the comment at the head of the script, and ends it.
+help_if_asked() {
+  case ${1-} in
+    -h | --help) awk 'NR > 2 { if (!/^#/) exit; print substr($0, 3) }' "$0"; exit ;;
+  esac
+}
+
 # Builds the given targets.
 build_targets() {
   "$root/scripts/setup"

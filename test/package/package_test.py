@@ -35,6 +35,18 @@ def run(*command, **options):
 
 
 class PackageTest(unittest.TestCase):
+    def test_scripts_that_are_asked_for_help_do_nothing_else(self):
+        kept = BUILD / 'accuracy' / 'kept.txt'  # a run begins by emptying this folder
+        kept.parent.mkdir(exist_ok=True)
+        kept.touch()
+        for name in ('accuracy_report', 'collision_figures', 'demo', 'effects_report', 'format', 'fuzz', 'hunt', 'mutate',
+                     'performance_report', 'soak', 'stability', 'test'):
+            done = run(str(ROOT / 'scripts' / name), '--help', timeout=20)
+            self.assertEqual(0, done.returncode, name + done.stdout)
+            self.assertRegex(done.stdout, f'(?i)usage: (scripts/)?{name}', name)
+        self.assertTrue(kept.exists())
+        kept.unlink()
+
     def test_catkin_lint_has_nothing_to_say(self):
         # The folder of a checkout is named by whoever made it.
         done = run('catkin_lint', '--strict', '-W2', '--ignore', 'package_path_name', str(ROOT))
