@@ -36,6 +36,24 @@ TEST_P(Friction, ABoxStaysOnASlopeBelowTheAngleOfFriction) {
   }
 }
 
+// v^2/(2 mu g), also where the stop is in the middle of a step, in which the speed is zero half-way.
+TEST_P(Friction, ABoxStopsAfterItsWayWhereverInTheStep) {
+  for (const Fidelity fidelity : {Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
+    for (const double steps : {0.3, 0.5, 0.8, 1.5, 2.5, 10.5}) {
+      constexpr double mu = 0.5, g = 10.0;
+      SceneDef scene = onFloor(GetParam(), mu);
+      scene.fidelity = fidelity;
+      scene.gravity = {0.0, 0.0, -g};
+      scene.bodies.push_back(box("box", {0.5, 0.5, 0.5}, {0.0, 0.0, 0.25}));
+      scene.bodies.back().material.friction = mu;
+      const double v = steps * mu * g * GetParam(), way = v * v / (2.0 * mu * g);
+      scene.bodies.back().twist.v_WB.x() = v;
+      World world(ordered(scene));
+      for (int k = 0; k < 20; ++k) world.step();
+      EXPECT_NEAR(stateOf(world, "box").pose.p_WB.x(), way, 1e-6 * way) << fidelityName(fidelity) << ", " << steps;
+    }
+}
+
 // a = g (sin th - mu cos th)
 TEST_P(Friction, ABoxSlidesDownASlopeAboveTheAngleOfFriction) {
   for (const double share : {1.01, 1.1, 2.0}) {

@@ -277,6 +277,31 @@ TEST_P(ImpactAtAnySetting, BallsOnAFloorReboundHoweverSlowly) {
     }
 }
 
+// A plank that falls on a floor strikes with one end and then with the other. Bodies beside it have nothing to do with that, though
+// they may touch it as far as their bounds say.
+TEST_P(ImpactAtAnySetting, OfAPlankKeepsItsEnergyBesideWhatItNeverTouches) {
+  for (const double h : {1.0 / 30.0, 1.0 / 60.0})
+    for (const double tilt : {3.0, 6.0, 12.5})
+      for (const double speed : {0.0, 5.0, 20.0}) {
+        SceneDef scene = onFloor(h, 0.0);
+        scene.fidelity = GetParam();
+        scene.bodies.push_back(box("plank", {0.6, 0.1, 0.05}, {0.0, 0.0, 0.5}));
+        scene.bodies.back().pose.q_WB = rotationBy(Vec3(0.0, tilt * kPi / 180.0, 0.0));
+        scene.bodies.back().material.restitution = 1.0;
+        scene.bodies.push_back(box("cube", {0.2, 0.2, 0.2}, {0.0, 0.2, 0.1}));
+        for (BodyDef& def : scene.bodies) def.material.friction = 0.0;
+        for (const int k : {1, 2}) scene.bodies[k].twist.v_WB.y() = speed;
+        World world(ordered(scene));
+        const double before = energy(world);
+        std::uint32_t impacts = 0;
+        for (int k = 0; k * h < 0.5; ++k) impacts += world.step().impacts;
+        EXPECT_GE(impacts, 3u) << h << " s, " << tilt << " degrees, " << speed << " m/s";
+        // The cube sinks in at the fast settings.
+        EXPECT_NEAR(energy(world), before, GetParam() < Fidelity::Accurate ? 0.1 : 1e-6)
+            << h << " s, " << tilt << " degrees, " << speed << " m/s";
+      }
+}
+
 // With u' = -k u^2 a body that meets a wall after t1 comes back, after t2 more, at e v_1/(1 + k e v_1 t2), with
 // v_1 = v/(1 + k v t1).
 TEST_P(ImpactAtAnySetting, TurnsTheDragRound) {

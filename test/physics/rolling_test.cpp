@@ -247,6 +247,28 @@ SceneDef marblesOverABox(int start) {
   return scene;
 }
 
+// A ball that rolls on a turntable goes round a circle at 2/7 of its speed (R. Weltner, "Stable circular orbits of freely moving
+// balls on rotating discs", Am. J. Phys. 47, 1979), however far it turns in a step.
+TEST(RollingFast, OnATurntableABallKeepsItsSpeed) {
+  for (const Fidelity fidelity : {Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
+    for (const double radius : {0.1, 0.03, 0.01}) {
+      SceneDef scene = onFloor(1.0 / 60.0, 1.0);
+      scene.fidelity = fidelity;
+      scene.bodies[0].kind = BodyKind::Kinematic;
+      scene.bodies[0].twist.w_WB.z() = 3.0;
+      const double speed = 1.0, x = 0.5;
+      scene.bodies.push_back(ball("ball", radius, {x, 0.0, radius}));
+      scene.bodies[1].material.friction = 1.0;
+      // Without slip: v + w x (-R z) = W x x.
+      scene.bodies[1].twist.v_WB = {0.0, speed, 0.0};
+      scene.bodies[1].twist.w_WB = {-(speed - 3.0 * x) / radius, 0.0, 0.0};
+      World world(ordered(scene));
+      advance(world, 2.0 * kPi / (2.0 / 7.0 * 3.0));
+      EXPECT_NEAR(stateOf(world, "ball").twist.v_WB.norm(), speed, 1e-3 * speed)
+          << fidelityName(fidelity) << ", " << radius;
+    }
+}
+
 // Newton's method alone took up to 40,000 iterations a step and left one island in sixteen unsolved.
 TEST(RollingHeaps, MarblesThatFallIntoABoxAreSolvedLikeBoxes) {
   int solved = 0, failed = 0;

@@ -11,6 +11,7 @@
 #include "narrowphase/pairs.h"
 #include "narrowphase/tolerances.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -84,6 +85,39 @@ std::uint32_t faceNumber(const Face& face) {
   return 2u * face.axis + (face.sign > 0.0 ? 1u : 0u);
 }
 
+// A corner or an edge of a box: by axis, the end at which it lies; an edge lies at neither end of the axis along which it runs.
+using Ends = std::array<int, 3>;
+
+// The number of a corner or an edge, below 27.
+std::uint32_t numberOf(const Ends& ends) {
+  return static_cast<std::uint32_t>(9 * (ends[0] + 1) + 3 * (ends[1] + 1) + ends[2] + 1);
+}
+
+// The corner of a face with which its edge `edge` begins, as addFacePoints() goes round it.
+Ends cornerOf(const Face& face, std::uint32_t edge) {
+  Ends ends;
+  ends[face.axis] = face.sign > 0.0 ? 1 : -1;
+  ends[(face.axis + 1) % 3] = edge == 1 || edge == 2 ? 1 : -1;
+  ends[(face.axis + 2) % 3] = edge >= 2 ? 1 : -1;
+  return ends;
+}
+
+Ends edgeOf(const Face& face, std::uint32_t edge) {
+  Ends ends = cornerOf(face, edge);
+  ends[(face.axis + (edge % 2 == 0 ? 1 : 2)) % 3] = 0;
+  return ends;
+}
+
+// What a point of the incident face is, with the edges on its two sides: a corner of it, one of its edges on a side of the reference
+// face, or a corner of that over the face. A box that tips over one of its edges goes from one incident face to the next, and the
+// edge that both share keeps its points.
+std::uint32_t pointNumber(const Face& incident, std::uint32_t edge_in, std::uint32_t edge_out) {
+  if (edge_in < 4 && edge_out < 4) return numberOf(cornerOf(incident, edge_out));
+  if (edge_in < 4) return 32u + 4u * numberOf(edgeOf(incident, edge_in)) + (edge_out - 4);
+  if (edge_out < 4) return 32u + 4u * numberOf(edgeOf(incident, edge_out)) + (edge_in - 4);
+  return 160u + 16u * faceNumber(incident) + 4u * (edge_in - 4) + (edge_out - 4);
+}
+
 struct PlacedBox {
   Vec3 half;
   const Pose& X_W;
@@ -116,8 +150,7 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
 
   const Mat3 R_WX = x.X_W.q_WB.toRotationMatrix();
   const double cosine = reference.sign * n_X[reference.axis];
-  const std::uint32_t faces =
-      ((reference_is_b ? 6u : 0u) + faceNumber(reference)) * 6u + faceNumber(incident);
+  const std::uint32_t on_face = ((reference_is_b ? 6u : 0u) + faceNumber(reference)) * 256u;
   for (int c = 0; c < polygon.size; ++c) {
     const Corner& corner = polygon.corners[c];
     const double separation = corner.height * cosine;
@@ -126,7 +159,7 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
     q[u] = corner.u, q[v] = corner.v;
     q[reference.axis] = reference.sign * (x.half[reference.axis] + 0.5 * corner.height);
     const std::uint32_t edge_in = polygon.corners[c == 0 ? polygon.size - 1 : c - 1].edge;
-    manifold.add(x.X_W.p_WB + R_WX * q, separation, faces * 64u + edge_in * 8u + corner.edge);
+    manifold.add(x.X_W.p_WB + R_WX * q, separation, on_face + pointNumber(incident, edge_in, corner.edge));
   }
 }
 

@@ -296,9 +296,15 @@ void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, doubl
     const bool slides = friction == Friction::KeepsDirection ? !law.slide.isZero(0.0) : u_T.norm() > slow_;
     if (law.mu == 0.0 || !(law.impulse[2] > 0.0) || !slides) continue;
     const Vec2 ahead = velocityAt(drifted, later.law[m]).head<2>();
-    if (ahead.isZero(0.0)) continue;
-    later.law[m].slide = ahead.normalized();
-    if (friction == Friction::KeepsDirection && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
+    const bool keeps = friction == Friction::KeepsDirection;
+    if (keeps && ahead.norm() <= slow_) {
+      // It stops in the middle of the segment: the speed there has no direction.
+      const Mat3 to_later = later.law[m].frame.transpose() * law.frame;
+      later.law[m].slide = (to_later.topLeftCorner<2, 2>() * law.slide).normalized();
+    } else if (!ahead.isZero(0.0)) {
+      later.law[m].slide = ahead.normalized();
+      if (keeps && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
+    }
   }
   expectTorques(kick, drifted, tau, friction, later);
 }

@@ -109,8 +109,8 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   wanted_tolerance_ = island_.indices().size() == 1 ? std::min(settings.wanted_tolerance, kLoneTolerance)
                                                     : settings.wanted_tolerance;
   corrections_ = std::max(settings.corrections, isCarriedRound(context, active_) ? 1 : 0);
-  cuts_ = settings.cuts;
   promoted_ = settings.promotes;
+  cuts_ = promoted_ && island_.indices().size() > 1 ? 0 : settings.cuts;
   slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
 }
 
@@ -153,10 +153,11 @@ std::pair<Vec3, Vec3> Stepper::takenBack(const TouchingPoint& point, const Coulo
 }
 
 // Whether a point after a drift, taken back, is another one than that of the same feature before it: the farthest point
-// of a tilted rim goes to the other side of it.
+// of a tilted rim goes to the other side of it. That of a ball travels over both surfaces as it rolls, however far.
 bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const {
   const std::vector<Traits>& traits = context_.scene.bodies.traits;
   const Contact& contact = context_.scene.contacts.active[known.contact];
+  if (traits[contact.i].round || traits[contact.j].round) return false;
   const double jump = kJump * std::min(traits[contact.i].bounding_radius, traits[contact.j].bounding_radius);
   return std::min((back.first - known.p_W).norm(), (back.second - known.p_W).norm()) > jump;
 }

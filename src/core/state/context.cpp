@@ -45,6 +45,7 @@ void StepStore::begin(const SceneStore& scene, double from, double to) {
   submerged.clear();
   bounds.resize(n);
   supported.assign(n, 0);
+  touched.assign(n, 0);
   crowded.clear();
   impacts.clear();
   stamp.assign(n, 0);

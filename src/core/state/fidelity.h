@@ -17,7 +17,9 @@ struct SolverSettings {
   double tolerance;         ///< of the exact step: residuals in impulse and velocity, as Setting says
   double wanted_tolerance;  ///< what a few iterations more may reach, at most `tolerance`
   int corrections;          ///< of the exact step: solves that the curvature of a drift may ask for anew
-  int cuts;  ///< of the exact step: contact points, summed over the times that jumps of a force may cut a step
+  /// Of the exact step: contact points, summed over the times that jumps of a force may cut a step. Where it `promotes`, of
+  /// bodies that are alone.
+  int cuts;
   /// Closing speed below which an impact is left to the contact solver, as a share of what gravity adds in a step.
   double slowest_impact;
   double smallest_gap;  ///< gap too small to matter, as a share of the smaller length
@@ -32,7 +34,7 @@ struct SolverSettings {
 inline constexpr std::array<SolverSettings, 4> kSettings{{
     // exact promotes sub_steps all_points tolerance wanted corrections  cuts slowest_impact smallest_gap collapse_interval
     {  false,   false,        4,     false,     1e-6,  1e-6,          0,    0,           0.5,        1e-6,             1e-3},  // Preview
-    {  false,    true,        8,      true,     1e-9,  1e-9,          0,    0,           0.5,        1e-6,             1e-3},  // Interactive
+    {  false,    true,        8,      true,     1e-9,  1e-9,          0,  400,           0.5,        1e-6,             1e-3},  // Interactive
     {   true,   false,        8,      true,     1e-6,  1e-9,          1,  400,          1e-5,       1e-12,             1e-6},  // Accurate
     {   true,   false,        8,      true,    1e-12, 1e-12,          4, 10000,         1e-7,       1e-12,             1e-6},  // Reference
 }};

@@ -27,13 +27,14 @@ constexpr double kSunk = 1e-6;
 // length.
 constexpr double kElasticSpeed = 0.02, kElasticGap = 1e-12;
 
+// Whether no contact pushes a body now. Others of its island may be pushed: they have not met it.
+bool isAlone(const Context& context, Index i) {
+  if (!context.scene.bodies.traits[i].moved_by_forces()) return true;
+  return !context.step.supported[i] && !context.step.touched[i];
+}
+
 double marginOf(const Context& context, Index i, Index j) {
-  const StepStore& step = context.step;
-  const auto in_contact = [&](Index k) {
-    return step.island[k] != kNone && step.islands[step.island[k]].touching;
-  };
-  const bool free = !step.supported[i] && !step.supported[j] && !in_contact(i) && !in_contact(j);
-  const bool exact = free || step.solver.exact;
+  const bool exact = (isAlone(context, i) && isAlone(context, j)) || context.step.solver.exact;
   return (exact ? kTight : kWide) * smallerLength(context.scene.bodies, i, j);
 }
 
@@ -109,13 +110,6 @@ double slowest(const Context& context, Index i, Index j, const Vec3& n_W) {
   const double share =
       lossy ? step.solver.slowest_impact : std::min(step.solver.slowest_impact, kElasticSpeed);
   return std::max(share * step.h() * std::max(along, kAcross * a), unseen);
-}
-
-// Whether nothing carries a body now.
-bool isAlone(const Context& context, Index i) {
-  const StepStore& step = context.step;
-  if (!context.scene.bodies.traits[i].moved_by_forces()) return true;
-  return !step.supported[i] && (step.island[i] == kNone || !step.islands[step.island[i]].touching);
 }
 
 // A body on its trajectory: where it is at a time.
@@ -203,10 +197,10 @@ bool losesEnergy(const SceneStore& scene, Index i, Index j) {
 }
 
 bool isFree(const Context& context, Index i) {
-  if (!isAlone(context, i)) return false;
   const Traits& traits = context.scene.bodies.traits[i];
   const StepStore& step = context.step;
   if (!traits.moved_by_forces()) return true;
+  if (!isAlone(context, i) || (step.island[i] != kNone && step.islands[step.island[i]].touching)) return false;
   const double turn = step.h() * step.h() * step.load[i].torque_W.norm() *
                       context.scene.bodies.inertia[i].inv_moments.maxCoeff();
   return turn * traits.bounding_radius <= (step.solver.exact ? kTight : kWide) * traits.length;

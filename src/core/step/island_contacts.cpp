@@ -43,6 +43,7 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   const Index contact = placeOf(i, j);
   PairState& state = contacts_.active[contact].state;
   touches ? state.touch() : state.open();
+  if (touches) step_.touched[i] = step_.touched[j] = 1;
   Index a = step_.island[i], b = step_.island[j];
   if (a == kNone) std::swap(a, b);
   if (b != kNone && a != b) {

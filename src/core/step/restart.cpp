@@ -150,7 +150,7 @@ void Restart::beginAgain(Context& context, const IndexPairs& missed, int times) 
     bodies.pose[i] = step.before[i], bodies.twist[i] = step.twist_before[i];
     if (!at_start_.load.empty()) step.load[i] = at_start_.load[i];
     step.bounds[i] = sweptBounds(bodies, step.load[i], i, step.h());
-    step.stamp[i] = 0;
+    step.stamp[i] = 0, step.touched[i] = 0;
   }
   step.impacts.clear();
   std::copy_if(at_start_.impacts.begin(), at_start_.impacts.end(), std::back_inserter(step.impacts),

@@ -179,20 +179,13 @@ bool isJolted(const Context& context, const Island& island, double least, double
   return std::any_of(carriers.begin(), carriers.end(), jolts);
 }
 
-// Whether an island is a body that slides, or rolls on a plane: a direct solve costs it no more than the sub-steps of the soft
-// step. What rolls on a body runs over an edge at its end, which the soft step finds in each of its sub-steps.
+// Whether an island is a body that slides or rolls: a direct solve costs it no more than the sub-steps of the soft step.
 bool isSimple(const Context& context, const Island& island, double fall) {
   const Bodies& bodies = context.scene.bodies;
   if (island.bodies.size() > 1 || island.contacts.size() > kSimplePairs) return false;
   const Index i = island.bodies.front();
   const Traits& traits = bodies.traits[i];
-  if (traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
-    return false;
-  const auto isOnPlane = [&](Index k) {
-    const Contact& contact = context.scene.contacts.active[k];
-    return bodies.traits[contact.i == i ? contact.j : contact.i].unbounded;
-  };
-  return !traits.revolved || std::all_of(island.contacts.begin(), island.contacts.end(), isOnPlane);
+  return traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() <= kSteady * fall;
 }
 
 // The most pairs that islands of a step may have together, if they move and the exact step is to take this one. One that moves
