@@ -394,7 +394,8 @@ TEST(ExactStepInMotion, ABoxTipsOverItsEdgeOnABoxAsOnAPlane) {
             if (std::holds_alternative<Box>(floor)) scene.bodies[0].pose.p_WB.z() = -0.5;
             const Quat turn = rotationBy(Vec3(0.0, 0.0, yaw));
             const Quat q_WB = turn * rotationBy(Vec3(0.0, 43.0 * kPi / 180.0, 0.0));
-            const Vec3 centre = -(q_WB * Vec3(0.5 * size.x(), 0.0, -0.5 * size.z())), w_W = turn * Vec3(0.0, 5.0, 0.0);
+            const Vec3 centre = -(q_WB * Vec3(0.5 * size.x(), 0.0, -0.5 * size.z())),
+                       w_W = turn * Vec3(0.0, 5.0, 0.0);
             scene.bodies.push_back(box("box", size, centre));
             scene.bodies[1].material.friction = friction;
             scene.bodies[1].pose.q_WB = q_WB;

@@ -50,7 +50,8 @@ TEST_P(Friction, ABoxStopsAfterItsWayWhereverInTheStep) {
       scene.bodies.back().twist.v_WB.x() = v;
       World world(ordered(scene));
       for (int k = 0; k < 20; ++k) world.step();
-      EXPECT_NEAR(stateOf(world, "box").pose.p_WB.x(), way, 1e-6 * way) << fidelityName(fidelity) << ", " << steps;
+      EXPECT_NEAR(stateOf(world, "box").pose.p_WB.x(), way, 1e-6 * way)
+          << fidelityName(fidelity) << ", " << steps;
     }
 }
 

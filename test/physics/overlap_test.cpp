@@ -265,6 +265,52 @@ TEST_P(Overlap, OnlyWhatAnEditMadeIsBlamedOnIt) {
   EXPECT_TRUE(blames());
 }
 
+// Two part at sqrt(g L) against each other, about, by the sum of their ways, whatever the step and the parts that it is solved in;
+// and an overlap that is gone at its end has been one.
+TEST_P(Overlap, WhatAnEditPutsIntoAnotherPartsAsFastInAStepOfAnyLength) {
+  for (const Shape& shape : {Shape(Capsule{0.06, 0.1}), Shape(Sphere{0.06}), Shape(Box{{0.1, 0.1, 0.3}})})
+    for (const double h : {1.0 / 120.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 20.0, 1.0 / 10.0, 1.0 / 5.0}) {
+      SceneDef scene = onFloor(h, 0.5);
+      scene.fidelity = GetParam();
+      scene.bodies.push_back(box("box", {0.2, 0.2, 0.2}, {0.0, 0.0, 0.1}));
+      scene.bodies.push_back(body("other", shape, {3.0, 0.0, 0.16}));
+      World world(ordered(scene));
+      for (int k = 0; k < 3; ++k) world.step();
+      const Vec3 p_W = stateOf(world, "box").pose.p_WB;
+      BodyEdit edit;
+      edit.pose = Pose{p_W + Vec3(0.01, 0.02, 0.015), Quat::Identity()};
+      world.editBody(world.find("other"), edit);
+      const StepReport& report = world.step();
+      const auto warned = [](const Warning& warning) { return warning.kind == "overlap"; };
+      EXPECT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(), warned)) << h;
+      const double way = (stateOf(world, "box").pose.p_WB - p_W).norm() +
+                         (stateOf(world, "other").pose.p_WB - edit.pose->p_WB).norm();
+      EXPECT_LT(way, 1.8 * std::sqrt(kGravity * 0.12) * h) << h;
+    }
+}
+
+// Nor does a floor that moves along make them part faster: it moves nothing, as seen from itself.
+TEST_P(Overlap, ACrowdOnACarrierPartsAsItDoesAtRest) {
+  for (const double speed : {0.0, 3.0, 30.0}) {
+    SceneDef scene = onFloor(1.0 / 60.0, 0.5);
+    scene.fidelity = GetParam();
+    scene.bodies[0].kind = BodyKind::Kinematic;
+    scene.bodies[0].twist.v_WB.x() = speed;
+    for (int k = 0; k < 10; ++k) {
+      scene.bodies.push_back(box("", Vec3::Constant(0.2), {0.0, 0.0, 0.1}));
+      scene.bodies.back().twist.v_WB.x() = speed;
+    }
+    World world(ordered(scene));
+    double fastest = 0.0;
+    for (int k = 0; k < 60; ++k) {
+      world.step();
+      for (const BodyState& state : world.states())
+        fastest = std::max(fastest, (state.twist.v_WB - Vec3(speed, 0.0, 0.0)).norm());
+    }
+    EXPECT_LT(fastest, 0.4) << speed;
+  }
+}
+
 // Contacts push bodies off the motions by which pairs were predicted not to meet. Of a house of cards of 2 mm that
 // comes down, a card was pushed 21 mm through the floor in a step. The plane stops such a body, and reports it at half of
 // the thickness.

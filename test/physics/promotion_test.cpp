@@ -387,18 +387,21 @@ TEST(ChoiceOfSolver, ManyPairsAreSoft) {
 
 // What stands alone and is struck from above stays, without rebound: on a body as on a plane.
 TEST(ChoiceOfSolver, WhatStandsAloneOnABodyStaysWhenItIsStruck) {
-  for (const Shape& shape : {Shape(Cylinder{0.1, 0.1}), Shape(Cone{0.1, 0.2}), Shape(Box{Vec3::Constant(0.2)})})
+  for (const Shape& shape :
+       {Shape(Cylinder{0.1, 0.1}), Shape(Cone{0.1, 0.2}), Shape(Box{Vec3::Constant(0.2)})})
     for (const double h : {1.0 / 60.0, 1.0 / 240.0}) {
       SceneDef scene;
       scene.step = h;
       scene.bodies.push_back(box("floor", {2.0, 2.0, 1.0}, {0.0, 0.0, -0.5}));
       scene.bodies.back().kind = BodyKind::Static;
-      scene.bodies.push_back(body("body", shape, {0.0, 0.0, std::holds_alternative<Cone>(shape) ? 0.05 : 0.1}));
+      scene.bodies.push_back(
+          body("body", shape, {0.0, 0.0, std::holds_alternative<Cone>(shape) ? 0.05 : 0.1}));
       World world(ordered(scene));
       advance(world, 0.5);
       const BodyId id = world.find("body");
       for (const BodyDescription& one : *world.bodies())
-        if (one.id == id) world.applyImpulse(id, {0.0, 0.0, -2.0 * one.mass}, stateOf(world, "body").pose.p_WB);
+        if (one.id == id)
+          world.applyImpulse(id, {0.0, 0.0, -2.0 * one.mass}, stateOf(world, "body").pose.p_WB);
       for (int k = 0; k < 3; ++k) world.step();
       const Twist after = stateOf(world, "body").twist;
       EXPECT_LT(std::abs(after.v_WB.z()), 1e-6) << h;

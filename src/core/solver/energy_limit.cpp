@@ -53,7 +53,7 @@ void EnergyLimit::find(const Context& context, const SolverContacts& contacts, b
     if (!directions.isZero(0.0)) directions = projectionOn(directions);
 }
 
-void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const {
+void EnergyLimit::apply(const Context& context, double seconds, SolverContacts& contacts) const {
   if (islands_.empty()) return;
   struct Sum {
     double mass = 0.0, energy = 0.0, given = 0.0, share = 1.0, rest = 1.0;
@@ -65,9 +65,10 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
   for (const SolverBody& s : contacts.bodies) {
     const Index k = islands_.placeOf(context, s);
     if (k == kNone) continue;
-    sums[k].given += loadWork(context, s);
-    sums[k].mass += 1.0 / s.inv_mass, sums[k].momentum += s.v / s.inv_mass;
-    sums[k].energy += kineticEnergy(context, s);
+    const Vec3& U_W = islands_[k].U_W;
+    sums[k].given += loadWork(context, s, U_W, seconds);
+    sums[k].mass += 1.0 / s.inv_mass, sums[k].momentum += (s.v - U_W) / s.inv_mass;
+    sums[k].energy += kineticEnergy(context, s, U_W);
   }
   bool some = false;
   for (Index k = 0; k < islands_.size(); ++k) {
@@ -90,7 +91,8 @@ void EnergyLimit::apply(const Context& context, SolverContacts& contacts) const 
     const Index k = islands_.placeOf(context, s);
     if (k == kNone || (sums[k].share == 1.0 && sums[k].rest == 1.0)) continue;
     const Sum& sum = sums[k];
-    s.v = sum.kept + sum.rest * (sum.common - sum.kept) + sum.share * (s.v - sum.common);
+    const Vec3& U_W = islands_[k].U_W;
+    s.v = U_W + sum.kept + sum.rest * (sum.common - sum.kept) + sum.share * (s.v - U_W - sum.common);
     if (!s.inv_inertia_W.isZero(0.0)) s.w *= sums[k].share;  // nothing changes the spin of others
   }
 }

@@ -22,8 +22,8 @@ class EnergyLimit {
   void find(const Context& context, const SolverContacts& contacts, bool all);
   /// There are none.
   bool empty() const { return islands_.empty(); }
-  /// Takes away from the velocities what an island has gained.
-  void apply(const Context& context, SolverContacts& contacts) const;
+  /// Takes away from the velocities what an island has gained in so many seconds.
+  void apply(const Context& context, double seconds, SolverContacts& contacts) const;
 
  private:
   IslandEnergies islands_;

@@ -15,6 +15,8 @@ namespace {
 // Share of the smaller length of a pair: an overlap beyond it is taken away, if it is more than what kicks leave that are
 // right to ten times the wanted tolerance.
 constexpr double kOverlap = 1e-11;
+// Share of it up to which an overlap may be taken away at any time: drifts leave such.
+constexpr double kSmall = 1e-4;
 // Of all overlaps together: the longest displacement that is a way out of them.
 constexpr double kNarrowest = 50.0;
 
@@ -40,13 +42,15 @@ bool Stepper::isWayOut(const CoulombProblem& problem) const {
 bool Stepper::correctOverlaps() {
   squeezed_.clear();
   const double left_by_kicks = 10.0 * wanted_tolerance_ * island_.loadSpeed() * step_.h();
+  // A segment may end before the time for which the displacement at its start was.
+  const double until = now_ + nextLength(), seconds = std::max(until - std::max(now_, parted_until_), 0.0);
   CoulombProblem problem{island_.bodies(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
-    law.bias = Vec3(0.0, 0.0, std::max(point.gap, -point.push * (end_ - now_)));
+    law.bias = Vec3(0.0, 0.0, std::max(point.gap, -std::max(point.push * seconds, kSmall * point.length)));
     if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
       problem.speed_unit = std::max(problem.speed_unit, -law.bias[2]);
   }
@@ -63,6 +67,7 @@ bool Stepper::correctOverlaps() {
   if (!isGoing() || !isWayOut(problem)) return false;
   leaveSqueezed(problem);
   island_.displace(problem.bodies);
+  parted_until_ = std::max(parted_until_, until);
   giveAngularMomentumBack(problem);
   return true;
 }

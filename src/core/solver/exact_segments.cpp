@@ -70,14 +70,19 @@ void Stepper::lengthen() {
   longest_ *= 2.0;
 }
 
+// How long the next segment is to be, s.
+double Stepper::nextLength() const {
+  const double left = end_ - now_;
+  return left > 1.5 * longest_ ? longest_ : left;
+}
+
 // The next segment. It is halved while bodies end deeper in each other than they began, and while it gains energy: where contacts
 // run along round bodies faster than the corrections follow, they push too long or too hard.
 void Stepper::findSegment() {
   const std::vector<BodyMotion> start = island_.save();
   const double deepest = deepestShare(touching_), kinematic_before = workByKinematic(touching_, opened_);
   for (;; --halvings_) {
-    const double left = end_ - now_;
-    tau_ = left > 1.5 * longest_ ? longest_ : left;
+    tau_ = nextLength();
     segment_ = trySegment(tau_, Friction::Free);
     while (reach_ < kFarthest && segment_.first.converged && hasMissedContact(segment_.touching)) {
       widenMargin();

@@ -111,6 +111,7 @@ class Stepper : public InnerRows {
 
   // How long a segment is (exact_segments.cpp).
   double turnsBy(double seconds) const;
+  double nextLength() const;
   void limitSegment();
   void lengthen();
   void findSegment();
@@ -195,6 +196,7 @@ class Stepper : public InnerRows {
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   bool was_cut_short_ = false;           // the island, before this interval
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
+  double parted_until_ = 0.0;            // the time for which overlaps have been taken away, s
   int halvings_ = kMostHalvings;         // of it, left
   int good_ = 0;                         // good ones since it was halved or lengthened
   Segment segment_;                      // this one

@@ -12,13 +12,13 @@ double spinEnergy(const Context& context, const SolverBody& s, const Vec3& w_W) 
   return bodies.spinEnergy(s.body, bodies.pose[s.body].q_WB, w_W);
 }
 
-double kineticEnergy(const Context& context, const SolverBody& s) {
-  return 0.5 * s.v.squaredNorm() / s.inv_mass + spinEnergy(context, s, s.w);
+double kineticEnergy(const Context& context, const SolverBody& s, const Vec3& U_W) {
+  return 0.5 * (s.v - U_W).squaredNorm() / s.inv_mass + spinEnergy(context, s, s.w);
 }
 
-double loadWork(const Context& context, const SolverBody& s) {
+double loadWork(const Context& context, const SolverBody& s, const Vec3& U_W, double seconds) {
   const Load& load = context.step.load[s.body];
-  return load.a_W.dot(s.moved) / s.inv_mass + load.torque_W.dot(s.turned);
+  return load.a_W.dot(s.moved - seconds * U_W) / s.inv_mass + load.torque_W.dot(s.turned);
 }
 
 void SomeIslands::set(std::vector<Index> islands) {
@@ -37,19 +37,29 @@ void IslandEnergies::begin(const Context& context, const SolverContacts& contact
   islands_.set(std::move(islands));
   if (islands_.empty()) return;
   energies_.resize(islands_.size());
-  for (const SolverBody& s : contacts.bodies)
-    if (const Index k = placeOf(context, s); k != kNone) energies_[k].energy += kineticEnergy(context, s);
+  std::vector<char> is_pushed(islands_.size()), is_common(islands_.size(), 1);
   for (const SolverBlock& block : contacts.blocks) {
     const SolverBody &i = contacts.bodies[block.i], &j = contacts.bodies[block.j];
-    for (const auto& [kinematic, pushed, reach] :
+    for (const auto& [base, pushed, reach] :
          {std::tuple(&i, &j, block.reach_i), std::tuple(&j, &i, block.reach_j)}) {
-      if (kinematic->inv_mass > 0.0 || kinematic->still) continue;
+      if (base->inv_mass > 0.0) continue;
       const Index k = placeOf(context, *pushed);
       if (k == kNone) continue;
-      const double speed = kinematic->v.norm() + reach * kinematic->w.norm();
-      energies_[k].kinematic_speed = std::max(energies_[k].kinematic_speed, speed);
+      IslandEnergy& of = energies_[k];
+      if (!std::exchange(is_pushed[k], 1)) of.U_W = base->v;
+      is_common[k] = is_common[k] && of.U_W == base->v && base->w.isZero(0.0);
+      if (!base->still)
+        of.kinematic_speed = std::max(of.kinematic_speed, base->v.norm() + reach * base->w.norm());
     }
   }
+  for (std::size_t k = 0; k < energies_.size(); ++k)
+    if (is_common[k])
+      energies_[k].kinematic_speed = 0.0;
+    else
+      energies_[k].U_W.setZero();
+  for (const SolverBody& s : contacts.bodies)
+    if (const Index k = placeOf(context, s); k != kNone)
+      energies_[k].energy += kineticEnergy(context, s, energies_[k].U_W);
 }
 
 }  // namespace rbs

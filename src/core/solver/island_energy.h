@@ -8,12 +8,12 @@
 
 namespace rbs {
 
-/// Kinetic energy of a body as the solver moves it, J.
-double kineticEnergy(const Context& context, const SolverBody& s);
+/// Kinetic energy of a body as the solver moves it, as seen by one that moves at U_W (m/s), J.
+double kineticEnergy(const Context& context, const SolverBody& s, const Vec3& U_W);
 /// Kinetic energy of the same body that only turns, at w_W (rad/s), J.
 double spinEnergy(const Context& context, const SolverBody& s, const Vec3& w_W);
-/// Work of its load since the start of the soft step, J.
-double loadWork(const Context& context, const SolverBody& s);
+/// Work of its load in the `seconds` since the start of the soft step, as seen by the same, J.
+double loadWork(const Context& context, const SolverBody& s, const Vec3& U_W, double seconds);
 
 /// Some islands of a batch.
 class SomeIslands {
@@ -34,8 +34,11 @@ class SomeIslands {
 };
 
 struct IslandEnergy {
-  double energy = 0.0;           ///< kinetic, at the start, J
-  double kinematic_speed = 0.0;  ///< of the fastest moving kinematic body in contact, m/s; 0: there is none
+  /// Velocity of all that is in contact with the island and that forces do not move, m/s; zero where these differ, or turn. Seen
+  /// by one that moves so, they do no work.
+  Vec3 U_W = Vec3::Zero();
+  double energy = 0.0;           ///< kinetic, at the start, as seen so, J
+  double kinematic_speed = 0.0;  ///< of the fastest of them, as seen so, m/s
 };
 
 /// The islands that an energy bound is kept for.

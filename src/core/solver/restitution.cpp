@@ -34,7 +34,7 @@ void Restitution::begin(const Context& context, const SolverContacts& contacts) 
   islands_.begin(context, contacts, std::move(found));
 }
 
-void Restitution::apply(const Context& context, SolverContacts& contacts) const {
+void Restitution::apply(const Context& context, double seconds, SolverContacts& contacts) const {
   if (islands_.empty()) return;
   struct Rebound {
     const SolverBlock* block;
@@ -59,7 +59,7 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
   }
   if (rebounds.empty()) return;
 
-  const std::vector<double> shares = sharesOf(context, before, contacts.bodies);
+  const std::vector<double> shares = sharesOf(context, seconds, before, contacts.bodies);
   for (std::size_t k = 0; k < before.size(); ++k) {
     SolverBody& s = contacts.bodies[k];
     const Index place = islands_.placeOf(context, s);
@@ -73,7 +73,8 @@ void Restitution::apply(const Context& context, SolverContacts& contacts) const 
   }
 }
 
-std::vector<double> Restitution::sharesOf(const Context& context, const std::vector<SolverBody>& before,
+std::vector<double> Restitution::sharesOf(const Context& context, double seconds,
+                                          const std::vector<SolverBody>& before,
                                           const std::vector<SolverBody>& after) const {
   struct Parabola {
     double a = 0.0, b = 0.0, c = 0.0;
@@ -84,10 +85,12 @@ std::vector<double> Restitution::sharesOf(const Context& context, const std::vec
     if (place == kNone) continue;
     SolverBody change = after[k];
     change.v -= before[k].v, change.w -= before[k].w;
-    const double had = kineticEnergy(context, before[k]), added = kineticEnergy(context, change);
+    const Vec3& U_W = islands_[place].U_W;
+    const double had = kineticEnergy(context, before[k], U_W),
+                 added = kineticEnergy(context, change, Vec3::Zero());
     gains[place].a += added;
-    gains[place].b += kineticEnergy(context, after[k]) - had - added;
-    gains[place].c += had - loadWork(context, before[k]);
+    gains[place].b += kineticEnergy(context, after[k], U_W) - had - added;
+    gains[place].c += had - loadWork(context, before[k], U_W, seconds);
   }
   std::vector<double> shares(islands_.size(), 1.0);
   for (Index k = 0; k < islands_.size(); ++k)

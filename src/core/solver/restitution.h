@@ -24,12 +24,12 @@ class Restitution {
   void begin(const Context& context, const SolverContacts& contacts);
   /// No island may rebound.
   bool empty() const { return islands_.empty(); }
-  /// Makes the rebounds, and adds their impulses to those of the points.
-  void apply(const Context& context, SolverContacts& contacts) const;
+  /// After so many seconds: makes the rebounds, and adds their impulses to those of the points.
+  void apply(const Context& context, double seconds, SolverContacts& contacts) const;
 
  private:
   /// By island: the share of the change from `before` to `after` that leaves it with what it may have.
-  std::vector<double> sharesOf(const Context& context, const std::vector<SolverBody>& before,
+  std::vector<double> sharesOf(const Context& context, double seconds, const std::vector<SolverBody>& before,
                                const std::vector<SolverBody>& after) const;
 
   IslandEnergies islands_;

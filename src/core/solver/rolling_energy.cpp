@@ -21,12 +21,6 @@ bool rollsOn(const Context& context, const SolverBody& roller, const SolverBody&
   return !under.revolved || (under.edged && bodies.axis_W(base.body).cross(n_W).norm() <= kBase);
 }
 
-// Kinetic energy of a body as seen by one that moves at U, J.
-double energySeen(const Context& context, SolverBody s, const Vec3& U_W) {
-  s.v -= U_W;
-  return kineticEnergy(context, s);
-}
-
 // What the points of a block have done to one of its bodies since the start, at most, as seen by one that moves at U, J.
 double workOn(const Context& context, const SolverContacts& contacts, const SolverBlock& block, bool on_j,
               const Vec3& U_W) {
@@ -61,7 +55,7 @@ void RollingEnergy::find(const Context& context, const SolverContacts& contacts)
         const SolverPoint& point = contacts.points[block.first];
         U_W += base.w.cross(on_j ? point.r_i : point.r_j);
       }
-      rollers_.push_back({on_j ? block.j : block.i, energySeen(context, roller, U_W), U_W});
+      rollers_.push_back({on_j ? block.j : block.i, kineticEnergy(context, roller, U_W), U_W});
     }
   }
   std::sort(rollers_.begin(), rollers_.end(),
@@ -75,8 +69,7 @@ void RollingEnergy::apply(const Context& context, double seconds, SolverContacts
   std::vector<double> most;
   for (const Roller& roller : rollers_) {
     const SolverBody& s = contacts.bodies[roller.body];
-    const double of_frame = seconds * context.step.load[s.body].a_W.dot(roller.U_W) / s.inv_mass;
-    most.push_back(roller.energy + loadWork(context, s) - of_frame);
+    most.push_back(roller.energy + loadWork(context, s, roller.U_W, seconds));
   }
   for (const SolverBlock& block : contacts.blocks) {
     for (const bool on_j : {false, true}) {
@@ -88,7 +81,7 @@ void RollingEnergy::apply(const Context& context, double seconds, SolverContacts
   }
   for (std::size_t k = 0; k < rollers_.size(); ++k) {
     SolverBody& s = contacts.bodies[rollers_[k].body];
-    const double gained = energySeen(context, s, rollers_[k].U_W) - most[k];
+    const double gained = kineticEnergy(context, s, rollers_[k].U_W) - most[k];
     if (gained > 0.0) s.w *= std::sqrt(std::max(0.0, 1.0 - gained / spinEnergy(context, s, s.w)));
   }
 }

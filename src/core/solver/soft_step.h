@@ -135,14 +135,14 @@ class SoftStep : public InnerRows {
       solveKinds();
     }
     lanes_.solve(ContactLanes::Pass::Last, soft_, h_);
-    if (too_fast_) energy_.apply(context_, contacts_);
+    if (too_fast_) energy_.apply(context_, done_ * h_, contacts_);
   }
   void rebound() {
     if (restitution_.empty() && energy_.empty() && rolling_.empty()) return;
     lanes_.giveBack();
     given_back_ = true;
-    if constexpr (built::restitution) restitution_.apply(context_, contacts_);
-    energy_.apply(context_, contacts_);
+    if constexpr (built::restitution) restitution_.apply(context_, dt_, contacts_);
+    energy_.apply(context_, dt_, contacts_);
     rolling_.apply(context_, dt_, contacts_);
   }
   // Where points are given back one block at a time, they come from memory once.

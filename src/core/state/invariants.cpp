@@ -143,8 +143,8 @@ std::string broken(const SceneStore& scene) {
 std::string broken(const SceneStore& scene, const StepStore& step) {
   const std::size_t n = step.load.size();
   if (n != 0 && n != scene.bodies.size()) return "the step has arrays of other bodies";
-  if (!haveSize(n, step.bounds, step.supported, step.touched, step.stamp, step.last_impact, step.island, step.slot,
-                step.before, step.twist_before))
+  if (!haveSize(n, step.bounds, step.supported, step.touched, step.stamp, step.last_impact, step.island,
+                step.slot, step.before, step.twist_before))
     return "the arrays of the step differ in size";
   if (std::any_of(step.slot.begin(), step.slot.end(), [](Index slot) { return slot != kNone; }))
     return "a place in a problem was not given back";

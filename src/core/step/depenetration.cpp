@@ -118,13 +118,19 @@ void keepDepth(const Bodies& bodies, Contact& contact) {
   if (point.separation < 0.0) contact.points.push_back(point);
 }
 
-// An edit that moves or reshapes a body forgets its contacts, so their pairs had no points when the step began.
+// An edit that moves or reshapes a body forgets its contacts, so their pairs had no points when the step began. An overlap may be
+// gone when it ends.
 void warn(Context& context) {
   const Bodies& bodies = context.scene.bodies;
+  const auto overlapAtStart = [&](Index i, Index j) {
+    return -gap(bodies.traits[i].shape, context.step.before[i], bodies.traits[j].shape,
+                context.step.before[j])
+                .distance;
+  };
   std::vector<Index> deep;
   for (const Contact& contact : context.scene.contacts.active)
     if (contact.solved && contact.points_before.empty() &&
-        contact.depth() > kDeep * smallerLength(bodies, contact.i, contact.j))
+        overlapAtStart(contact.i, contact.j) > kDeep * smallerLength(bodies, contact.i, contact.j))
       for (const Index i : {contact.i, contact.j})
         if (bodies.traits[i].moved_by_forces()) deep.push_back(i);
   std::sort(deep.begin(), deep.end());

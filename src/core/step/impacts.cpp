@@ -200,7 +200,8 @@ bool isFree(const Context& context, Index i) {
   const Traits& traits = context.scene.bodies.traits[i];
   const StepStore& step = context.step;
   if (!traits.moved_by_forces()) return true;
-  if (!isAlone(context, i) || (step.island[i] != kNone && step.islands[step.island[i]].touching)) return false;
+  if (!isAlone(context, i) || (step.island[i] != kNone && step.islands[step.island[i]].touching))
+    return false;
   const double turn = step.h() * step.h() * step.load[i].torque_W.norm() *
                       context.scene.bodies.inertia[i].inv_moments.maxCoeff();
   return turn * traits.bounding_radius <= (step.solver.exact ? kTight : kWide) * traits.length;
