@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace rbs::exact_step {
 
@@ -42,15 +43,20 @@ bool Stepper::isWayOut(const CoulombProblem& problem) const {
 bool Stepper::correctOverlaps() {
   squeezed_.clear();
   const double left_by_kicks = 10.0 * wanted_tolerance_ * island_.loadSpeed() * step_.h();
-  // A segment may end before the time for which the displacement at its start was.
-  const double until = now_ + nextLength(), seconds = std::max(until - std::max(now_, parted_until_), 0.0);
+  // What a pair may be parted by until the end of the next segment, without what it has been: that may have been for longer than
+  // its segment was in the end.
+  const double seconds = now_ + nextLength() - (end_ - span_);
+  const auto mostOf = [&](const TouchingPoint& point) {
+    const auto parted = parted_.find(point.contact);
+    return point.push * seconds - (parted == parted_.end() ? 0.0 : parted->second);
+  };
   CoulombProblem problem{island_.bodies(), touching_.law, 0.0};
   for (CoulombBody& body : problem.bodies) body.v.setZero(), body.w.setZero();
   for (std::size_t k = 0; k < touching_.points.size(); ++k) {
     const TouchingPoint& point = touching_.points[k];
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
-    law.bias = Vec3(0.0, 0.0, std::max(point.gap, -std::max(point.push * seconds, kSmall * point.length)));
+    law.bias = Vec3(0.0, 0.0, std::max(point.gap, -std::max(mostOf(point), kSmall * point.length)));
     if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
       problem.speed_unit = std::max(problem.speed_unit, -law.bias[2]);
   }
@@ -67,7 +73,12 @@ bool Stepper::correctOverlaps() {
   if (!isGoing() || !isWayOut(problem)) return false;
   leaveSqueezed(problem);
   island_.displace(problem.bodies);
-  parted_until_ = std::max(parted_until_, until);
+  std::map<Index, double> parted;
+  for (std::size_t k = 0; k < problem.points.size(); ++k) {
+    double& by = parted[touching_.points[k].contact];
+    by = std::max(by, -problem.points[k].bias[2]);
+  }
+  for (const auto& [contact, by] : parted) parted_[contact] += by;
   giveAngularMomentumBack(problem);
   return true;
 }

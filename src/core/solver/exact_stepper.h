@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -196,7 +197,7 @@ class Stepper : public InnerRows {
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   bool was_cut_short_ = false;           // the island, before this interval
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
-  double parted_until_ = 0.0;            // the time for which overlaps have been taken away, s
+  std::map<Index, double> parted_;       // by contact: by how much its overlaps have been taken away, m
   int halvings_ = kMostHalvings;         // of it, left
   int good_ = 0;                         // good ones since it was halved or lengthened
   Segment segment_;                      // this one

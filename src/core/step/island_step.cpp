@@ -97,6 +97,10 @@ bool needsOwnSubSteps(const Context& context, const Island& island) {
 void advanceTo(Context& context, Island& island, double time) {
   advanceBatch(context, island, island.exact, island.time, time);
   island.time = std::max(island.time, time);
+  for (const Index k : island.contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
+    if (contact.solved && contact.bears()) context.step.touched[contact.i] = context.step.touched[contact.j] = 1;
+  }
 }
 
 namespace {
