@@ -57,7 +57,7 @@ TEST(Hunt, ErrorsFallWithTheStep) {
     scene.fidelity = Fidelity::Reference;
     const std::optional<double> whole = stepError(scene, 1, 16), quarter = stepError(scene, 4, 16);
     if (!whole || !quarter) continue;
-      EXPECT_LE(*quarter, std::max(*whole, kSmall)) << "seed " << seed;
+    EXPECT_LE(*quarter, std::max(*whole, kSmall)) << "seed " << seed;
     if (*whole < kNone && *quarter < kNone) {
       ++exact;
     } else {

@@ -430,7 +430,8 @@ double distanceOf(const Snapshot& a, const Snapshot& b) {
   for (std::size_t i = 0; i < a.states.size(); ++i) {
     const BodyDescription& body = (*a.bodies)[i];
     if (body.kind != BodyKind::Dynamic) continue;
-    most = std::max(most, (a.states[i].pose.p_WB - b.states[i].pose.p_WB).norm() / boundingRadius(body.shape));
+    most =
+        std::max(most, (a.states[i].pose.p_WB - b.states[i].pose.p_WB).norm() / boundingRadius(body.shape));
   }
   return most;
 }
@@ -453,7 +454,8 @@ std::optional<double> stepError(const SceneDef& scene, int coarse, int fine) {
   for (std::size_t k = 0; k < off.bodies.size(); ++k)
     if (BodyDef& body = off.bodies[k]; body.kind == BodyKind::Dynamic)
       body.pose.p_WB += kOff * boundingRadius(body.shape) * Vec3(k % 2 ? 1.0 : -1.0, k % 3 ? 1.0 : -1.0, 1.0);
-  const std::optional<Snapshot> end = endOf(start, coarse), wanted = endOf(start, fine), other = endOf(off, fine);
+  const std::optional<Snapshot> end = endOf(start, coarse), wanted = endOf(start, fine),
+                                other = endOf(off, fine);
   if (!end || !wanted || !other || distanceOf(*wanted, *other) > kFar) return {};
   return distanceOf(*end, *wanted);
 }

@@ -15,6 +15,9 @@ namespace {
 // In a heap that comes to rest a point may stop and slide again without end. It cuts a step no more often
 // than this.
 constexpr int kMostStops = 2;
+// A speed that changes this many times as fast as over the whole segment does so in a jump: something else happens at that
+// time, and none at which it is zero is found.
+constexpr double kSteep = 20.0;
 // A contact that keeps less than this share of its force may have come off within the segment. What a body bears that
 // matters is more than this share of what its load would ask for.
 constexpr double kKept = 0.9, kBorne = 0.01;
@@ -93,20 +96,22 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
     return std::abs(left.share) < 1e-13 ||
            std::abs(left.share) * left.speed < wanted_tolerance_ * island_.loadSpeed();
   };
-  double low = 0.0, f_low = 1.0, high = tau,
-         f_high = trySegment(tau, Friction::KeepsDirection).slip_left.share;
-  if (f_high >= 0.0) return;
-  for (int k = 0, side = 0; k < 12 && high - low > 1e-14 * tau; ++k) {
+  const double f_tau = trySegment(tau, Friction::KeepsDirection).slip_left.share;
+  if (f_tau >= 0.0) return;
+  double low = 0.0, high = tau, f_low = 1.0, f_high = f_tau;  // as the rule weighs them
+  double before = 1.0, after = f_tau;                         // as they are
+  const auto isJump = [&] { return (before - after) * tau > kSteep * (1.0 - f_tau) * (high - low); };
+  for (int k = 0, side = 0; k < 12 && high - low > 1e-14 * tau && !isJump(); ++k) {
     const double middle = (low * f_high - high * f_low) / (f_high - f_low);
     const Left left = trySegment(middle, Friction::KeepsDirection).slip_left;
     const double f = left.share;
     if (none(left)) {
       low = high = middle;
     } else if (f > 0.0) {
-      low = middle, f_low = f;
+      low = middle, f_low = before = f;
       if (std::exchange(side, -1) == -1) f_high *= 0.5;
     } else {
-      high = middle, f_high = f;
+      high = middle, f_high = after = f;
       if (std::exchange(side, 1) == 1) f_low *= 0.5;
     }
   }

@@ -191,12 +191,13 @@ struct StepStore {
   SolverSettings solver;      ///< resolved from the scene's Setting
   std::vector<Load> load;     ///< by body; those of ballistic bodies are not filled in
   std::vector<Load>
-      load_without_drag;               ///< by body that feels drag: its load without it; empty: there is none
-  Vec3 air;                            ///< velocity of the air where there is drag, m/s
-  std::vector<double> submerged;       ///< by body: share of its volume in the fluid; empty without a fluid
-  std::vector<Bounds> bounds;          ///< by body: where it may be during the step
-  std::vector<char> supported;         ///< by body: some contact carried it in the last step
-  std::vector<char> touched;           ///< by body: an impact of this step, or a solve before one, has left it in contact
+      load_without_drag;          ///< by body that feels drag: its load without it; empty: there is none
+  Vec3 air;                       ///< velocity of the air where there is drag, m/s
+  std::vector<double> submerged;  ///< by body: share of its volume in the fluid; empty without a fluid
+  std::vector<Bounds> bounds;     ///< by body: where it may be during the step
+  std::vector<char> supported;    ///< by body: some contact carried it in the last step
+  std::vector<char>
+      touched;  ///< by body: an impact of this step, or a solve before one, has left it in contact
   std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
   std::vector<PendingImpact> impacts;  ///< found at the start of the step
   std::vector<std::uint32_t> stamp;    ///< by body: how often an impact has changed its trajectory

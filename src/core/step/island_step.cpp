@@ -99,7 +99,8 @@ void advanceTo(Context& context, Island& island, double time) {
   island.time = std::max(island.time, time);
   for (const Index k : island.contacts) {
     const Contact& contact = context.scene.contacts.active[k];
-    if (contact.solved && contact.bears()) context.step.touched[contact.i] = context.step.touched[contact.j] = 1;
+    if (contact.solved && contact.bears())
+      context.step.touched[contact.i] = context.step.touched[contact.j] = 1;
   }
 }
 

@@ -46,6 +46,8 @@ constexpr double kFewCalm = 3.0;
 // lie on other points within a step, and costs more.
 constexpr std::size_t kSimplePairs = 3;
 constexpr double kSteady = 0.01;
+// How far something round may go along a body in a step, share of its length, and not run along it.
+constexpr double kAlong = 1e-3;
 // Two bodies lean on each other where friction is more than this share of the normal force; one of them may
 // tip where one of their points has less than this share of the force of another; and it is crushed where the
 // force is more than this many times its weight.
@@ -179,13 +181,24 @@ bool isJolted(const Context& context, const Island& island, double least, double
   return std::any_of(carriers.begin(), carriers.end(), jolts);
 }
 
-// Whether an island is a body that slides or rolls: a direct solve costs it no more than the sub-steps of the soft step.
+// Whether an island is a body that slides, or rolls on a plane: a direct solve costs it no more than the sub-steps of the soft
+// step. What rolls along a body runs over an edge at its end, which the soft step finds in each of its sub-steps.
 bool isSimple(const Context& context, const Island& island, double fall) {
   const Bodies& bodies = context.scene.bodies;
   if (island.bodies.size() > 1 || island.contacts.size() > kSimplePairs) return false;
   const Index i = island.bodies.front();
   const Traits& traits = bodies.traits[i];
-  return traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() <= kSteady * fall;
+  if (traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
+    return false;
+  const auto runsAlong = [&](Index k) {
+    const Contact& contact = context.scene.contacts.active[k];
+    const Index other = contact.i == i ? contact.j : contact.i;
+    if (bodies.traits[other].unbounded) return false;
+    const Vec3 u_W = bodies.twist[i].v_WB - bodies.twist[other].v_WB;
+    const Vec3 n_W = contact.points.empty() ? Vec3(Vec3::Zero()) : contact.points.front().n_W;
+    return context.step.h() * (u_W - n_W.dot(u_W) * n_W).norm() > kAlong * traits.length;
+  };
+  return !traits.revolved || std::none_of(island.contacts.begin(), island.contacts.end(), runsAlong);
 }
 
 // The most pairs that islands of a step may have together, if they move and the exact step is to take this one. One that moves
