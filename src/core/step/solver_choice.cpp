@@ -47,7 +47,7 @@ constexpr double kFewCalm = 3.0;
 constexpr std::size_t kSimplePairs = 3;
 constexpr double kSteady = 0.01;
 // How far something round may go along a body in a step, share of its length, and not run along it.
-constexpr double kAlong = 1e-3;
+constexpr double kRunsAlong = 1e-3;
 // Two bodies lean on each other where friction is more than this share of the normal force; one of them may
 // tip where one of their points has less than this share of the force of another; and it is crushed where the
 // force is more than this many times its weight.
@@ -196,7 +196,7 @@ bool isSimple(const Context& context, const Island& island, double fall) {
     if (bodies.traits[other].unbounded) return false;
     const Vec3 u_W = bodies.twist[i].v_WB - bodies.twist[other].v_WB;
     const Vec3 n_W = contact.points.empty() ? Vec3(Vec3::Zero()) : contact.points.front().n_W;
-    return context.step.h() * (u_W - n_W.dot(u_W) * n_W).norm() > kAlong * traits.length;
+    return context.step.h() * (u_W - n_W.dot(u_W) * n_W).norm() > kRunsAlong * traits.length;
   };
   return !traits.revolved || std::none_of(island.contacts.begin(), island.contacts.end(), runsAlong);
 }
