@@ -247,6 +247,38 @@ SceneDef marblesOverABox(int start) {
   return scene;
 }
 
+// v^2/(2 a) with a = (5/7) c g, and the angle w^2/(2 b) with b = (5/2) s g/R, also where the stop is in the middle of a step, in
+// which the speed is zero half-way.
+TEST(RollingStops, AreFoundWhereverInTheStep) {
+  constexpr double R = 0.1, g = 10.0, c = 0.02, s = 0.05;
+  for (const Fidelity fidelity : {Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
+    for (const double h : {1.0 / 60.0, 0.02})
+      for (const double steps : {0.3, 0.5, 1.5, 2.5, 3.5}) {
+        SceneDef scene = onFloor(h, 1.0);
+        scene.fidelity = fidelity;
+        scene.gravity = {0.0, 0.0, -g};
+        scene.bodies.push_back(ball("ball", R, {0.0, 0.0, R}));
+        Material& material = scene.bodies.back().material;
+        material.friction = 1.0;
+        SceneDef spinning = scene;
+        material.rolling_resistance = c;
+        const double a = 5.0 / 7.0 * c * g, v = steps * a * h, way = v * v / (2.0 * a);
+        scene.bodies.back().twist = {{v, 0.0, 0.0}, {0.0, v / R, 0.0}};
+        World world(ordered(scene));
+        for (int k = 0; k < 12; ++k) world.step();
+        EXPECT_NEAR(stateOf(world, "ball").pose.p_WB.x(), way, 1e-6 * way) << fidelityName(fidelity) << ", " << steps;
+
+        spinning.bodies.back().material.torsional_resistance = s;
+        const double b = 2.5 * s * g / R, w = steps * b * h, angle = w * w / (2.0 * b);
+        spinning.bodies.back().twist.w_WB.z() = w;
+        World top(ordered(spinning));
+        for (int k = 0; k < 12; ++k) top.step();
+        const Quat q_WB = stateOf(top, "ball").pose.q_WB;
+        EXPECT_NEAR(2.0 * std::atan2(q_WB.z(), q_WB.w()), angle, 1e-6 * angle)
+            << fidelityName(fidelity) << ", " << steps;
+      }
+}
+
 // A ball that rolls on a turntable goes round a circle at 2/7 of its speed (R. Weltner, "Stable circular orbits of freely moving
 // balls on rotating discs", Am. J. Phys. 47, 1979), however far it turns in a step.
 TEST(RollingFast, OnATurntableABallKeepsItsSpeed) {

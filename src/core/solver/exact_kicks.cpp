@@ -322,10 +322,19 @@ void Stepper::expectTorques(const CoulombProblem& kick, const CoulombBodies& dri
     TorqueConstraint& aimed = later.torques[m].law;
     const Vec3 u = turningOf(kick.bodies, law), ahead = turningAt(drifted, aimed);
     const bool keeps = friction == Friction::KeepsDirection;
-    if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) aimed.rolls = ahead.head<2>().normalized();
-    if (keeps && u.head<2>().dot(law.rolls) < 0.0) aimed.rolls *= -1.0;
-    if (keeps ? law.spins != 0.0 : u[2] != 0.0) aimed.spins = std::copysign(1.0, ahead[2]);
-    if (keeps && u[2] * law.spins < 0.0) aimed.spins *= -1.0;
+    if (keeps && ahead.head<2>().norm() <= slow_) {
+      const Mat3 to_later = aimed.frame.transpose() * law.frame;
+      aimed.rolls = (to_later.topLeftCorner<2, 2>() * law.rolls).normalized();
+    } else if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) {
+      aimed.rolls = ahead.head<2>().normalized();
+      if (keeps && u.head<2>().dot(law.rolls) < 0.0) aimed.rolls *= -1.0;
+    }
+    if (keeps && std::abs(ahead[2]) <= slow_) {
+      aimed.spins = law.spins;
+    } else if (keeps ? law.spins != 0.0 : u[2] != 0.0) {
+      aimed.spins = std::copysign(1.0, ahead[2]);
+      if (keeps && u[2] * law.spins < 0.0) aimed.spins *= -1.0;
+    }
   }
 }
 

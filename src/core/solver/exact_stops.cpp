@@ -28,6 +28,13 @@ constexpr double kOn = 0.97, kEven = 0.2;
 constexpr int kLossHalvings = 12;
 constexpr double kInstant = 1e-3;
 
+// Whether some point of a torque constraint bears a force. What has stopped needs no torque, and has none.
+bool isPressed(const TouchingPoints& touching, const TorqueConstraint& torque) {
+  for (Index k = torque.first; k < torque.first + torque.size; ++k)
+    if (!touching.points[k].force_W.isZero(0.0)) return true;
+  return false;
+}
+
 }  // namespace
 
 // What a torque constraint resists of how its pair turns; zero where it does not turn, or nothing resists.
@@ -66,7 +73,7 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const TouchingPoints& later, c
   };
   for (std::size_t k = 0; k < slip.torques.size(); ++k) {
     const Index m = later.matching(touching_.torques[k]);
-    if (m == kNone || later.torques[m].force_W.isZero(0.0)) continue;
+    if (m == kNone || !isPressed(later, later.torques[m].law)) continue;
     const Vec3 u = turningAt(bodies, later.torques[m].law), left_W = later.torques[m].law.frame * u;
     const Mat3& frame = touching_.torques[k].law.frame;
     const bool free = friction == Friction::Free;
