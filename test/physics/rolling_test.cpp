@@ -266,7 +266,8 @@ TEST(RollingStops, AreFoundWhereverInTheStep) {
         scene.bodies.back().twist = {{v, 0.0, 0.0}, {0.0, v / R, 0.0}};
         World world(ordered(scene));
         for (int k = 0; k < 12; ++k) world.step();
-        EXPECT_NEAR(stateOf(world, "ball").pose.p_WB.x(), way, 1e-6 * way) << fidelityName(fidelity) << ", " << steps;
+        EXPECT_NEAR(stateOf(world, "ball").pose.p_WB.x(), way, 1e-6 * way)
+            << fidelityName(fidelity) << ", " << steps;
 
         spinning.bodies.back().material.torsional_resistance = s;
         const double b = 2.5 * s * g / R, w = steps * b * h, angle = w * w / (2.0 * b);
