@@ -56,6 +56,12 @@ bool comesToRebound(const TouchingPoint& point, double u_n) {
   return point.gap > -kJustBefore * point.length && !has_pushed && u_n < -point.rebounds_from;
 }
 
+// A direction in the plane of one contact frame, as a direction in the plane of another.
+Vec2 inPlaneOf(const Mat3& frame, const Mat3& known_frame, const Vec2& direction) {
+  const Mat3 turn = frame.transpose() * known_frame;
+  return (turn.topLeftCorner<2, 2>() * direction).normalized();
+}
+
 // Adds an impulse on the second side of a point, and its opposite on the first.
 void push(CoulombBodies& bodies, const CoulombPoint& law, const Vec3& impulse_W) {
   const auto give = [&](Index body, const Vec3& arm, const Vec3& part_W) {
@@ -299,8 +305,7 @@ void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, doubl
     const bool keeps = friction == Friction::KeepsDirection;
     if (keeps && ahead.norm() <= slow_) {
       // It stops in the middle of the segment: the speed there has no direction.
-      const Mat3 to_later = later.law[m].frame.transpose() * law.frame;
-      later.law[m].slide = (to_later.topLeftCorner<2, 2>() * law.slide).normalized();
+      later.law[m].slide = inPlaneOf(later.law[m].frame, law.frame, law.slide);
     } else if (!ahead.isZero(0.0)) {
       later.law[m].slide = ahead.normalized();
       if (keeps && u_T.dot(law.slide) < 0.0) later.law[m].slide *= -1.0;
@@ -323,8 +328,7 @@ void Stepper::expectTorques(const CoulombProblem& kick, const CoulombBodies& dri
     const Vec3 u = turningOf(kick.bodies, law), ahead = turningAt(drifted, aimed);
     const bool keeps = friction == Friction::KeepsDirection;
     if (keeps && ahead.head<2>().norm() <= slow_) {
-      const Mat3 to_later = aimed.frame.transpose() * law.frame;
-      aimed.rolls = (to_later.topLeftCorner<2, 2>() * law.rolls).normalized();
+      aimed.rolls = inPlaneOf(aimed.frame, law.frame, law.rolls);
     } else if (keeps ? !law.rolls.isZero(0.0) : !u.head<2>().isZero(0.0)) {
       aimed.rolls = ahead.head<2>().normalized();
       if (keeps && u.head<2>().dot(law.rolls) < 0.0) aimed.rolls *= -1.0;
