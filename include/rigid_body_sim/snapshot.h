@@ -49,7 +49,9 @@ struct BodyState {
 /// Points are those at the end of the step, and those that have opened in it after they had pushed. Impulses
 /// are over the whole step, impacts included: a body's momentum changes by its loads and by these, to
 /// rounding. The exceptions are bodies that overlap deeply, and at the fast settings those that turn by more
-/// than 128 rad in a step or travel 128 times their size: they are kept from gaining energy.
+/// than 128 rad in a step or travel 128 times their size: they are kept from gaining energy. Of a body that meets a heap
+/// of many others in that step the loads may act for longer than the step, by no more than its length
+/// (docs/performance.md).
 /// `normal_impulse n_W + friction_impulse` is the whole impulse from a to b at the point, also where the
 /// normal has turned within the step. A contact of sleeping bodies reports the forces with which they fell
 /// asleep, times the step.

@@ -49,8 +49,8 @@ struct Grab {
 };
 
 /// What a saved state holds beyond the definitions of its bodies. Together with World::capture() it resumes a
-/// run bit for bit, but for grabs and holds, which are not saved. Indices are those of
-/// SceneDef::bodies.
+/// run bit for bit; without grabs, holds and frozen bodies where World::captureState() made it. Indices are those
+/// of SceneDef::bodies.
 struct SavedState {
   double time = 0.0;        ///< physics time, s, >= 0
   std::uint64_t steps = 0;  ///< steps since the scene began
@@ -218,7 +218,7 @@ class World {
 
   // --- surroundings
 
-  /// Sets the gravity in W, m/s², each component at most Limits::max_gravity; zero is none. Wakes all. Cost:
+  /// Sets the gravity in W, m/s², of a length of at most Limits::max_gravity; zero is none. Wakes all. Cost:
   /// an analysis of n bodies.
   void setGravity(const Vec3& gravity_W);
   /// Sets the air. Empty takes it away, and the wind with it. Throws InvalidInput for a density out of range.

@@ -105,6 +105,15 @@ TEST(SavedStates, ThatNoWorldLeavesAreRefused) {
   ASSERT_EQ(twice.contacts.size(), 1u);
   twice.contacts.push_back(twice.contacts.front());
   EXPECT_THROW(World(world.capture(), twice), InvalidInput);
+  for (const std::uint32_t body : {0u, 1u}) {  // the floor, and the ball
+    SavedState asleep = world.captureState();
+    asleep.rest.push_back({body, 99, body});
+    if (scene.bodies[body].kind == BodyKind::Dynamic) {
+      EXPECT_NO_THROW(World(world.capture(), asleep));
+    } else {
+      EXPECT_THROW(World(world.capture(), asleep), InvalidInput) << "what forces do not move does not sleep";
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, ResumedState, ::testing::ValuesIn(kFidelities),

@@ -219,6 +219,19 @@ TEST(Undo, TellsWhatNoFileHolds) {
   EXPECT_FALSE(simulator.snapshot()->unsaved);
 }
 
+TEST(Undo, AnEditThatFailsLeavesTheSettingsAsTheyWere) {
+  Simulator simulator(twoBoxes(), paused());
+  const Fidelity before = simulator.snapshot()->fidelity.preset;
+  const Fidelity other = before == Fidelity::Preview ? Fidelity::Accurate : Fidelity::Preview;
+  EXPECT_THROW(simulator.apply([&](World& world) -> std::string {
+    world.setFidelity(other);
+    world.removeBody(BodyId{99});
+    return "dial";
+  }),
+               InvalidInput);
+  EXPECT_EQ(simulator.snapshot()->fidelity.preset, before);
+}
+
 TEST(Undo, DoesNotCountWhatChangesNothing) {
   Simulator simulator(twoBoxes(), paused());
   EXPECT_THROW(simulator.apply([](World& world) -> std::string {

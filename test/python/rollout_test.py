@@ -54,6 +54,13 @@ class RolloutTest(unittest.TestCase):
         self.assertIn('non_finite', flags[1])
         self.assertEqual(flags[2], ())
 
+    def test_equal_rollouts_compare_as_equal_also_where_they_hold_nothing(self):
+        scenes = [rbs.Scene.load('tower'), rbs.Scene.load('ball_hits_wall')]  # of unequal size: NaN where a body is missing
+        one, other = rbs.rollout(scenes, 3), rbs.rollout(scenes, 3)
+        self.assertTrue(np.isnan(one.states).any())
+        self.assertTrue(one == other)
+        self.assertTrue(one != rbs.rollout(scenes, 4))
+
     def test_a_scene_does_not_change(self):
         scene = scenes()[-1]
         text = scene.to_yaml()

@@ -403,6 +403,19 @@ class KeptTest(unittest.TestCase):
             world = world_of('shapes', 40)
             self.check_same_future(world, make(world))
 
+    def test_answers_of_equal_worlds_are_equal(self):
+        one, other = world_of('tower', 5), world_of('tower', 5)
+        answers = [lambda world: world.bodies(), lambda world: world.totals(),
+                   lambda world: world.cast_ray([0, 0, 50], [0, 0, -1]),
+                   lambda world: world.closest_points(world.names[0], world.names[1])]
+        for answer in answers:
+            self.assertTrue(answer(one) == answer(other))
+            self.assertFalse(answer(one) != answer(other))
+        other.step()
+        self.assertTrue(one.totals() != other.totals())
+        self.assertFalse(one.totals() == other.totals())
+        self.assertFalse(one.totals() == tuple(one.totals()))
+
     def test_a_file_resumes_the_run_with_its_forces(self):
         world = world_of('tower', 20)
         world.grab(world.names[-1], [1, 1, 5])

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "coulomb/cone.h"
 
+#include "base/bracket.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
-#include <utility>
 
 namespace rbs {
 
@@ -19,7 +20,7 @@ using Mat2 = Eigen::Matrix2d;
 // Friction opposes sliding: u_T = -a r_T with a >= 0, so r_T(a) = -(S + a)^-1 p. What is left is one equation
 // in a: |r_T(a)| = mu r_n(a). At a = 0 (sticking) the left side is larger, or this would not be called; as a
 // grows r_T vanishes and r_n tends to -q_n/W_nn > 0. So there is a root, found by bisection on the exponent
-// first and Illinois' false position then.
+// first and by false position then.
 class Sliding {
  public:
   Sliding(const Mat3& W, const Vec3& q, double mu)
@@ -34,22 +35,16 @@ class Sliding {
   Vec3 solve() const {
     double low = 0.0, high = std::max(values_[1], 1e-300);
     while (excess(high) > 0.0) low = high, high *= 4.0;
-    double f_low = excess(low), f_high = excess(high);
-    for (int k = 0, side = 0; k < 200 && high - low > 1e-16 * high; ++k) {
-      double a =
-          low == 0.0 || k % 8 == 7 ? 0.5 * (low + high) : (low * f_high - high * f_low) / (f_high - f_low);
-      if (!(a > low && a < high)) a = 0.5 * (low + high);
+    Bracket root(low, excess(low), high, excess(high));
+    for (int k = 0; k < 200 && root.width() > 1e-16 * root.high(); ++k) {
+      const double middle = 0.5 * (root.low() + root.high());
+      double a = root.low() == 0.0 || k % 8 == 7 ? middle : root.guess();
+      if (!(a > root.low() && a < root.high())) a = middle;
       const double f = excess(a);
       if (f == 0.0) return impulse(a);
-      if (f > 0.0) {
-        low = a, f_low = f;
-        if (std::exchange(side, -1) == -1) f_high *= 0.5;
-      } else {
-        high = a, f_high = f;
-        if (std::exchange(side, 1) == 1) f_low *= 0.5;
-      }
+      root.narrow(a, f);
     }
-    Vec3 r = impulse(high);
+    Vec3 r = impulse(root.high());
     const double length = r.head<2>().norm();
     if (length > 0.0) r.head<2>() *= mu_ * r[2] / length;  // on the cone to rounding
     return r;

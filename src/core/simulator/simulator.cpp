@@ -157,7 +157,7 @@ struct Simulator::Impl {
     try {
       what = edit(world);
     } catch (...) {
-      if (world.edits() != edits) takeBack(std::move(before), recorded);
+      takeBack(std::move(before), recorded);
       throw;
     }
     if (world.edits() == edits) return;

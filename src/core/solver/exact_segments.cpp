@@ -23,8 +23,8 @@ constexpr double kMostSunk = 2e-5, kSoftSunk = 1e-3;
 constexpr double kMostGained = 1e-4;
 // Of the margin at which pairs are looked at: where to stop widening it.
 constexpr double kFarthest = 256.0;
-// Cuts at stops that the search for the loss of a contact counts for.
-constexpr int kLossWork = 10;
+// Cuts at stops that the searches for the loss of a contact and for a landing count for.
+constexpr int kLossWork = 10, kLandingWork = 3;
 
 }  // namespace
 
@@ -92,12 +92,17 @@ void Stepper::findSegment() {
     const std::size_t stops = stops_.size(), losses = losses_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
+    const bool is_alone = island_.indices().size() == 1;
+    if ((is_alone || !promoted_) && !segment_.landing.empty() && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
+      cuts_ -= points;
+      if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * points;
+    }
     if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !budget_.isSpent()) {
       cuts_ -= points;
       stops_.push_back(segment_.slip_left.of);
       cutAtStop(tau_, segment_);
     }
-    if (island_.indices().size() == 1 && cuts_ >= kLossWork * points && !budget_.isSpent())
+    if (is_alone && cuts_ >= kLossWork * points && !budget_.isSpent())
       if (const std::optional<Loss> loss = lossIn(segment_, tau_)) {
         cuts_ -= points;
         losses_.push_back(loss->contact);

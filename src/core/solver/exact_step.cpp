@@ -29,7 +29,8 @@
 // What resists turning (TorqueConstraint) is friction with torques for forces: all that is said of sliding holds
 // for rolling and spinning.
 //
-// Events. Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll) within
+// Events. A velocity jumps where a point comes down that was open: the segment of a body alone is cut there
+// (exact_landings.cpp). Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll) within
 // the segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still against
 // the old direction, passes zero. The other is the loss of a support: a ball runs over an edge. The segment is then cut
 // where it comes. The onset of sliding, and lift-off from what goes on below, are continuous in the force, so a step that
@@ -81,6 +82,11 @@ bool isCarriedRound(const Context& context, const std::vector<Index>& contacts) 
   });
 }
 
+// Whether nothing has pushed a point yet that comes down without a rebound.
+bool isOpen(const TouchingPoint& point) {
+  return point.gap > kTouch * point.length && point.force_W.isZero(0.0) && std::isinf(point.rebounds_from);
+}
+
 std::vector<Index> sorted(std::vector<Index> list) {
   std::sort(list.begin(), list.end());
   return list;
@@ -105,10 +111,11 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   for (std::size_t k = 0; k < island_.indices().size(); ++k)
     slots_.set(island_.indices()[k], static_cast<Index>(k));
   const SolverSettings& settings = context.step.solver;
+  const bool is_alone = island_.indices().size() == 1;
   tolerance_ = settings.tolerance;
-  wanted_tolerance_ = island_.indices().size() == 1 ? std::min(settings.wanted_tolerance, kLoneTolerance)
-                                                    : settings.wanted_tolerance;
-  corrections_ = std::max(settings.corrections, isCarriedRound(context, active_) ? 1 : 0);
+  wanted_tolerance_ =
+      is_alone ? std::min(settings.wanted_tolerance, kLoneTolerance) : settings.wanted_tolerance;
+  corrections_ = std::max(settings.corrections, is_alone || isCarriedRound(context, active_) ? 1 : 0);
   promoted_ = settings.promotes;
   cuts_ = promoted_ && island_.indices().size() > 1 ? 0 : settings.cuts;
   slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
@@ -225,17 +232,20 @@ std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
-Stepper::Segment Stepper::trySegment(double tau, Friction friction) {
+Stepper::Segment Stepper::trySegment(double tau, Friction friction, Landed landed) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies at_start = island_.bodies();
   const Slip slip = slipNow();
   CoulombProblem kick = firstKick(slip, tau, friction);
   Segment segment;
   solveAndDrift(kick, at_start, tau, segment);
+  for (std::size_t k = 0; k < kick.points.size(); ++k)
+    if (kick.points[k].impulse[2] > 0.0 && isOpen(touching_.points[k]))
+      segment.landing.push_back(static_cast<Index>(k));
   const double lasting =
       lastingShare(segment.first, touching_, kick.points, 0.5 * tau, at_start, kick.bodies);
   expectSecondKick(kick, lasting, tau, friction, segment);
-  solveSecondKick(slip, tau, friction, segment);
+  solveSecondKick(slip, tau, friction, landed, segment);
   segment.end = island_.save();
   island_.restore(start);
   return segment;
@@ -299,12 +309,16 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
 }
 
 // The other half of the load, and impulses at the points that touch after the drift.
-void Stepper::solveSecondKick(const Slip& slip, double tau, Friction friction, Segment& segment) {
+void Stepper::solveSecondKick(const Slip& slip, double tau, Friction friction, Landed landed,
+                              Segment& segment) {
   TouchingPoints& later = segment.touching;
   const CoulombBodies drifted = island_.bodies();
   CoulombBodies after = drifted;
   island_.addLoad(after, 0.5 * tau);
   TouchingPoints aimed = later;
+  if (landed == Landed::GoesOn)
+    for (TouchingPoint& point : aimed.points)
+      if (touching_.matching(point) == kNone) point.gap = std::numeric_limits<double>::infinity();
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);
   island_.setTwists(after);
   segment.squeezing = squeezingOf(later, after);

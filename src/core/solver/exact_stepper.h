@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -77,6 +78,7 @@ class Stepper : public InnerRows {
     std::vector<BodyMotion> end;
     TouchingPoints touching;
     PointsOfContacts opened;      // in between
+    std::vector<Index> landing;   // points that were open at its start and that its first kick stops
     CoulombResult first, second;  // of its kicks
     std::vector<double> push;     // by point of its end: the normal force there, N
     Left slip_left;
@@ -87,7 +89,15 @@ class Stepper : public InnerRows {
     Index contact;
     double push;  // normal force before, N
   };
+  // A point that comes down at the end of a segment.
+  struct Landing {
+    double share =
+        std::numeric_limits<double>::infinity();  // of its gap in the smaller length; infinite: there is none
+    double speed = 0.0;                           // along the normal, m/s; negative: it closes
+  };
   enum class Friction { Free, KeepsDirection };
+  // What the second kick does with points that were not among those of the start.
+  enum class Landed { Stops, GoesOn };
 
   // A segment (exact_step.cpp). solve() corrects overlaps, makes the velocities of now obey the law, and finds a segment;
   // integrate() goes to its end.
@@ -96,10 +106,10 @@ class Stepper : public InnerRows {
   bool hasMissedContact(const TouchingPoints& later) const;
   double deepestShare(const TouchingPoints& touching) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
-  Segment trySegment(double tau, Friction friction);
+  Segment trySegment(double tau, Friction friction, Landed landed = Landed::Stops);
   CoulombProblem firstKick(const Slip& slip, double tau, Friction friction) const;
   void solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau, Segment& segment);
-  void solveSecondKick(const Slip& slip, double tau, Friction friction, Segment& segment);
+  void solveSecondKick(const Slip& slip, double tau, Friction friction, Landed landed, Segment& segment);
   // Points that a segment met and that were not known when it began.
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
@@ -141,6 +151,10 @@ class Stepper : public InnerRows {
   bool correctOverlaps();
   bool isWayOut(const CoulombProblem& problem) const;
   void giveAngularMomentumBack(const CoulombProblem& displaced);
+
+  // Where a velocity jumps, a segment ends (exact_landings.cpp): a point that was open comes down.
+  Landing landingAfter(double tau);
+  bool cutAtLanding(double& tau, Segment& segment);
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
   Slip slipNow() const;

@@ -2,6 +2,8 @@
 // Where a segment ends early: at a point whose sliding stops, a pair that stops turning, or a contact that comes off at once.
 #include "solver/exact_stepper.h"
 
+#include "base/bracket.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -94,10 +96,8 @@ Stepper::Left Stepper::slipLeft(const Slip& slip, const TouchingPoints& later, c
   return least;
 }
 
-// Finds where the first sliding point stops, by the Illinois rule on its speed: a straight line under
-// constant forces, so that two attempts are enough. The rule halves the speed at an end of the bracket that has stayed twice
-// (M. Dowell and P. Jarratt, "A modified regula falsi method", BIT 11, 1971). The residual speed of a solve cannot be
-// distinguished from rest.
+// Finds where the first sliding point stops, by false position on its speed: a straight line under constant forces, so that two
+// attempts are enough. The residual speed of a solve cannot be distinguished from rest.
 void Stepper::cutAtStop(double& tau, Segment& segment) {
   const auto none = [&](const Left& left) {
     return std::abs(left.share) < 1e-13 ||
@@ -105,24 +105,21 @@ void Stepper::cutAtStop(double& tau, Segment& segment) {
   };
   const double f_tau = trySegment(tau, Friction::KeepsDirection).slip_left.share;
   if (f_tau >= 0.0) return;
-  double low = 0.0, high = tau, f_low = 1.0, f_high = f_tau;  // as the rule weighs them
-  double before = 1.0, after = f_tau;                         // as they are
-  const auto isJump = [&] { return (before - after) * tau > kSteep * (1.0 - f_tau) * (high - low); };
-  for (int k = 0, side = 0; k < 12 && high - low > 1e-14 * tau && !isJump(); ++k) {
-    const double middle = (low * f_high - high * f_low) / (f_high - f_low);
+  Bracket stop(0.0, 1.0, tau, f_tau);
+  double before = 1.0, after = f_tau, found = tau;
+  const auto isJump = [&] { return (before - after) * tau > kSteep * (1.0 - f_tau) * stop.width(); };
+  for (int k = 0; k < 12 && stop.width() > 1e-14 * tau && !isJump(); ++k) {
+    const double middle = stop.guess();
     const Left left = trySegment(middle, Friction::KeepsDirection).slip_left;
-    const double f = left.share;
     if (none(left)) {
-      low = high = middle;
-    } else if (f > 0.0) {
-      low = middle, f_low = before = f;
-      if (std::exchange(side, -1) == -1) f_high *= 0.5;
-    } else {
-      high = middle, f_high = after = f;
-      if (std::exchange(side, 1) == 1) f_low *= 0.5;
+      found = middle;
+      break;
     }
+    stop.narrow(middle, left.share);
+    (left.share > 0.0 ? before : after) = left.share;
+    found = stop.high();
   }
-  tau = high;
+  tau = found;
   segment = trySegment(tau, Friction::Free);
 }
 

@@ -2,6 +2,7 @@
 #include "solver/impact_law.h"
 
 #include "base/algebra.h"
+#include "base/bracket.h"
 #include "coulomb/cone.h"
 #include "coulomb/coulomb.h"
 
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 namespace rbs {
 
@@ -223,22 +223,17 @@ std::array<Vec3, Manifold::kPoints> collideBodies(ImpactSide& a, ImpactSide& b, 
   const double rounding = kRoundedGain * mass * speed * speed;
   const double gain = impact.solve(law.restitution, a, b);
   if (gain <= rounding) return impact.impulses_W();
-  // The root of gain(e) by false position, where an end that stays counts half as much each time (Illinois
-  // method: M. Dowell, P. Jarratt, BIT 11, 1971).
-  double low = 0.0, high = law.restitution, at_low = impact.solve(0.0, a, b), at_high = gain;
-  for (int k = 0, side = 0; k < kMostSolves && at_low < 0.0 && high - low > kRoundedGain; ++k) {
-    const double e = std::clamp(low - at_low * (high - low) / (at_high - at_low), low, high);
+  // The root of gain(e): the largest restitution found that adds nothing.
+  double at_low = impact.solve(0.0, a, b);
+  Bracket root(0.0, at_low, law.restitution, gain);
+  for (int k = 0; k < kMostSolves && at_low < 0.0 && root.width() > kRoundedGain; ++k) {
+    const double e = std::clamp(root.guess(), root.low(), root.high());
     const double at_e = impact.solve(e, a, b);
-    if (at_e <= 0.0) {
-      low = e, at_low = at_e;
-      if (std::exchange(side, -1) == -1) at_high *= 0.5;
-      if (at_e >= -rounding) break;
-    } else {
-      high = e, at_high = at_e;
-      if (std::exchange(side, 1) == 1) at_low *= 0.5;
-    }
+    root.narrow(e, at_e);
+    if (at_e <= 0.0) at_low = at_e;
+    if (at_e <= 0.0 && at_e >= -rounding) break;
   }
-  impact.solve(low, a, b);
+  impact.solve(root.low(), a, b);
   return impact.impulses_W();
 }
 

@@ -100,7 +100,7 @@ void SolverContacts::find(double now, double left, double h) {
   last_.clear();
   for (const Index k : batch_.contacts) {
     const Contact& contact = context_.scene.contacts.active[k];
-    if (!contact.state.isSolved()) continue;
+    if (!contact.state.isForSolver()) continue;
     const Index i = slotOf(contact.i), j = slotOf(contact.j);
     if (bodies[i].inv_mass > 0.0 && bodies[j].inv_mass > 0.0) {
       add(k, i, j);

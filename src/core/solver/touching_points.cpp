@@ -50,7 +50,7 @@ TouchingPoints findTouching(const Context& context, const std::vector<Index>& ac
   out.law.reserve(4 * active.size());
   for (const Index k : active) {
     const Contact& contact = context.scene.contacts.active[k];
-    if (!contact.state.isSolved()) continue;
+    if (!contact.state.isForSolver()) continue;
     const Index i = contact.i, j = contact.j;
     const Traits &a = bodies.traits[i], &b = bodies.traits[j];
     const Pose X_i = step.poseAt(bodies, i, time), X_j = step.poseAt(bodies, j, time);
@@ -115,6 +115,22 @@ void TouchingPoints::add(const TouchingPoint& point, const CoulombPoint& its_law
     if (torque.contact == point.contact) ++torque.law.size;
     if (torque.contact > point.contact) ++torque.law.first;
   }
+}
+
+TouchingPoints TouchingPoints::without(const std::vector<Index>& left_out) const {
+  TouchingPoints rest;
+  const auto isLeftOut = [&](Index k) { return std::binary_search(left_out.begin(), left_out.end(), k); };
+  for (Index k = 0; k < points.size(); ++k)
+    if (!isLeftOut(k)) rest.points.push_back(points[k]), rest.law.push_back(law[k]);
+  for (TouchingTorque torque : torques) {
+    const Index end = torque.law.first + torque.law.size;
+    const auto placeOf = [&](Index k) {
+      return k - static_cast<Index>(std::lower_bound(left_out.begin(), left_out.end(), k) - left_out.begin());
+    };
+    torque.law.first = placeOf(torque.law.first), torque.law.size = placeOf(end) - torque.law.first;
+    if (torque.law.size > 0) rest.torques.push_back(torque);
+  }
+  return rest;
 }
 
 LastNormal LastNormals::of(Index k, const Contact& contact, double least) const {

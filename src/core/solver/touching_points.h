@@ -48,6 +48,8 @@ struct TouchingPoints {
   Index matching(const TouchingTorque& other) const;
   /// Adds a point to a contact that has some.
   void add(const TouchingPoint& point, const CoulombPoint& its_law);
+  /// These points but for some, which are given in rising order.
+  TouchingPoints without(const std::vector<Index>& left_out) const;
   /// Takes over forces and impulses of another instant. Points of that which are not here any more join the
   /// opened ones.
   void inherit(const TouchingPoints& other, PointsOfContacts& opened);

@@ -27,7 +27,7 @@ namespace rbs {
 class PairState {
  public:
   /// The contact solver looks at the pair: it touches, or may touch in this step.
-  bool isSolved() const { return at_ == At::Candidate || at_ == At::Touching || at_ == At::Missed; }
+  bool isForSolver() const { return at_ == At::Candidate || at_ == At::Touching || at_ == At::Missed; }
   /// It may touch in this step, and does not yet.
   bool isCandidate() const { return at_ == At::Candidate; }
   /// Its points bore a force when the step began, or an impact has left the bodies together since.

@@ -192,7 +192,6 @@ void separate(Context& context) {
     for (Contact* contact : crowded) keepDepth(context.scene.bodies, *contact);
   }
   if (context.scene.just_edited) warn(context);
-  context.scene.just_edited = false;
 }
 
 }  // namespace rbs::depenetration

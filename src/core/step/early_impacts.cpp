@@ -30,7 +30,11 @@ class IslandBefore {
       poses_.push_back(context.scene.bodies.pose[i]);
       twists_.push_back(context.scene.bodies.twist[i]);
     }
-    for (const Index k : island_.contacts) contacts_.push_back(context.scene.contacts.active[k]);
+    for (const Index k : island_.contacts) {
+      const Contact& contact = context.scene.contacts.active[k];
+      contacts_.push_back(contact);
+      for (const Index i : {contact.i, contact.j}) touched_.emplace_back(i, context.step.touched[i]);
+    }
   }
   // All but the work that its solves have cost, and whether that was too much for the exact step.
   void putBack(Context& context) const {
@@ -45,6 +49,7 @@ class IslandBefore {
     }
     auto contact = contacts_.begin();
     for (const Index k : island.contacts) context.scene.contacts.active[k] = *contact++;
+    for (const auto& [i, touched] : touched_) context.step.touched[i] = touched;
   }
 
  private:
@@ -53,6 +58,7 @@ class IslandBefore {
   std::vector<Pose> poses_;
   std::vector<Twist> twists_;
   std::vector<Contact> contacts_;
+  std::vector<std::pair<Index, char>> touched_;  // of the bodies of these contacts
 };
 
 // The trajectories of the bodies of islands before these are advanced; others stay on theirs.

@@ -66,18 +66,30 @@ class ImpactLoop {
 
  private:
   void takeAll() {
+    do {
+      takeQueued();
+      // What other impacts have sent off its trajectory is not awaited any more.
+      const std::vector<Contact>& active = context_.scene.contacts.active;
+      for (Index k = 0; k < active.size(); ++k)
+        if (active[k].state.awaitsImpact()) contacts_.separateOrConnect(active[k].i, active[k].j);
+      followSetBack();
+    } while (!queue_.empty());
+  }
+
+  void takeQueued() {
     while (!queue_.empty()) {
       const PendingImpact impact = queue_.top();
       queue_.pop();
       if (step_.stamp[impact.i] != impact.stamp_i || step_.stamp[impact.j] != impact.stamp_j) continue;
       budget_.takeImpact(impacts::losesEnergy(context_.scene, impact.i, impact.j)) ? take(impact)
                                                                                    : overBudget(impact);
-      for (const Index i : contacts_.takeSetBack()) beginAnew(i, step_.timeOf(i));
+      followSetBack();
     }
-    // What other impacts have sent off its trajectory is not awaited any more.
-    const std::vector<Contact>& active = context_.scene.contacts.active;
-    for (Index k = 0; k < active.size(); ++k)
-      if (active[k].state.awaitsImpact()) contacts_.separateOrConnect(active[k].i, active[k].j);
+  }
+
+  // Bodies whose clock has been set back are on new trajectories.
+  void followSetBack() {
+    for (const Index i : contacts_.takeSetBack()) beginAnew(i, step_.timeOf(i));
   }
 
   struct Later {
@@ -115,20 +127,19 @@ class ImpactLoop {
   // Brings both islands to the impact if the budget allows it, unless their contacts bring others together before.
   Brought advanceBoth(const PendingImpact& impact) {
     std::uint64_t cost = 0;
-    for (const Island* island : {islandOf(impact.i), islandOf(impact.j)})
-      if (island && island->time < impact.time && island->constraints() > kSmallIsland)
-        cost += island->constraints();
-    if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
-    if (!budget_.takeCut(step_.movedOf(impact.i, impact.j), step_.movedOf(impact.j, impact.i), cost))
-      return Brought::Expensive;
     std::vector<Index> brought;  // islands
     bool watched = false;
     for (const Index i : {impact.i, impact.j}) {
       const Index place = step_.island[i];
       if (place == kNone || (!brought.empty() && brought.front() == place)) continue;
       brought.push_back(place);
-      watched = watched || isWatched(step_, step_.islands[place], impact.time);
+      const Island& island = step_.islands[place];
+      if (island.time < impact.time && island.constraints() > kSmallIsland) cost += island.constraints();
+      watched = watched || isWatched(step_, island, impact.time);
     }
+    if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
+    if (!budget_.takeCut(step_.movedOf(impact.i, impact.j), step_.movedOf(impact.j, impact.i), cost))
+      return Brought::Expensive;
     if (!watched) {
       for (const Index place : brought) advanceTo(context_, step_.islands[place], impact.time);
       return Brought::Both;
@@ -194,7 +205,7 @@ class ImpactLoop {
       const Index contact = contacts_.find(a, b);
       if (contact != kNone) {
         const PairState& state = context_.scene.contacts.active[contact].state;
-        if (state.isDepenetrating() || (state.isSolved() && contacts_.isConstraint(contact))) return;
+        if (state.isDepenetrating() || (state.isForSolver() && contacts_.isConstraint(contact))) return;
       }
       if (!isPushedTogether(a, b)) found.push_back(j);
     };
@@ -261,6 +272,8 @@ class ImpactLoop {
     // Bodies that rebound come to touch one after the other, and some only nearly do when the last impact is over.
     for (Island& island : step_.islands)
       if (isStruck(island)) promoteCrushed(island);
+    followSetBack();
+    takeAll();
   }
 
   // Contacts may push every body of a set in which something touches off its predicted motion. So what that motion

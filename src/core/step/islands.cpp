@@ -15,7 +15,7 @@ namespace {
 void contactEdges(const Context& context, std::vector<Edge>& edges) {
   const Contacts& contacts = context.scene.contacts;
   for (Index k = 0; k < contacts.active.size(); ++k)
-    if (contacts.active[k].state.isSolved()) edges.push_back(edgeOf(contacts, k));
+    if (contacts.active[k].state.isForSolver()) edges.push_back(edgeOf(contacts, k));
 }
 
 // A row for each kind of constraint: it adds the edges that the kind has in this step, in canonical order.

@@ -28,9 +28,9 @@ struct SolvedPairs {
     for (const Contact& contact : contacts.active) {
       const PairState& state = contact.state;
       const std::pair pair(contact.i, contact.j);
-      if (state.isMissed() || state.isDepenetrating() || (state.isSolved() && !contact.points.empty()))
+      if (state.isMissed() || state.isDepenetrating() || (state.isForSolver() && !contact.points.empty()))
         with_points.push_back(pair);
-      else if (state.isSolved())
+      else if (state.isForSolver())
         without.push_back(pair);
     }
     std::sort(with_points.begin(), with_points.end());

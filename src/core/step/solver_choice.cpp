@@ -7,7 +7,7 @@
 //   arches         thrust, which friction holds only while the bodies stand as they were put
 //   weight near an edge, and bodies that lie on a free one by a point or a line: what sinks in also tilts
 //   crushed bodies a light one that a heavy one presses on sinks in until it is squirted out
-//   what slides or rolls alone: the solve of one body takes no longer than its sub-steps.
+//   what slides, tips over or rolls alone: the solve of one body takes not much longer than its sub-steps.
 // A direct solve minds none of them. It is cheap where the forces of the last step still hold, and expensive where bodies
 // tumble; there the errors of the soft step do not show. So only islands are promoted that are small and calm: nothing moves
 // faster than what gravity adds in a step or two, as seen from something that carries them, or from their centre of mass. What
@@ -42,8 +42,8 @@ constexpr Stiffness kEnter{6, 10.0, 10.0, 120, 0.5, 1e-2}, kStay{4, 5.0, 10.0, 1
 // g h: blocks that are let go a little above each other fall for a step, and the soft step makes them faster still.
 constexpr std::size_t kFewPairs = 30;
 constexpr double kFewCalm = 3.0;
-// The most pairs of a body that is alone, and how fast its surface may turn, share of g h: one that tips over or tumbles comes to
-// lie on other points within a step, and costs more.
+// The most pairs of a body that is alone; and how fast the surface of one with a rim may turn, share of g h: its rim comes round,
+// which asks for many segments of a step.
 constexpr std::size_t kSimplePairs = 3;
 constexpr double kSteady = 0.01;
 // How far something round may go along a body in a step, share of its length, and not run along it.
@@ -181,14 +181,16 @@ bool isJolted(const Context& context, const Island& island, double least, double
   return std::any_of(carriers.begin(), carriers.end(), jolts);
 }
 
-// Whether an island is a body that slides, or rolls on a plane: a direct solve costs it no more than the sub-steps of the soft
-// step. What rolls along a body runs over an edge at its end, which the soft step finds in each of its sub-steps.
+// Whether an island is a body that slides, tips over, or rolls on a plane: a direct solve costs it little more than the sub-steps
+// of the soft step. What is round and rolls along a body runs over an edge at its end, which the soft step finds in each of its
+// sub-steps.
 bool isSimple(const Context& context, const Island& island, double fall) {
   const Bodies& bodies = context.scene.bodies;
   if (island.bodies.size() > 1 || island.contacts.size() > kSimplePairs) return false;
   const Index i = island.bodies.front();
   const Traits& traits = bodies.traits[i];
-  if (traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
+  if (traits.revolved &&
+      traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
     return false;
   const auto runsAlong = [&](Index k) {
     const Contact& contact = context.scene.contacts.active[k];

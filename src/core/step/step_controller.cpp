@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "step/impact_loop.h"
+#include "step/impacts.h"
 #include "step/island_step.h"
 #include "step/missed_contacts.h"
 #include "step/restart.h"
@@ -15,18 +16,21 @@ namespace rbs::step_controller {
 
 namespace {
 
-// Whether contacts may push something: some are there, or impacts may leave bodies in contact; or impacts may send
-// something into a sleeper.
+// Whether contacts may push something, or something comes where it was not expected: contacts are there; or impacts may leave
+// bodies in contact, as those do that lose energy, or send something into a sleeper; or drag or a torque changes a way.
 bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
-  if (!step.impacts.empty() && context.analysis.asleep > 0) return true;
-  const std::vector<Contact>& contacts = context.scene.contacts.active;
-  const auto stays = [&](const Contact& contact) {
-    return context.scene.restitutionOf(contact.i, contact.j) == 0.0;
-  };
   const auto isConnected = [](const Island& island) { return !island.flies(); };
-  return std::any_of(step.islands.begin(), step.islands.end(), isConnected) ||
-         (!step.impacts.empty() && std::any_of(contacts.begin(), contacts.end(), stays));
+  if (std::any_of(step.islands.begin(), step.islands.end(), isConnected)) return true;
+  if (step.impacts.empty()) return false;
+  if (context.analysis.asleep > 0 || !step.load_without_drag.empty()) return true;
+  const std::vector<Contact>& contacts = context.scene.contacts.active;
+  const std::vector<Index>& moved = context.scene.lists.in_islands;
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [&](const Contact& contact) {
+                       return impacts::losesEnergy(context.scene, contact.i, contact.j);
+                     }) ||
+         std::any_of(moved.begin(), moved.end(), [&](Index i) { return !step.load[i].torque_W.isZero(0.0); });
 }
 
 // Whether some of these pairs are with sleepers, which are to wake.

@@ -89,7 +89,8 @@ void checkUserForces(const SavedState& saved, Index bodies, std::vector<Problem>
 
 }  // namespace
 
-std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, Index bodies) {
+std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, const Bodies& known) {
+  const Index bodies = known.size();
   std::vector<Problem> problems;
   // From then on a part of a step is off by more than this share of its length, since rounding is.
   constexpr double kOff = 1e-3;
@@ -123,6 +124,8 @@ std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings,
   for (const SavedState::Rest& rest : saved.rest)
     if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
       problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
+    else if (rest.asleep_with && known.traits[rest.body].kind != BodyKind::Dynamic)
+      problems.push_back({"state.rest", std::to_string(rest.body), "a dynamic body where it is asleep"});
   for (const SavedState::Wrench& wrench : saved.wrenches) {
     if (wrench.body >= bodies)
       problems.push_back({"state.wrenches", std::to_string(wrench.body), "the index of a body"});

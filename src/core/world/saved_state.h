@@ -10,8 +10,8 @@ namespace rbs {
 SavedState captureState(const SceneStore& scene);
 SavedState captureExactState(const SceneStore& scene);
 
-/// Every fault of a saved state of this number of bodies, in a world with these settings.
-std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, Index bodies);
+/// Every fault of a saved state of these bodies, in a world with these settings.
+std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, const Bodies& known);
 
 /// Restores the time, the contacts and the wrenches of a sound state. To be called before analyseScene().
 void restoreForces(const SavedState& saved, SceneStore& scene);

@@ -58,7 +58,7 @@ World::World(SceneDef scene, const std::optional<SavedState>& saved) : impl_(std
   impl_->scene.settings = settingsOnly(std::move(scene));
   impl_->nameBodies(bodies);
   for (const BodyDef& body : bodies) impl_->scene.bodies.append({impl_->next_serial++}, body);
-  if (saved) throwIfAny(validate(*saved, impl_->scene.settings, impl_->scene.bodies.size()));
+  if (saved) throwIfAny(validate(*saved, impl_->scene.settings, impl_->scene.bodies));
   if (saved) restoreForces(*saved, impl_->scene), restoreUserForces(*saved, impl_->scene);
   impl_->edited(true);
   if (saved && restoreRotationAndRest(*saved, impl_->scene)) impl_->recount();
@@ -324,6 +324,7 @@ void World::Impl::advance(double to) {
   assert(invariants::hold(invariants::broken(scene, step)));
   scene.contacts.endStep([this](const Contact& contact) { return scene.isAsleep(contact); });
   scene.time = to;
+  scene.just_edited = false;
 
   // What the step itself has changed is no edit: a copy of the world that runs beside it has taken the step
   // as well.

@@ -28,6 +28,24 @@ def _with_field_docs(cls: type[_T]) -> type[_T]:
     return cls
 
 
+def _compares_arrays(cls: type[_T]) -> type[_T]:
+    """Makes two named tuples equal where all their fields are, arrays by shape and numbers (a NaN is equal
+    to a NaN). A plain tuple raises ValueError for arrays."""
+    def equal(self: tuple[object, ...], other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        from numpy import array_equal, ndarray
+        return all(array_equal(mine, theirs, equal_nan=True) if isinstance(mine, ndarray) else mine == theirs
+                   for mine, theirs in zip(self, other))
+
+    def unequal(self: tuple[object, ...], other: object) -> bool:
+        same = equal(self, other)
+        return same if same is NotImplemented else not same
+
+    cls.__eq__, cls.__ne__ = equal, unequal
+    return cls
+
+
 def _as_tuple(self: object, field: str) -> None:
     """Makes a tuple of numbers of a list or an array, so that equal ones compare as equal. Other values are reported where they
     are used."""
@@ -209,6 +227,7 @@ class View:
         _as_tuple(self, 'target')
 
 
+@_compares_arrays
 @_with_field_docs
 class Totals(NamedTuple):
     """Energy and momentum, summed over the dynamic bodies that are not frozen.
@@ -224,6 +243,7 @@ class Totals(NamedTuple):
     angular_momentum: NDArray[float64]
 
 
+@_compares_arrays
 @_with_field_docs
 class BodyDescription(NamedTuple):
     """The properties of a body that change only by an edit, or when the body is frozen.
@@ -327,6 +347,7 @@ class IslandResiduals(NamedTuple):
     turn: float
 
 
+@_compares_arrays
 @_with_field_docs
 class RayHit(NamedTuple):
     """Where a ray enters a body. A body that holds the origin is hit there, at distance 0.
@@ -342,6 +363,7 @@ class RayHit(NamedTuple):
     distance: float
 
 
+@_compares_arrays
 @_with_field_docs
 class ClosestPoints(NamedTuple):
     """The points at which two bodies a and b are nearest to each other, or overlap most deeply.
@@ -385,6 +407,7 @@ class Difference(NamedTuple):
     energy: float
 
 
+@_compares_arrays
 @_with_field_docs
 class PlacedHull(NamedTuple):
     """A convex hull, and the pose of its body frame B in the frame P of the points that it was made of.
@@ -398,6 +421,7 @@ class PlacedHull(NamedTuple):
     orientation: NDArray[float64]
 
 
+@_compares_arrays
 @_with_field_docs
 class Rollout(NamedTuple):
     """The runs of rollout().

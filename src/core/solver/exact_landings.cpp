@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a segment ends since a velocity jumps: a point comes down that was open, while its body rests on others or none.
+//
+// A block rocks from one edge onto the other; a prism rolls on. The first kick lets an open point come down just at the end of
+// the segment. So it would brake the point on all its way, with an impulse that is not the one of the law, whenever it lands in
+// between: an error of first order in the length of the segment. Therefore the segment is cut where the point lands: the bodies
+// go their way without the points that the first kick would stop, and the time is sought at which the lowest of these has no
+// gap. What has landed goes on until the next segment begins, which first makes the velocities obey the law: an impact without
+// restitution of all points that touch, in no time, so that no load acts in it.
+#include "solver/exact_stepper.h"
+
+#include "base/bracket.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rbs::exact_step {
+
+namespace {
+
+// A point that closes by less than this share of what the load adds to a speed in a step comes down so gently that nothing
+// depends on the time.
+constexpr double kGentle = 0.05;
+// Trials of the length of the segment. The gap falls in nearly a parabola, so that half as many are enough as a rule.
+constexpr int kTrials = 12;
+// A landing in this last part of a step is one at its end.
+constexpr double kAtTheEnd = 1e-6;
+
+}  // namespace
+
+// What comes down first, of the points that are not among those of now, if the bodies go on for `tau`.
+Stepper::Landing Stepper::landingAfter(double tau) {
+  const std::vector<BodyMotion> start = island_.save();
+  const CoulombBodies at_start = island_.bodies();
+  CoulombProblem kick = firstKick(slipNow(), tau, Friction::Free);
+  Segment trial;
+  solveAndDrift(kick, at_start, tau, trial);
+  const CoulombBodies drifted = island_.bodies();
+  island_.restore(start);
+  Landing first;
+  for (std::size_t k = 0; k < trial.touching.points.size(); ++k) {
+    const TouchingPoint& point = trial.touching.points[k];
+    if (touching_.matching(point) != kNone || point.gap / point.length > first.share) continue;
+    first = {point.gap / point.length, velocityAt(drifted, trial.touching.law[k])[2]};
+  }
+  return first;
+}
+
+// Finds where the first of what lands does so, by false position on its gap, and cuts the segment there. False: nothing
+// lands, or so gently that it need not be known when.
+bool Stepper::cutAtLanding(double& tau, Segment& segment) {
+  constexpr double kLanded = 0.5 * kTouch;
+  TouchingPoints all = touching_.without(segment.landing);
+  std::swap(all, touching_);
+  double share_now = std::numeric_limits<double>::infinity();
+  for (const Index k : segment.landing)
+    share_now = std::min(share_now, all.points[k].gap / all.points[k].length);
+  const Landing whole = landingAfter(tau);
+  const bool lands = whole.share < -kLanded && whole.speed < -kGentle * island_.loadSpeed();
+  Bracket landing(0.0, share_now, tau, whole.share);
+  double at = tau, share = whole.share;
+  for (int k = 0; lands && k < kTrials && std::abs(share) > kLanded; ++k) {
+    at = landing.guess();
+    share = std::min(landingAfter(at).share, share_now);
+    landing.narrow(at, share);
+  }
+  const bool ends_with_it = end_ - now_ - at <= kAtTheEnd * step_.h();  // nothing comes after it that would stop the point
+  if (!lands || std::abs(share) > kLanded || ends_with_it) {
+    std::swap(all, touching_);
+    return false;
+  }
+  const std::vector<Index> landed = segment.landing;
+  tau = at;
+  segment = trySegment(tau, Friction::Free, Landed::GoesOn);
+  std::swap(all, touching_);
+  // A point that lands again has pushed before in this step.
+  for (const Index k : landed) {
+    const TouchingPoint& point = touching_.points[k];
+    const Index m = segment.touching.matching(point);
+    if (point.impulse_W.isZero(0.0)) continue;
+    if (m != kNone)
+      segment.touching.points[m].impulse_W += point.impulse_W;
+    else
+      segment.opened.emplace_back(point.contact, solvedPoint(point, touching_.law[k].frame.col(2)));
+  }
+  return true;
+}
+
+}  // namespace rbs::exact_step
