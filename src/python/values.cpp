@@ -30,9 +30,7 @@ std::uint64_t toWhole(py::handle value, const std::string& path, std::uint64_t l
   const bool failed = PyErr_Occurred() != nullptr;
   PyErr_Clear();
   if (!failed && number >= low && number <= high) return number;
-  const std::string range =
-      std::to_string(low) + (high == kNoLimit ? " or more" : " to " + std::to_string(high));
-  refuse(path, textOf(value), "a whole number, " + range);
+  refuse(path, textOf(value), "a whole number, " + std::to_string(low) + " to " + std::to_string(high));
 }
 
 std::string toText(py::handle value, const std::string& path) {

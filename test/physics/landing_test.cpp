@@ -78,7 +78,8 @@ TEST_P(Landing, APrismRollsOverItsEdges) {
     BodyDef prism = body("prism", hull.hull, Vec3::Zero());
     prism.pose = hull.poseOfB({Vec3(0.0, 0.0, low), Quat::Identity()});
     prism.mass = 1.0, prism.material.friction = 1.0;
-    const double w = 3.8;  // about the edge in front, which is the first to bear; with 4 a hexagon leaves the floor
+    const double w =
+        3.8;  // about the edge in front, which is the first to bear; with 4 a hexagon leaves the floor
     prism.twist = {{w * low, 0.0, w * radius * std::sin(0.5 * angle)}, {0.0, w, 0.0}};
     scene.bodies.push_back(prism);
     World world(ordered(scene));

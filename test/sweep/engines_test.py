@@ -5,6 +5,7 @@ import os
 import pathlib
 import re
 import resource
+import shlex
 import shutil
 import signal
 import socket
@@ -188,6 +189,11 @@ class EnginesTest(SweepCase):
     def test_a_host_that_does_not_answer_is_named_before(self):
         if not shutil.which('parallel'):
             self.skipTest('GNU parallel is not installed (Debian: parallel)')
+        for text, said in (('', 'names no host'), ('# none\n\n', 'names no host'), (':\n0/:\n', 'hosts:2: 0/:')):
+            done = self.sweep('--hosts', self.write(text, 'hosts'))
+            self.assertEqual(done.returncode, 2, done.stdout)
+            self.assertIn(said, done.stderr)
+            self.assertEqual(self.parts(), [])
         hosts = self.write('ssh -o BatchMode=yes -p 1 127.0.0.1\n', 'hosts')
         done = self.sweep('--hosts', hosts)
         self.assertEqual(done.returncode, 2)
@@ -560,6 +566,29 @@ measure: {k: {python: "traps.py:%s"}}
             self.assertEqual(self.hashes(), whole)  # those of before
         self.sound('--resume')
         self.assertEqual(self.hashes(), whole)
+
+    def test_no_table_of_another_time_stands_beside_the_results(self):
+        self.write('scene: ball_hits_wall\nsteps: 300\nrepeats: 400\nvary: {"bodies[ball].velocity[0]": {uniform: [2, 4]}}\n')
+        code, said = self.interrupted(lambda: len(self.parts()) >= 1, '--workers', 1)
+        self.assertEqual(code, 130, said)
+        whole, partial = self.folder / 's.sweep/results.csv', self.folder / 's.sweep/results.partial.csv'
+        self.assertTrue(partial.exists() and not whole.exists(), said)
+        limit = (self.folder / 's.sweep/results.h5').stat().st_size // 2  # too little for the results of all
+        done = self.sweep('--resume', preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn('results.h5: File too large', done.stderr)
+        self.assertTrue(partial.exists() and not whole.exists())  # of the results that are still there
+        self.sound('--resume')
+        self.assertTrue(whole.exists() and not partial.exists())
+        self.assertEqual(len(whole.read_text(encoding='utf-8').splitlines()), 401)
+
+    def test_closed_streams_change_nothing(self):
+        self.write('scene: ball_hits_wall\nsteps: 3\nrepeats: 4\n')
+        for closed in ('>&-', '2>&-', '<&- >&- 2>&-'):
+            words = ' '.join(map(shlex.quote, self.command('--output', self.folder / 'out')))
+            self.assertEqual(subprocess.run(f'{words} {closed}', shell=True, check=False, timeout=PATIENCE).returncode, 0, closed)
+            self.assertEqual(len(self.hashes('out')), 4)
+            shutil.rmtree(self.folder / 'out')
 
     def test_a_full_file_system_keeps_what_was_stored(self):
         if os.geteuid() != 0:

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace rbs {
 
@@ -109,29 +110,70 @@ Facet facetTowards(const Cone& cone, const Vec3& d) {
   return facet;
 }
 
+namespace {
+
+// A face, or kCorners of its corners, spread evenly. Where it is tilted it stands on the two farthest along d, so that these are
+// among them.
+Facet represented(const Polyhedron& solid, const Polyhedron::Face& face, const Vec3& d) {
+  const int corners = static_cast<int>(face.corners.size()), kept = std::min(corners, Facet::kCorners);
+  std::array<int, Facet::kCorners> places;
+  for (int k = 0; k < kept; ++k) places[k] = k * corners / kept;
+  if (kept < corners) {
+    const auto reachOf = [&](int place) { return solid.vertices[face.corners[place]].dot(d); };
+    std::array<int, 3> lowest{0, 1, 2};
+    const auto isFarther = [&](int one, int other) { return reachOf(one) > reachOf(other); };
+    std::sort(lowest.begin(), lowest.end(), isFarther);
+    for (int place = 3; place < corners; ++place) {
+      if (!isFarther(place, lowest[2])) continue;
+      lowest[2] = place;
+      std::sort(lowest.begin(), lowest.end(), isFarther);
+    }
+    const bool is_tilted = reachOf(lowest[0]) - reachOf(lowest[2]) > kCovers * solid.bounding_radius;
+    for (int k = 0; k < 2 && is_tilted; ++k) {
+      const int place = lowest[k], other = lowest[1 - k];
+      const auto begin = places.begin(), end = begin + kept;
+      if (std::binary_search(begin, end, place)) continue;
+      const auto after = std::upper_bound(begin, end, place);  // round about the face
+      const auto before = after == begin ? end - 1 : after - 1, next = after == end ? begin : after;
+      *(*before == other ? next : before) = place;
+      std::sort(begin, end);
+    }
+  }
+  Facet facet;
+  for (int k = 0; k < kept; ++k) {
+    const int corner = face.corners[places[k]];
+    facet.add(solid.vertices[corner], static_cast<std::uint32_t>(corner));
+  }
+  return facet;
+}
+
+}  // namespace
+
 Facet facetTowards(const ConvexHull& hull, const Vec3& d) {
   const Polyhedron& solid = *hull.polyhedron;
   double reach = -std::numeric_limits<double>::infinity();
   for (const Vec3& vertex : solid.vertices) reach = std::max(reach, vertex.dot(d));
-  reach -= kChainRounding * solid.bounding_radius;
+  reach -= kCovers * solid.bounding_radius;
+  std::array<int, Facet::kCorners> farthest;
+  int tied = 0;
+  for (int k = 0; k < static_cast<int>(solid.vertices.size()) && tied < Facet::kCorners; ++k)
+    if (solid.vertices[k].dot(d) >= reach) farthest[tied++] = k;
+  const auto isFarthest = [&](int corner) {
+    return std::find(farthest.begin(), farthest.begin() + tied, corner) != farthest.begin() + tied;
+  };
 
+  // Where an edge is farthest, another face of one of its ends may face d more than the two that hold both.
   const Polyhedron::Face* best = nullptr;
+  std::ptrdiff_t most = 1;
   double alignment = -std::numeric_limits<double>::infinity();
   for (const Polyhedron::Face& face : solid.faces) {
     const double cosine = face.normal.dot(d);
-    if (!(cosine > alignment)) continue;
-    if (std::none_of(face.corners.begin(), face.corners.end(),
-                     [&](int corner) { return solid.vertices[corner].dot(d) >= reach; }))
-      continue;
-    best = &face, alignment = cosine;
+    if (!(cosine > alignment) && most >= tied) continue;
+    const std::ptrdiff_t held = std::count_if(face.corners.begin(), face.corners.end(), isFarthest);
+    if (held < most || (held == most && !(cosine > alignment))) continue;
+    best = &face, most = held, alignment = cosine;
   }
-  Facet facet;
-  const int corners = static_cast<int>(best->corners.size()), kept = std::min(corners, Facet::kCorners);
-  for (int k = 0; k < kept; ++k) {
-    const int corner = best->corners[k * corners / kept];
-    facet.add(solid.vertices[corner], static_cast<std::uint32_t>(corner));
-  }
-  return facet;
+  return represented(solid, *best, d);
 }
 
 }  // namespace rbs

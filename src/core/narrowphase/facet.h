@@ -12,7 +12,8 @@ namespace rbs {
 
 /// A corner, the two ends of an edge, or a polygon, anticlockwise seen from outside.
 struct Facet {
-  /// A face of a hull with more corners is represented by this many, spread evenly.
+  /// A face of a hull with more corners is represented by this many, spread evenly; where it is tilted, with the two
+  /// farthest along the direction.
   static constexpr int kCorners = 16;
 
   int size = 0;
@@ -28,7 +29,7 @@ struct Facet {
 };
 
 /// The facet of the core of a shape (support.h) whose outward normal is nearest to `d`, of those that hold a
-/// point of the core farthest along d. In the shape's frame; d is a unit vector. The disc of a cylinder or
+/// point of the core farthest along d, or an edge where one is. In the shape's frame; d is a unit vector. The disc of a cylinder or
 /// cone is represented by eight points of its rim, and by the farthest one where it is tilted; its round side
 /// by one line.
 Facet facetTowards(const Box& box, const Vec3& d);

@@ -88,4 +88,13 @@ double searchMargin(const Contact& contact, double margin) {
   return contact.state.isMissed() ? std::numeric_limits<double>::infinity() : margin;
 }
 
+bool areApart(const Context& context, const std::vector<Index>& contacts) {
+  const std::vector<Traits>& traits = context.scene.bodies.traits;
+  return std::none_of(contacts.begin(), contacts.end(), [&](Index k) {
+    const Contact& contact = context.scene.contacts.active[k];
+    return traits[contact.i].moved_by_forces() && traits[contact.j].moved_by_forces() &&
+           (contact.bears() || contact.state.isTouching());
+  });
+}
+
 }  // namespace rbs

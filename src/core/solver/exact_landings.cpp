@@ -65,7 +65,8 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
     share = std::min(landingAfter(at).share, share_now);
     landing.narrow(at, share);
   }
-  const bool ends_with_it = end_ - now_ - at <= kAtTheEnd * step_.h();  // nothing comes after it that would stop the point
+  const bool ends_with_it =
+      end_ - now_ - at <= kAtTheEnd * step_.h();  // nothing comes after it that would stop the point
   if (!lands || std::abs(share) > kLanded || ends_with_it) {
     std::swap(all, touching_);
     return false;

@@ -92,8 +92,7 @@ void Stepper::findSegment() {
     const std::size_t stops = stops_.size(), losses = losses_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
-    const bool is_alone = island_.indices().size() == 1;
-    if ((is_alone || !promoted_) && !segment_.landing.empty() && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
+    if (apart_ && !segment_.landing.empty() && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
       cuts_ -= points;
       if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * points;
     }
@@ -102,7 +101,7 @@ void Stepper::findSegment() {
       stops_.push_back(segment_.slip_left.of);
       cutAtStop(tau_, segment_);
     }
-    if (is_alone && cuts_ >= kLossWork * points && !budget_.isSpent())
+    if (island_.indices().size() == 1 && cuts_ >= kLossWork * points && !budget_.isSpent())
       if (const std::optional<Loss> loss = lossIn(segment_, tau_)) {
         cuts_ -= points;
         losses_.push_back(loss->contact);

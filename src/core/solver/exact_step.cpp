@@ -38,6 +38,8 @@
 // (impact_loop.h).
 #include "solver/exact_stepper.h"
 
+#include "solver/contact_preparation.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,7 +52,7 @@ namespace {
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
-// rest to rounding needs no solve in the next step.
+// rest to rounding needs no solve in the next step. At a setting that has the soft step, so only where it is nearly at rest.
 constexpr double kLoneTolerance = 1e-15;
 // |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
@@ -111,13 +113,20 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   for (std::size_t k = 0; k < island_.indices().size(); ++k)
     slots_.set(island_.indices()[k], static_cast<Index>(k));
   const SolverSettings& settings = context.step.solver;
-  const bool is_alone = island_.indices().size() == 1;
+  apart_ = areApart(context, active_);
+  const Bodies& bodies = context.scene.bodies;
+  const auto isSlow = [&](Index i) {
+    const Twist& twist = bodies.twist[i];
+    return twist.v_WB.norm() + bodies.traits[i].bounding_radius * twist.w_WB.norm() <= island_.loadSpeed();
+  };
+  const bool to_rounding =
+      apart_ && (settings.exact || std::all_of(island_.indices().begin(), island_.indices().end(), isSlow));
   tolerance_ = settings.tolerance;
   wanted_tolerance_ =
-      is_alone ? std::min(settings.wanted_tolerance, kLoneTolerance) : settings.wanted_tolerance;
-  corrections_ = std::max(settings.corrections, is_alone || isCarriedRound(context, active_) ? 1 : 0);
+      to_rounding ? std::min(settings.wanted_tolerance, kLoneTolerance) : settings.wanted_tolerance;
   promoted_ = settings.promotes;
-  cuts_ = promoted_ && island_.indices().size() > 1 ? 0 : settings.cuts;
+  corrections_ = std::max(settings.corrections, apart_ || isCarriedRound(context, active_) ? 1 : 0);
+  cuts_ = promoted_ && !apart_ ? 0 : settings.cuts;
   slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
 }
 
@@ -443,7 +452,8 @@ Outcome advance(Context& context, const Subgraph& batch, double t0, double t1) {
   if (!(t1 > t0)) return Outcome::Done;
   StepStore& step = context.step;
   std::int64_t& own = islandOf(step, batch).work_left;
-  std::int64_t& common = step.solve_budget.left;
+  std::int64_t none = 0;
+  std::int64_t& common = step.solver.exact ? step.solve_budget.left : none;
   const std::int64_t all = own + kCommonWork;
   SolveBudget budget{all, step.solve_budget.until, kCommonWork - common};
   const Outcome outcome = runWith(budget, true, context, batch, t0, t1, step.row_seconds);
@@ -462,8 +472,8 @@ std::optional<Outcome> advanceByItsOwn(Context& context, const Subgraph& batch, 
   std::vector<SeparatingAxis> axes;  // with the counts of their queries
   for (const Index k : batch.contacts) axes.push_back(context.scene.contacts.active[k].axis);
   SolveBudget budget{all, context.step.solve_budget.until, kCommonWork};
-  const Outcome outcome = runWith(budget, false, context, batch, t0, t1, row_seconds);
-  if (outcome == Outcome::OverBudget) {
+  const Outcome outcome = runWith(budget, !context.step.solver.exact, context, batch, t0, t1, row_seconds);
+  if (outcome == Outcome::OverBudget && context.step.solver.exact) {
     island.cut_short = cut_short;
     auto axis = axes.begin();
     for (const Index k : batch.contacts) context.scene.contacts.active[k].axis = *axis++;

@@ -201,6 +201,7 @@ class Stepper : public InnerRows {
   double tolerance_, wanted_tolerance_;
   int corrections_, cuts_;
   bool promoted_;                // by a setting that has another method for it
+  bool apart_;                   // no two of its bodies push each other when it begins
   double slow_;                  // a slip below is none
   TouchingPoints touching_;      // now
   std::vector<Index> squeezed_;  // contacts of what no displacement frees

@@ -49,7 +49,8 @@ struct Island : Subgraph {
   bool exact = false;            ///< the exact step solves its constraints
   std::size_t moving_pairs = 0;  ///< its part of step.moving_pairs
   IslandResiduals residuals;
-  /// What its exact solves may still cost before they take of what all may, see SolveBudget.
+  /// What its exact solves may still cost before they take of what all may, see SolveBudget. At a setting that has the
+  /// soft step, that takes over then.
   std::int64_t work_left = 0;
   bool cut_short = false;                           ///< an exact solve has been ended by its budget
   std::uint32_t impacts = 0, deferred_impacts = 0;  ///< its part of the StepReport, and so are the warnings

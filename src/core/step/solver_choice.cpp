@@ -189,23 +189,30 @@ bool isSimple(const Context& context, const Island& island, double fall) {
   if (island.bodies.size() > 1 || island.contacts.size() > kSimplePairs) return false;
   const Index i = island.bodies.front();
   const Traits& traits = bodies.traits[i];
-  if (traits.revolved &&
-      traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
+  if (!traits.revolved) return true;
+  if (traits.bounding_radius * surfaceSpin(bodies, i, bodies.twist[i].w_WB).norm() > kSteady * fall)
     return false;
-  const auto runsAlong = [&](Index k) {
+  return std::none_of(island.contacts.begin(), island.contacts.end(), [&](Index k) {
     const Contact& contact = context.scene.contacts.active[k];
     const Index other = contact.i == i ? contact.j : contact.i;
     if (bodies.traits[other].unbounded) return false;
     const Vec3 u_W = bodies.twist[i].v_WB - bodies.twist[other].v_WB;
     const Vec3 n_W = contact.points.empty() ? Vec3(Vec3::Zero()) : contact.points.front().n_W;
     return context.step.h() * (u_W - n_W.dot(u_W) * n_W).norm() > kRunsAlong * traits.length;
-  };
-  return !traits.revolved || std::none_of(island.contacts.begin(), island.contacts.end(), runsAlong);
+  });
 }
 
-// The most pairs that islands of a step may have together, if they move and the exact step is to take this one. One that moves
-// takes 50 times the work of one at rest; hundreds of small towers that land at the same time would hold a step for a second.
-enum Promotion : std::size_t { None = 0, WhileFewMove = 30, WhileSomeMove = 300, Always = ~std::size_t{0} };
+// On what terms an island is given to the exact step.
+struct Promotion {
+  std::size_t
+      most_pairs;  // that the islands with such a bound may have together in a step, this one included; 0: not at all
+  std::int64_t work_of_body;  // what it may cost, see SolveBudget
+};
+// An island that moves takes 50 times the work of one at rest; hundreds of small towers that land at the same time would hold a
+// step for a second. A body alone on four feet that slides takes 10,000 multiplications; the landing of another edge 1 to 2
+// million. Where a solve of what moves does not converge, as of what is wedged in a groove at times, the soft step takes it.
+constexpr Promotion kNever{0, 0}, kAlways{~std::size_t{0}, kWorkPerBody}, kWhileSomeMove{300, kWorkPerBody},
+    kWhileFew{30, kWorkPerBody}, kWhileFewMove{30, 2'000'000};
 
 // Whether the soft step would do badly on an island that a direct solve can afford. An island that was exact in the last step
 // stays so until it is clearly no longer that kind (hysteresis).
@@ -221,19 +228,21 @@ Promotion promotionOf(const Context& context, const Island& island) {
   const Stiffness& bounds = was_exact ? kStay : kEnter;
   if (touching.empty())
     touching = island.contacts;  // nothing is known yet of what has just been put together
-  if (island.contacts.size() > bounds.pairs) return None;
+  if (island.contacts.size() > bounds.pairs) return kNever;
   const bool few = island.contacts.size() <= kFewPairs;
   const Forces forces = few ? forcesOf(context, island.contacts) : Forces{};
-  if (forces.crushes) return Always;
+  if (forces.crushes) return kAlways;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
-  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return Always;
+  if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return kAlways;
   const auto isTall = [&] {
     return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
   };
-  const Promotion otherwise = isSimple(context, island, fall) ? WhileFewMove : None;
-  if (!isCalm(context, island, bounds.speed * fall))
-    return few && isCalm(context, island, kFewCalm * fall) && isTall() ? WhileSomeMove : otherwise;
-  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return Always;
+  const bool simple = isSimple(context, island, fall);
+  if (!isCalm(context, island, bounds.speed * fall)) {
+    if (few && isCalm(context, island, kFewCalm * fall) && isTall()) return kWhileSomeMove;
+    return simple ? kWhileFewMove : kNever;
+  }
+  if (few && (!forces.known || forces.rolls || (was_exact && forces.leans))) return kAlways;
 
   double mass_ratio = 1.0, slenderness = 1.0;
   for (const Index k : island.contacts) {
@@ -244,7 +253,7 @@ Promotion promotionOf(const Context& context, const Island& island) {
       if (t->moved_by_forces()) slenderness = std::max(slenderness, 2.0 * t->bounding_radius / t->length);
   }
   const bool stiff = mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
-  return stiff ? Always : otherwise;
+  return stiff ? kAlways : simple ? kWhileFew : kNever;
 }
 
 // Whether an exact solve could find the forces that move an island. It knows contacts alone.
@@ -260,9 +269,13 @@ void chooseSolver(Context& context, Island& island) {
   island.exact = settings.exact && can_be;
   if (settings.exact || !settings.promotes || island.flies() || !can_be) return;
   const Promotion promotion = promotionOf(context, island);
-  island.exact = promotion == Always || context.step.moving_pairs + island.contacts.size() <= promotion;
-  if (island.exact && promotion != Always)
-    context.step.moving_pairs += island.moving_pairs = island.contacts.size();
+  const bool is_bounded = promotion.most_pairs != kAlways.most_pairs;
+  const std::size_t pairs = island.contacts.size();
+  island.exact = !is_bounded || context.step.moving_pairs + pairs <= promotion.most_pairs;
+  if (!island.exact) return;
+  if (is_bounded) context.step.moving_pairs += island.moving_pairs = pairs;
+  island.work_left =
+      std::min(island.work_left, promotion.work_of_body * static_cast<std::int64_t>(island.bodies.size()));
 }
 
 // One sweep a sub-step halves the speed of a heavy body on one r times lighter about r sub-steps later. On its way until

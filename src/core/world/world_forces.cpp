@@ -110,7 +110,8 @@ void World::hold(BodyId id, const Pose& target) {
                         "at most " + text(Limits::max_position) + " m from the origin"});
   const double norm = target.q_WB.norm();
   if (!(norm > 1e-3 && norm < 1e3))
-    problems.push_back({"hold.orientation", text(norm), "a quaternion of norm 1"});
+    problems.push_back(
+        {"hold.orientation", "of norm " + text(norm), "a quaternion of a norm of 0.001 to 1000"});
   throwIfAny(problems);
   const Pose unit{target.p_WB, target.q_WB.normalized()};
   std::vector<BodyHold>& holds = impl_->scene.holds;

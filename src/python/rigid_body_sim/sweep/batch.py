@@ -81,6 +81,17 @@ def worker_command():
     return f'env PYTHONPATH={shlex.quote(paths)} {shlex.quote(sys.executable)} {shlex.quote(program)} --work'
 
 
+def check_hosts(file):
+    """Without a host GNU parallel would make all runs on this machine; one of no jobs makes none."""
+    with open(file, encoding='utf-8', errors='replace') as text:
+        lines = [line.split('#')[0].strip() for line in text]
+    if not any(lines):
+        raise Refused(f"{file} names no host (allowed: one a line; ':' is this machine)")
+    for number, line in enumerate(lines, 1):
+        if re.match(r'0+/', line):
+            raise Refused(f'{file}:{number}: {line} (allowed: 1 job or more on a host)')
+
+
 class Parallel:
     """GNU parallel: the hosts of a file, one a line, as its --sshloginfile takes them; ':' is this machine."""
 
@@ -90,6 +101,7 @@ class Parallel:
         needed('parallel', 'parallel')
         if not os.path.isfile(hosts):
             raise Refused(f'there is no file {hosts} of hosts')
+        check_hosts(hosts)
         self.hosts, self.process = os.path.abspath(hosts), None
 
     @staticmethod

@@ -11,6 +11,7 @@ from .tree import Refused
 MOST_VALUES = 60  # of a parameter, above which its values are put together in classes
 DRAWABLE = ('time', 'steps', 'exit_status', 'seconds', 'cpu_seconds')  # columns that may be drawn like metrics
 CLASSES, CLASSES_OF_LINES, MOST_LINES = 20, 5, 8
+CROWDED = 60  # letters of the labels of an axis, beyond which they are written aslant
 
 
 def student(freedom):
@@ -92,7 +93,8 @@ def pyplot():
 
 
 def draw_line(axes, column, values, places, **style):
-    """The means of values over a parameter, with their bands. `places` has those of values that are words."""
+    """The means of values over a parameter, with their bands. `places` has those of values that are words. Returns whether there is
+    a band: a single value has none."""
     known = numpy.isfinite(values)
     column, values = column[known], values[known]
     points = [(places[value] if places else value, *mean_and_band(values[part]))
@@ -100,6 +102,7 @@ def draw_line(axes, column, values, places, **style):
     x, mean, half = numpy.array(sorted(points)).reshape(-1, 3).T
     axes.plot(x, mean, marker='o', markersize=3, linewidth=1.4, **style)
     axes.fill_between(x, mean - half, mean + half, color=style['color'], alpha=0.2, linewidth=0)
+    return bool(numpy.isfinite(half).any())
 
 
 def set_scales(axes, column, places):
@@ -107,7 +110,9 @@ def set_scales(axes, column, places):
     if len(heights) and min(heights) > 0 and max(heights) > 100 * min(heights):
         axes.set_yscale('log')
     if places:
-        axes.set_xticks(list(places.values()), [said(word) for word in places])
+        words = [said(word) for word in places]
+        crowded = len(words) * max(map(len, words)) > CROWDED
+        axes.set_xticks(list(places.values()), words, rotation=30 if crowded else 0, ha='right' if crowded else 'center')
     elif len(column) and logarithmic(column):
         axes.set_xscale('log')
 
@@ -126,13 +131,16 @@ def draw(results, target, metric, along, lines=None):
     groups = classes(table.parameter(lines), MOST_LINES, CLASSES_OF_LINES) if lines else [(None, slice(None))]
     places = {word: k for k, word in enumerate(dict.fromkeys(column.tolist()))} if column.dtype == object else None
     figure, axes = plot.subplots(figsize=(8, 5))
+    bands = False
     for k, (value, chosen) in enumerate(groups):
         colour = plot.get_cmap('viridis')(0.85 * k / max(1, len(groups) - 1))
-        draw_line(axes, column[chosen], values[chosen], places, color=colour, label=said(value))
+        bands |= draw_line(axes, column[chosen], values[chosen], places, color=colour, label=said(value))
     set_scales(axes, column, places)
     axes.set_xlabel(said(along))
     axes.set_ylabel(said(metric))
-    axes.set_title(f'{said(metric)}: mean of {int(numpy.isfinite(values).sum()):,} runs, with its 95 % confidence band', fontsize=10)
+    runs = f'{int(numpy.isfinite(values).sum()):,} runs'
+    axes.set_title(f'{said(metric)}: ' + (f'mean of {runs}, with its 95 % confidence band' if bands else f'{runs}, one for each point'),
+                   fontsize=10)
     axes.grid(alpha=0.3)
     if lines:
         axes.legend(title=said(lines), fontsize=8, title_fontsize=8)

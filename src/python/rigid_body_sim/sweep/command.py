@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs a scene or a program many times: a file says what varies, how long a run is, and what is measured.
 
-It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small, and parts of what is
-done. Exit codes: 0 every run has a result, which may be that it failed, 1 could not go on or some runs have none, 2 bad
+It writes into a folder (FILE without .yaml, with .sweep): results.h5, results.csv where that is small (results.partial.csv while
+runs are missing), and parts of what is done. Exit codes: 0 every run has a result, which may be that it failed, 1 could not go on or some runs have none, 2 bad
 arguments or a bad file, 130 interrupted by Ctrl-C or SIGTERM (what is done is kept: --resume).
 """
 import argparse
@@ -27,7 +27,7 @@ from .carry import Progress, carry_batch, carry_live, duration, pilot
 from .plan import Task, checked_numbers
 from .reader import Reader
 from .run import Run, build_of_physics, check_builds, run_chunk, scene_of
-from .store import AGAIN, MOST_CSV_RUNS, Store, folder_of, in_csv
+from .store import AGAIN, CSV, MOST_CSV_RUNS, PARTIAL_CSV, Store, folder_of, in_csv
 from .tree import Refused, replaced
 from .users_code import said
 
@@ -315,7 +315,7 @@ def sum_up(plan, known, store, options):
             print(f'run {number} {known[number]}: {details[number]}\n  {parameters}\n  again: {again(options, number)}')
         if len(failed) > SHOWN_FAILURES:
             print(f'and {len(failed) - SHOWN_FAILURES:,} more: `status` in the results')
-    files = [name for name in ('results.h5', 'results.csv') if os.path.exists(store.path(name))]
+    files = [name for name in ('results.h5', CSV, PARTIAL_CSV) if os.path.exists(store.path(name))]
     if files:
         print(f'In {store.folder}: {", ".join(files)}')
 
@@ -385,8 +385,19 @@ def run_sweep(plan, store, options):
     return code or (CANNOT if len(known) < plan.count else 0)
 
 
+def open_standard_streams():
+    """Where a daemon has closed standard input, output or error, a file opened later would take its place."""
+    for descriptor, name, mode in ((0, 'stdin', 'r'), (1, 'stdout', 'w'), (2, 'stderr', 'w')):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+            setattr(sys, name, open(descriptor, mode, encoding='utf-8'))
+
+
 def main(program, words=None):
     """`program` is the path of sweep itself, `words` are its arguments: those of the process where there are none."""
+    open_standard_streams()
     options = arguments(words)
     options.folder = package_folder(program)
     signal.signal(signal.SIGTERM, interrupt)

@@ -33,7 +33,8 @@ OF_SCENES_ALONE, OF_PROGRAMS_ALONE = ('hash', 'steps', 'time', 'stopped', 'flags
 UNKNOWN = {'exit_status': NOT_STARTED}  # of a run that has none; 0 in other columns
 AGAIN = ('crashed', 'overtime')  # may end otherwise on another day
 PART = re.compile(r'part-(?P<first>\d+)-(?P<runs>\d+)-(?P<failed>\d+)-(?P<digest>[0-9a-f]{16})\.h5')
-HALF_WRITTEN = re.compile(r'(part-[\w-]+\.h5|plan\.json|jobs\.json|results\.(h5|csv)|\d+-\d+-\d+\.(json|sbatch))\.\d+\.tmp')
+HALF_WRITTEN = re.compile(r'(part-[\w-]+\.h5|plan\.json|jobs\.json|results\.(h5|csv|partial\.csv)|\d+-\d+-\d+\.(json|sbatch))\.\d+\.tmp')
+CSV, PARTIAL_CSV = 'results.csv', 'results.partial.csv'
 MOST_CSV_RUNS = 100_000
 MOST_CSV_NUMBERS = 1_000_000  # of a metric, in all runs
 CHUNK_BYTES = 1 << 20
@@ -59,6 +60,9 @@ def write_whole(path, write):
             os.fsync(folder)
         finally:
             os.close(folder)
+    except OSError as error:
+        error.filename = error.filename or path
+        raise
     finally:
         if os.path.exists(part):
             os.unlink(part)
@@ -233,7 +237,7 @@ class Store:
         return 'nothing'
 
     def gather(self, plan, versions):
-        """Makes results.h5, and results.csv where that is small, of the parts that are there now: workers may go on and write
+        """Makes results.h5, and a table of words where that is small, of the parts that are there now: workers may go on and write
         more. Returns the status of each run."""
         names = self.part_names()
         known, shapes, _ = self.survey(names)
@@ -248,11 +252,14 @@ class Store:
                     file.attrs.update({'runs': len(known), 'planned': plan.count, 'complete': len(known) == plan.count,
                                        'fingerprint': plan.fingerprint(), 'versions': json.dumps(versions)})
                 sink.check()
+                for old in (CSV, PARTIAL_CSV):  # no table stands beside results of another time
+                    with contextlib.suppress(FileNotFoundError):
+                        os.unlink(self.path(old))
             finally:
                 signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
         write_whole(self.results, write)
-        self.write_csv(plan)
+        self.write_csv(plan, CSV if len(known) == plan.count else PARTIAL_CSV)
         return known
 
     def fill(self, file, plan, known, shapes, names, check):
@@ -300,10 +307,10 @@ class Store:
             column = group.create_dataset(name_in_file(axis.path), data=data, dtype=kind or h5py.string_dtype())
             column.attrs['path'] = axis.path
 
-    def write_csv(self, plan):
-        """results.csv: a line for each run, without metrics that are tables or many numbers, and without the output of programs.
-        Left out where it would be large."""
-        path, columns = self.path('results.csv'), {}
+    def write_csv(self, plan, name):
+        """A line for each run, without metrics that are tables or many numbers, and without the output of programs. Left out where
+        it would be large."""
+        columns = {}
 
         def add(name, values, where):
             """A column; where another has this name, with the key of the file that it stands below."""
@@ -313,8 +320,6 @@ class Store:
 
         with h5py.File(self.results, 'r') as file:
             if len(file['number']) > MOST_CSV_RUNS:
-                if os.path.exists(path):
-                    os.unlink(path)
                 return
             columns['number'], columns['seed'] = file['number'][()], file['seed'][()]
             for axis in plan.axes:
@@ -335,7 +340,7 @@ class Store:
         writer = csv.writer(text, lineterminator='\n')
         writer.writerow(columns)
         writer.writerows(zip(*(column.tolist() for column in columns.values())))
-        write_whole(path, lambda file: file.write(text.getvalue().encode()))
+        write_whole(self.path(name), lambda file: file.write(text.getvalue().encode()))
 
 
 def in_csv(shape):
