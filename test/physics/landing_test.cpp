@@ -63,6 +63,28 @@ TEST_P(Landing, ABlockRocksByHousnersLaw) {
   }
 }
 
+// A body that rests beside it, and that it never touches, changes nothing.
+TEST_P(Landing, WhatItNeverTouchesChangesNothing) {
+  if (std::get<0>(GetParam()) == Fidelity::Interactive) return;  // falls short: docs/stability.md
+  for (const double gap : {1e-4, 1e-3, 5e-3}) {
+    SceneDef scene = floor(1.0);
+    const double tilt = 0.1, radius = 0.5 * std::hypot(0.2, 1.0), alpha = std::atan2(0.2, 1.0);
+    BodyDef block =
+        box("block", {0.2, 0.3, 1.0}, radius * Vec3(-std::sin(alpha - tilt), 0.0, std::cos(alpha - tilt)));
+    block.pose.q_WB = Quat(Eigen::AngleAxisd(tilt, Vec3::UnitY()));
+    block.material.friction = 1.0;
+    scene.bodies.push_back(block);
+    World alone(ordered(scene));
+    scene.bodies.push_back(box("beside", Vec3::Constant(0.1), {0.0, 0.2 + gap, 0.05}));
+    scene.bodies.back().material.friction = 1.0;
+    World beside(ordered(scene));
+    advance(alone, 1.2), advance(beside, 1.2);
+    const BodyState one = stateOf(alone, "block"), other = stateOf(beside, "block");
+    EXPECT_LT((one.pose.p_WB - other.pose.p_WB).norm(), 1e-5) << gap;
+    EXPECT_LT(stateOf(beside, "beside").twist.v_WB.norm(), 1e-9) << gap;
+  }
+}
+
 // A prism of n sides that rolls keeps of its energy in each change of edges what is left of its angular momentum about the new
 // one, squared: with its inertia k² m and its radius R, ((k² + R² cos(2 pi/n)) / (k² + R²))². A regular polygon
 // has k² = R² (2 + cos(2 pi/n)) / 6. It keeps the same where it falls back. In between it loses none.

@@ -583,11 +583,17 @@ measure: {k: {python: "traps.py:%s"}}
         self.assertEqual(len(whole.read_text(encoding='utf-8').splitlines()), 401)
 
     def test_closed_streams_change_nothing(self):
-        self.write('scene: ball_hits_wall\nsteps: 3\nrepeats: 4\n')
+        self.write('#!/bin/sh\necho "{\\"n\\": 3}"\necho told >&2\n', 'three').chmod(0o755)
+        for text in ('scene: ball_hits_wall\nsteps: 3\nrepeats: 4\n',
+                     'program: [./three]\nrepeats: 4\nmeasure: {n: {json: n}}\n'):
+            self.write(text)
+            self.check_closed_streams()
+
+    def check_closed_streams(self):
         for closed in ('>&-', '2>&-', '<&- >&- 2>&-'):
             words = ' '.join(map(shlex.quote, self.command('--output', self.folder / 'out')))
             self.assertEqual(subprocess.run(f'{words} {closed}', shell=True, check=False, timeout=PATIENCE).returncode, 0, closed)
-            self.assertEqual(len(self.hashes('out')), 4)
+            self.assertEqual(self.results('out')['status'].tolist(), ['ok'] * 4)
             shutil.rmtree(self.folder / 'out')
 
     def test_a_full_file_system_keeps_what_was_stored(self):

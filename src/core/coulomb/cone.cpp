@@ -35,7 +35,9 @@ class Sliding {
   Vec3 solve() const {
     double low = 0.0, high = std::max(values_[1], 1e-300);
     while (excess(high) > 0.0) low = high, high *= 4.0;
-    Bracket root(low, excess(low), high, excess(high));
+    const double f_low = excess(low);
+    if (f_low <= 0.0) return impulse(low);  // it sticks, but for rounding
+    Bracket root(low, f_low, high, excess(high));
     for (int k = 0; k < 200 && root.width() > 1e-16 * root.high(); ++k) {
       const double middle = 0.5 * (root.low() + root.high());
       double a = root.low() == 0.0 || k % 8 == 7 ? middle : root.guess();

@@ -68,7 +68,8 @@ Manifold contactManifold(const Bodies& bodies, Index i, const Motion& trajectory
                          const Motion& trajectory_j, double from, double until, double margin,
                          const LastingLimits& limits, const LastNormal& last, SeparatingAxis& axis);
 
-/// Whether none of these contacts between two bodies that forces move bears a force: the bodies lie beside each other at most.
+/// Whether it is known that none of these contacts between two bodies that forces move bears a force: the bodies lie beside each
+/// other at most.
 bool areApart(const Context& context, const std::vector<Index>& contacts);
 
 }  // namespace rbs

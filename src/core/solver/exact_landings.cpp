@@ -29,8 +29,9 @@ constexpr double kAtTheEnd = 1e-6;
 
 }  // namespace
 
-// What comes down first, of the points that are not among those of now, if the bodies go on for `tau`.
-Stepper::Landing Stepper::landingAfter(double tau) {
+// What comes down first if the bodies go on for `tau`: of these points, and of others that a contact without a loaded point
+// comes to have.
+Stepper::Landing Stepper::landingAfter(double tau, const std::vector<TouchingPoint>& open) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies at_start = island_.bodies();
   CoulombProblem kick = firstKick(slipNow(), tau, Friction::Free);
@@ -38,10 +39,21 @@ Stepper::Landing Stepper::landingAfter(double tau) {
   solveAndDrift(kick, at_start, tau, trial);
   const CoulombBodies drifted = island_.bodies();
   island_.restore(start);
+  const auto mayLand = [&](const TouchingPoint& point) {
+    const auto isIt = [&](const TouchingPoint& other) {
+      return other.contact == point.contact && other.feature == point.feature;
+    };
+    const auto loads = [&](const TouchingPoint& other) {
+      return other.contact == point.contact && !other.force_W.isZero(0.0);
+    };
+    const std::vector<TouchingPoint>& kept = touching_.points;
+    return std::any_of(open.begin(), open.end(), isIt) ||
+           (touching_.matching(point) == kNone && std::none_of(kept.begin(), kept.end(), loads));
+  };
   Landing first;
   for (std::size_t k = 0; k < trial.touching.points.size(); ++k) {
     const TouchingPoint& point = trial.touching.points[k];
-    if (touching_.matching(point) != kNone || point.gap / point.length > first.share) continue;
+    if (!mayLand(point) || point.gap / point.length > first.share) continue;
     first = {point.gap / point.length, velocityAt(drifted, trial.touching.law[k])[2]};
   }
   return first;
@@ -53,16 +65,19 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
   constexpr double kLanded = 0.5 * kTouch;
   TouchingPoints all = touching_.without(segment.landing);
   std::swap(all, touching_);
+  std::vector<TouchingPoint> open;
   double share_now = std::numeric_limits<double>::infinity();
-  for (const Index k : segment.landing)
-    share_now = std::min(share_now, all.points[k].gap / all.points[k].length);
-  const Landing whole = landingAfter(tau);
+  for (const Index k : segment.landing) {
+    open.push_back(all.points[k]);
+    share_now = std::min(share_now, open.back().gap / open.back().length);
+  }
+  const Landing whole = landingAfter(tau, open);
   const bool lands = whole.share < -kLanded && whole.speed < -kGentle * island_.loadSpeed();
   Bracket landing(0.0, share_now, tau, whole.share);
   double at = tau, share = whole.share;
   for (int k = 0; lands && k < kTrials && std::abs(share) > kLanded; ++k) {
     at = landing.guess();
-    share = std::min(landingAfter(at).share, share_now);
+    share = std::min(landingAfter(at, open).share, share_now);
     landing.narrow(at, share);
   }
   const bool ends_with_it =

@@ -52,8 +52,8 @@ namespace {
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
-// rest to rounding needs no solve in the next step. At a setting that has the soft step, so only where it is nearly at rest.
-constexpr double kLoneTolerance = 1e-15;
+// rest to rounding needs no solve in the next step. At a setting that has the soft step, what moves is solved less far.
+constexpr double kLoneTolerance = 1e-15, kLoneMoving = 1e-12;
 // |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;
 // Overlaps beyond this share are not left to the next step: so many corrections may go into them at any
@@ -114,16 +114,16 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
     slots_.set(island_.indices()[k], static_cast<Index>(k));
   const SolverSettings& settings = context.step.solver;
   apart_ = areApart(context, active_);
-  const Bodies& bodies = context.scene.bodies;
-  const auto isSlow = [&](Index i) {
-    const Twist& twist = bodies.twist[i];
-    return twist.v_WB.norm() + bodies.traits[i].bounding_radius * twist.w_WB.norm() <= island_.loadSpeed();
-  };
-  const bool to_rounding =
-      apart_ && (settings.exact || std::all_of(island_.indices().begin(), island_.indices().end(), isSlow));
   tolerance_ = settings.tolerance;
-  wanted_tolerance_ =
-      to_rounding ? std::min(settings.wanted_tolerance, kLoneTolerance) : settings.wanted_tolerance;
+  wanted_tolerance_ = settings.wanted_tolerance;
+  if (island_.indices().size() == 1) {
+    const Index i = island_.indices().front();
+    const Twist& twist = context.scene.bodies.twist[i];
+    const double speed =
+        twist.v_WB.norm() + context.scene.bodies.traits[i].bounding_radius * twist.w_WB.norm();
+    const bool to_rounding = settings.exact || speed <= island_.loadSpeed();
+    wanted_tolerance_ = std::min(wanted_tolerance_, to_rounding ? kLoneTolerance : kLoneMoving);
+  }
   promoted_ = settings.promotes;
   corrections_ = std::max(settings.corrections, apart_ || isCarriedRound(context, active_) ? 1 : 0);
   cuts_ = promoted_ && !apart_ ? 0 : settings.cuts;
@@ -412,6 +412,7 @@ void Stepper::solve() {
   addResiduals(segment_.second);
   const double worst = std::max({own_.signorini, own_.coulomb, own_.dissipation});
   if (!own_.converged && worst > kUnsolved && (promoted_ || !budget_.isLate())) return giveUp(failure);
+  if (!own_.converged && promoted_ && budget_.isOut()) return giveUp(failure);  // the soft step does better
   judgeSqueezing();
 }
 
@@ -479,7 +480,7 @@ std::optional<Outcome> advanceByItsOwn(Context& context, const Subgraph& batch, 
     for (const Index k : batch.contacts) context.scene.contacts.active[k].axis = *axis++;
     return std::nullopt;
   }
-  island.work_left -= all - budget.left;
+  island.work_left -= std::min(island.work_left, all - budget.left);
   return outcome;
 }
 

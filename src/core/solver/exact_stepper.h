@@ -153,7 +153,7 @@ class Stepper : public InnerRows {
   void giveAngularMomentumBack(const CoulombProblem& displaced);
 
   // Where a velocity jumps, a segment ends (exact_landings.cpp): a point that was open comes down.
-  Landing landingAfter(double tau);
+  Landing landingAfter(double tau, const std::vector<TouchingPoint>& open);
   bool cutAtLanding(double& tau, Segment& segment);
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.

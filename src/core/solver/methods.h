@@ -32,7 +32,7 @@ enum class Outcome {
 /// island as it was, for another method.
 Outcome advance(Context& context, const Subgraph& batch, double t0, double t1);
 /// The same by what the island has of its own (SolveBudget), so that islands can be advanced at the same time; nothing where
-/// it needs more: it is left as it was. `row_seconds` gets the times of the rows.
+/// it needs more at an exact setting: it is left as it was. `row_seconds` gets the times of the rows.
 std::optional<Outcome> advanceByItsOwn(Context& context, const Subgraph& batch, double t0, double t1,
                                        std::vector<double>& row_seconds);
 }  // namespace exact_step

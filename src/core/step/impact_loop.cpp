@@ -89,7 +89,8 @@ class ImpactLoop {
 
   // Bodies whose clock has been set back are on new trajectories.
   void followSetBack() {
-    for (const Index i : contacts_.takeSetBack()) beginAnew(i, step_.timeOf(i));
+    for (auto back = contacts_.takeSetBack(); !back.empty(); back = contacts_.takeSetBack())
+      for (const Index i : back) beginAnew(i, step_.timeOf(i));
   }
 
   struct Later {

@@ -33,7 +33,7 @@ def _compares_arrays(cls: type[_T]) -> type[_T]:
     to a NaN). A plain tuple raises ValueError for arrays."""
     def equal(self: tuple[object, ...], other: object) -> bool:
         if type(self) is not type(other):
-            return NotImplemented
+            return False if isinstance(other, tuple) else NotImplemented
         from numpy import array_equal, ndarray
         return all(array_equal(mine, theirs, equal_nan=True) if isinstance(mine, ndarray) else mine == theirs
                    for mine, theirs in zip(self, other))

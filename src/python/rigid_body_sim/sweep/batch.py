@@ -84,11 +84,11 @@ def worker_command():
 def check_hosts(file):
     """Without a host GNU parallel would make all runs on this machine; one of no jobs makes none."""
     with open(file, encoding='utf-8', errors='replace') as text:
-        lines = [line.split('#')[0].strip() for line in text]
+        lines = ['' if line.lstrip().startswith('#') else line.strip() for line in text]
     if not any(lines):
         raise Refused(f"{file} names no host (allowed: one a line; ':' is this machine)")
     for number, line in enumerate(lines, 1):
-        if re.match(r'0+/', line):
+        if any(re.match(r'(@[^/]*/)?0+/', host.strip()) for host in line.split(',')):
             raise Refused(f'{file}:{number}: {line} (allowed: 1 job or more on a host)')
 
 

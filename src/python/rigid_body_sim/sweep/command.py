@@ -391,7 +391,7 @@ def open_standard_streams():
         try:
             os.fstat(descriptor)
         except OSError:
-            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+            os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # open() takes the lowest number that is free
             setattr(sys, name, open(descriptor, mode, encoding='utf-8'))
 
 

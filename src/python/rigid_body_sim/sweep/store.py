@@ -61,7 +61,8 @@ def write_whole(path, write):
         finally:
             os.close(folder)
     except OSError as error:
-        error.filename = error.filename or path
+        if error.errno is not None and error.filename is None:
+            error.filename = path
         raise
     finally:
         if os.path.exists(part):
