@@ -92,7 +92,7 @@ bool areApart(const Context& context, const std::vector<Index>& contacts) {
   const std::vector<Traits>& traits = context.scene.bodies.traits;
   return std::none_of(contacts.begin(), contacts.end(), [&](Index k) {
     const Contact& contact = context.scene.contacts.active[k];
-    const bool is_known = !context.scene.just_edited || contact.exact || !contact.points.empty();
+    const bool is_known = context.scene.steps > 0 || !contact.points.empty();
     return traits[contact.i].moved_by_forces() && traits[contact.j].moved_by_forces() &&
            (!is_known || contact.bears() || contact.state.isTouching());
   });

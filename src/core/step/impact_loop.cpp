@@ -298,7 +298,19 @@ class ImpactLoop {
   void leaveToContacts(Index i, Index j) {
     contacts_.connect(i, j);
     for (const Index k : {i, j}) watchAround(k);
-    promoteCrushed(*islandOf(step_.movedOf(i, j)));
+    Island& island = *islandOf(step_.movedOf(i, j));
+    promoteCrushed(island);
+    const std::size_t struck = contacts_.contactOf(i, j).earlier.size();  // points
+    if (context_.scene.restitutionOf(i, j) == 0.0 && 0 < struck && struck < 3) promoteLone(island);
+  }
+
+  // A body alone that has come down on a corner or an edge. The soft step would leave it in the ground, and the exact step that
+  // follows lift it for nothing. It comes down with other edges in the same step, which takes more work than one that has
+  // lain there.
+  void promoteLone(Island& island) {
+    if (island.bodies.size() > 1 || island.exact || island.cut_short || island.moving_pairs > 0) return;
+    chooseSolver(context_, island);
+    if (island.exact) island.work_left = kWorkPerBody;
   }
 
   // Of a body that forces move: nothing pushes others.
