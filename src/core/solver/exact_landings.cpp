@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where a segment ends since a velocity jumps: a point comes down that was open, while its body rests on others or none.
+// Where a segment ends early: an open point comes down, and its velocity jumps.
 //
 // A block rocks from one edge onto the other; a prism rolls on. The first kick lets an open point come down just at the end of
 // the segment. So it would brake the point on all its way, with an impulse that is not the one of the law, whenever it lands in
@@ -80,8 +80,8 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
     share = std::min(landingAfter(at, open).share, share_now);
     landing.narrow(at, share);
   }
-  const bool ends_with_it =
-      end_ - now_ - at <= kAtTheEnd * step_.h();  // nothing comes after it that would stop the point
+  // No segment would come after it to stop the point.
+  const bool ends_with_it = end_ - now_ - at <= kAtTheEnd * step_.h();
   if (!lands || std::abs(share) > kLanded || ends_with_it) {
     std::swap(all, touching_);
     return false;

@@ -29,13 +29,12 @@
 // What resists turning (TorqueConstraint) is friction with torques for forces: all that is said of sliding holds
 // for rolling and spinning.
 //
-// Events. A velocity jumps where a point comes down that was open: the segment of a body alone is cut there
-// (exact_landings.cpp). Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll) within
-// the segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still against
-// the old direction, passes zero. The other is the loss of a support: a ball runs over an edge. The segment is then cut
+// Events. A velocity jumps where an open point comes down. The segment of bodies that do not touch each other is cut there
+// (exact_landings.cpp). Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll)
+// within the segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still
+// against the old direction, passes zero. The other is the loss of a support: a ball runs over an edge. The segment is then cut
 // where it comes. The onset of sliding, and lift-off from what goes on below, are continuous in the force, so a step that
-// misses them has an error of third order in its length. Impacts cut the segment from outside
-// (impact_loop.h).
+// misses them has an error of third order in its length. Impacts cut the segment from outside (impact_loop.h).
 #include "solver/exact_stepper.h"
 
 #include "solver/contact_preparation.h"
@@ -52,7 +51,7 @@ namespace {
 // A slip below this share of the speed unit is none. It must be more than the residual of a solve.
 constexpr double kSlip = 1e-7, kSlipOverTolerance = 10.0;
 // What solves aim at where a body is alone: Newton's method gets there in a step or two more, and what is at
-// rest to rounding needs no solve in the next step. At a setting that has the soft step, what moves is solved less far.
+// rest to rounding needs no solve in the next step. At `interactive` a body that moves is solved to the second of the two.
 constexpr double kLoneTolerance = 1e-15, kLoneMoving = 1e-12;
 // |w| tau of a body that is not a ball up to which a first estimate leaves out the curvature of the motion.
 constexpr double kStraight = 0.01;

@@ -16,7 +16,8 @@ struct SolverSettings {
   bool all_points;          ///< solves every point of a manifold, else the four that span most of it
   double tolerance;         ///< of the exact step: residuals in impulse and velocity, as Setting says
   double wanted_tolerance;  ///< what a few iterations more may reach, at most `tolerance`
-  int corrections;  ///< of the exact step: solves that the curvature of a drift may ask for anew; one at least of bodies that are alone
+  /// Of the exact step: solves that the curvature of a drift may ask for anew. Bodies that touch no other have at least one.
+  int corrections;
   /// Of the exact step: contact points, summed over the times that jumps of a force may cut a step. Where it `promotes`, of
   /// bodies that are alone.
   int cuts;

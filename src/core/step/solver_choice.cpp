@@ -204,13 +204,14 @@ bool isSimple(const Context& context, const Island& island, double fall) {
 
 // On what terms an island is given to the exact step.
 struct Promotion {
-  std::size_t
-      most_pairs;  // that the islands with such a bound may have together in a step, this one included; 0: not at all
-  std::int64_t work_of_body;  // what it may cost, see SolveBudget
+  // The most pairs that the islands with such a bound may have together in a step, this one included; 0: not promoted.
+  std::size_t most_pairs;
+  // Multiplications that its solves may cost (SolveBudget); then the soft step takes over.
+  std::int64_t work_of_body;
 };
-// An island that moves takes 50 times the work of one at rest; hundreds of small towers that land at the same time would hold a
-// step for a second. A body alone on four feet that slides takes 10,000 multiplications; the landing of another edge 1 to 2
-// million. Where a solve of what moves does not converge, as of what is wedged in a groove at times, the soft step takes it.
+// An island that moves takes 50 times the work of one at rest. Hundreds of small towers that land at the same time would hold a
+// step for a second. A box that slides takes 10,000 multiplications. A box that lands on another edge takes 1 to 2 million. The
+// solve of a body that is jammed between two others may not converge.
 constexpr Promotion kNever{0, 0}, kAlways{~std::size_t{0}, kWorkPerBody}, kWhileSomeMove{300, kWorkPerBody},
     kWhileFew{30, kWorkPerBody}, kWhileFewMove{30, 2'000'000};
 
