@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Adding a kind of constraint takes its own file: one that the program does not have goes through the graph
+// Adding a kind of constraint takes its own file: one that the program does not have goes through the graph, sleep
 // and the soft step here, beside contacts.
 #include "make_scene.h"
+#include "solver/residuals.h"
 #include "solver/soft_step.h"
 #include "step/analyse_scene.h"
+#include "step/constraints.h"
 #include "step/islands.h"
+#include "step/sleep.h"
 
 #include <gtest/gtest.h>
 
@@ -18,37 +21,55 @@ constexpr auto kCoupling = static_cast<ConstraintKind>(1);
 // Two bodies that move with one velocity and turn as they like.
 class Coupling {
  public:
-  void prepare(const Context&, const Subgraph& batch, const SolverContacts& contacts) {
+  static constexpr double kLongest = 2e-4;  // of a sub-step, s: 50 in a step
+  static double longestSubStep(const Context&, const Subgraph& batch) {
+    return batch.edges.empty() ? std::numeric_limits<double>::infinity() : kLongest;
+  }
+  void prepare(const Context& context, const Subgraph& batch, const SolverContacts& contacts, double h) {
+    sub_steps_ = static_cast<int>(std::lround(context.step.h() / h));
     const auto slotOf = [&](Index body) -> std::size_t {
       for (std::size_t k = 0; k < contacts.bodies.size(); ++k)
         if (contacts.bodies[k].body == body) return k;
       throw std::logic_error("a body of the island is not in the solver");
     };
-    for (const Edge& edge : batch.edges) rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1])});
+    for (const Edge& edge : batch.edges)
+      rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1]), edge.bodies[0]});
   }
   bool empty() const { return rows_.empty(); }
   void warmStart(SolverContacts& contacts) const {
     for (const Row& row : rows_) push(contacts, row, row.impulse_W);
   }
-  void solve(SolverContacts& contacts) {
+  void solve(SolverContacts& contacts, Pass pass, const Softness&, double) {
     for (Row& row : rows_) {
+      if (pass == Pass::Last) row.left = (contacts.bodies[row.i].v - contacts.bodies[row.j].v).norm();
       const SolverBody &i = contacts.bodies[row.i], &j = contacts.bodies[row.j];
       const Vec3 change_W = (i.v - j.v) / (i.inv_mass + j.inv_mass);
       push(contacts, row, change_W);
       row.impulse_W += change_W;
     }
   }
+  void store(Context& context) const {
+    for (const Row& row : rows_) {
+      IslandResiduals solved;
+      solved.method = "soft_step", solved.iterations = static_cast<std::uint32_t>(sub_steps_);
+      solved.signorini = row.left;
+      residuals::add(context.step.islands[context.step.island[row.body]].residuals, solved);
+    }
+  }
 
  private:
   struct Row {
     std::size_t i, j;
+    Index body;
     Vec3 impulse_W = Vec3::Zero();  // on j, N s
+    double left = 0.0;              // by how much the velocities differed in the last pass, m/s
   };
   static void push(SolverContacts& contacts, const Row& row, const Vec3& impulse_W) {
     contacts.bodies[row.i].v -= contacts.bodies[row.i].inv_mass * impulse_W;
     contacts.bodies[row.j].v += contacts.bodies[row.j].inv_mass * impulse_W;
   }
   std::vector<Row> rows_;
+  int sub_steps_ = 0;
 };
 
 struct Scene {
@@ -74,7 +95,7 @@ struct Scene {
     scene.contacts.update(scene.bodies, contacts, [](const Contact&) { return false; });
     std::vector<Edge> edges;
     for (Index k = 0; k < scene.contacts.active.size(); ++k)
-      edges.push_back(islands::edgeOf(scene.contacts, k));
+      edges.push_back(constraints::edgeOf(scene.contacts, k));
     for (const auto& [i, j] : couplings)
       edges.push_back({kCoupling, static_cast<Index>(edges.size()), {i, j, kNone, kNone}});
     islands::connect(context, context.scene.lists.in_islands, edges);
@@ -98,7 +119,36 @@ TEST(ConstraintKind, OfItsOwnIsSolvedWithoutContacts) {
   const Vec3 common(1.0, 0.0, 0.5);
   EXPECT_LE((scene.scene.bodies.twist[i].v_WB - common).norm(), 1e-14);
   EXPECT_LE((scene.scene.bodies.twist[j].v_WB - common).norm(), 1e-14);
-  EXPECT_LE((scene.scene.bodies.pose[j].p_WB - heavy.pose.p_WB - Scene::kStep * common).norm(), 1e-14);
+  EXPECT_LE((scene.scene.bodies.pose[j].p_WB - heavy.pose.p_WB - Scene::kStep * common).norm(), 1e-13)
+      << "50 sub-steps at 5 m";
+}
+
+TEST(ConstraintKind, OfItsOwnSaysHowLongASubStepMayBeAndHowWellItHolds) {
+  Scene scene(Vec3(0.0, 0.0, -10.0));
+  const Index i = scene.add(ball("one", 0.1, Vec3::Zero())),
+              j = scene.add(ball("other", 0.1, Vec3(5.0, 0.0, 0.0)));
+  const Index alone = scene.add(ball("alone", 0.1, Vec3(0.0, 5.0, 0.0)));
+  scene.advance({{i, j}}, {});
+  const IslandResiduals &tied = scene.step.islands[scene.step.island[i]].residuals,
+                        &free = scene.step.islands[scene.step.island[alone]].residuals;
+  EXPECT_STREQ(tied.method, "soft_step");
+  EXPECT_EQ(tied.iterations, 50u) << "sub-steps of 0.2 ms";
+  EXPECT_LE(tied.signorini, 1e-15) << "the last pass finds both at one velocity";
+  EXPECT_STREQ(free.method, "");
+}
+
+// Of two that are coupled one sleeps: the other wakes it as it moves, in whichever place of the edge it stands.
+TEST(ConstraintKind, OfItsOwnWakesWhatSleeps) {
+  Scene scene(Vec3::Zero());
+  const Index i = scene.add(ball("one", 0.1, Vec3::Zero())),
+              j = scene.add(ball("other", 0.1, Vec3(5.0, 0.0, 0.0)));
+  scene.scene.rest.resize(2);
+  sleep::putToSleep(scene.scene, {i});
+  const Edge first{kCoupling, 0, {i, j, kNone, kNone}}, second{kCoupling, 0, {j, kNone, i, kNone}};
+  EXPECT_EQ(sleep::reachedSleepers(scene.scene, {first}), std::vector<Index>{i});
+  EXPECT_EQ(sleep::reachedSleepers(scene.scene, {second}), std::vector<Index>{i});
+  sleep::putToSleep(scene.scene, {j});
+  EXPECT_TRUE(sleep::reachedSleepers(scene.scene, {first, second}).empty()) << "none of the two moves";
 }
 
 // A ball stands on a plane and bears another, which is coupled to it and stands on nothing.

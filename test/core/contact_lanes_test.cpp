@@ -165,7 +165,7 @@ TEST_P(ContactLanesOf, FourPairsAtATimeAreThePairsInTheirOrder) {
     ContactLanes lanes(contacts, lane_stores, workers);
     lanes.take();
     for (const bool soft : {true, false, true, false}) {
-      lanes.solve(soft ? ContactLanes::Pass::Soft : ContactLanes::Pass::Relax, kSoft, kSubStep);
+      lanes.solve(soft ? Pass::Soft : Pass::Relax, kSoft, kSubStep);
       passInOrder(one_by_one, soft);
     }
     lanes.giveBack();

@@ -24,6 +24,13 @@ struct Softness {
   double bias, mass, impulse;  // b, a, c
 };
 
+/// A pass over the constraints of a sub-step.
+enum class Pass {
+  Soft,   ///< constraints are soft and close their gaps
+  Relax,  ///< the bodies have moved; points that push are to be at rest; those that slide get friction once more after that
+  Last,   ///< Relax, and the impulses of the sub-step are added to the sums
+};
+
 class ContactLanes {
   // Where there are many points, a pass waits for memory. So rows hold arms, from which passes find how bodies turn, and what
   // passes do not read is kept beside the rows and bundles, but for the gap, which makes a row of whole lines of the cache.
@@ -139,11 +146,6 @@ class ContactLanes {
   void scaleImpulses(const std::function<double(const SolverBlock&)>& share);
   /// One pass over the pairs in a sub-step of length h, each with its friction first and its normal impulses
   /// then.
-  enum class Pass {
-    Soft,   ///< contacts are soft and close their gaps
-    Relax,  ///< the bodies have moved; points that push are to be at rest; those that slide get friction once more after that
-    Last,   ///< Relax, and the impulses of the sub-step are added to the sums
-  };
   void solve(Pass pass, const Softness& soft, double h);
   /// Measures, after the last sub-step, how far the points of each block are from the law of contact. `unit` is the speed of which
   /// residuals are shares, m/s.

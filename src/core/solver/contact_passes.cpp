@@ -211,7 +211,7 @@ RBS_INLINE void ContactLanes::solveFriction(const Bundle& bundle, InPass& pairs,
 // The normal of a surface of revolution goes through its axis. So a normal impulse has no moment about that axis, though
 // the place of a point may be one of a while ago, or one of a few that stand for a rim: along normals, spins and
 // inertias are without their parts along it.
-template <ContactLanes::Pass kPass>
+template <Pass kPass>
 RBS_INLINE void ContactLanes::solveNormals(const Bundle& bundle, const Axes& axes, const SoftLanes& soft,
                                            InPass& pairs) {
   Lanes zero;
@@ -293,7 +293,7 @@ RBS_INLINE void ContactLanes::addToSums(const Bundle& bundle, bool has_friction)
   }
 }
 
-template <ContactLanes::Pass kPass, bool kFriction>
+template <Pass kPass, bool kFriction>
 RBS_WIDE void ContactLanes::solveBundles(std::size_t begin, std::size_t end, const Softness& soft, double h) {
   SoftLanes of;
   fill(of.per_second, 1.0 / h);

@@ -15,8 +15,8 @@ void advance(Context& context, const Subgraph& batch, double t0, double t1);
 }  // namespace flight
 
 namespace soft_step {
-/// The longest sub-step in which these contacts can follow their bodies, s; infinite where nothing moves.
-double longestSubStep(const Context& context, const std::vector<Index>& contacts);
+/// The longest sub-step in which the constraints of a batch can follow their bodies, s; infinite where nothing moves.
+double longestSubStep(const Context& context, const Subgraph& batch);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const Subgraph& batch, double t0, double t1);
 }  // namespace soft_step

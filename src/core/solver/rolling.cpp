@@ -53,7 +53,7 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
   return curved * largest < 1.0 ? curved * largest * largest : 1.0 / curved;
 }
 
-void Resistance::prepare(const Context& context, const Subgraph&, const SolverContacts& contacts) {
+void Resistance::prepare(const Context& context, const Subgraph&, const SolverContacts& contacts, double) {
   const SceneStore& scene = context.scene;
   for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {
     const SolverBlock& block = contacts.blocks[k];
@@ -73,7 +73,8 @@ void Resistance::warmStart(SolverContacts& contacts) const {
   }
 }
 
-void Resistance::solve(SolverContacts& contacts) {
+// Every pass ends the turning: there is no position that the torque could keep.
+void Resistance::solve(SolverContacts& contacts, Pass, const Softness&, double) {
   for (Row& row : rows_) solveRow(contacts, row);
 }
 

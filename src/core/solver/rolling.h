@@ -2,8 +2,10 @@
 // Rolling and torsional resistance: the torques of a contact that is a small patch, not a point.
 #pragma once
 
+#include "solver/contact_lanes.h"
 #include "solver/solver_contacts.h"
 
+#include <limits>
 #include <vector>
 
 namespace rbs::rolling {
@@ -37,10 +39,14 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 /// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.
 class Resistance {
  public:
-  void prepare(const Context& context, const Subgraph& batch, const SolverContacts& contacts);
+  static double longestSubStep(const Context&, const Subgraph&) {
+    return std::numeric_limits<double>::infinity();
+  }
+  void prepare(const Context& context, const Subgraph& batch, const SolverContacts& contacts, double h);
   bool empty() const { return rows_.empty(); }
   void warmStart(SolverContacts& contacts) const;
-  void solve(SolverContacts& contacts);
+  void solve(SolverContacts& contacts, Pass pass, const Softness& soft, double h);
+  void store(Context&) {}  // no step begins with the torques of the last one
 
  private:
   struct Row {

@@ -16,11 +16,17 @@ constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 
-template <class Method>
-void advanceBy(Context& context, const Subgraph& batch, double t0, double t1) {
-  InnerClock clock(context.step.row_seconds);
-  Method method(context, batch, t0, t1);
-  runInnerStep(method, clock);
+template <class Named>
+struct Type {
+  using Method = Named;
+};
+
+// Calls what is given with the method that has the kinds of constraints of this scene.
+template <class Do>
+auto withMethodFor(const Context& context, const Do& what) {
+  if constexpr (built::rolling)
+    if (context.scene.effects[Effect::Rolling]) return what(Type<SoftStep<rolling::Resistance>>{});
+  return what(Type<SoftStep<>>{});
 }
 
 }  // namespace
@@ -31,12 +37,12 @@ Softness softness(double h, double h_full) {
   return {omega / (2.0 * kDamping + h * omega), x / (1.0 + x), 1.0 / (1.0 + x)};
 }
 
-double longestSubStep(const Context& context, const std::vector<Index>& contacts) {
+double longestOfContacts(const Context& context, const Subgraph& batch) {
   const StepStore& step = context.step;
   const Bodies& bodies = context.scene.bodies;
   const double infinite = std::numeric_limits<double>::infinity();
   double travel = infinite, fall = infinite, spin = 0.0;  // s, s², and rad²/s²
-  for (const Index k : contacts) {
+  for (const Index k : batch.contacts) {
     const Contact& contact = context.scene.contacts.active[k];
     const Index i = contact.i, j = contact.j;
     const double length = smallerLength(bodies, i, j);
@@ -50,12 +56,18 @@ double longestSubStep(const Context& context, const std::vector<Index>& contacts
   return std::min({travel, std::sqrt(fall), kMostTurn / std::sqrt(spin)});
 }
 
+double longestSubStep(const Context& context, const Subgraph& batch) {
+  return withMethodFor(context,
+                       [&](auto type) { return decltype(type)::Method::longestSubStep(context, batch); });
+}
+
 void advance(Context& context, const Subgraph& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
-  if constexpr (built::rolling)
-    if (context.scene.effects[Effect::Rolling])
-      return advanceBy<SoftStep<rolling::Resistance>>(context, batch, t0, t1);
-  advanceBy<SoftStep<>>(context, batch, t0, t1);
+  withMethodFor(context, [&](auto type) {
+    InnerClock clock(context.step.row_seconds);
+    typename decltype(type)::Method method(context, batch, t0, t1);
+    runInnerStep(method, clock);
+  });
 }
 
 }  // namespace rbs::soft_step

@@ -75,15 +75,23 @@ struct Stores {
 /// The softness of a contact over a sub-step of length h, in a step whose own sub-steps are h_full long.
 Softness softness(double h, double h_full);
 
+/// The longest sub-step in which contacts can follow their bodies, s.
+double longestOfContacts(const Context& context, const Subgraph& batch);
+
 /// The method, with the kinds of constraints that it solves beside contacts. What a kind has to have:
-///   void prepare(const Context&, const Subgraph&, SolverContacts&);  ///< its rows
-///   bool empty() const;                                                 ///< it has none in this batch
-///   void warmStart(SolverContacts&);                                    ///< the last sub-step's impulses
-///   void solve(SolverContacts&);                                        ///< one pass over its rows
+///   static double longestSubStep(const Context&, const Subgraph&);              ///< s; infinite: as long as one likes
+///   void prepare(const Context&, const Subgraph&, const SolverContacts&, double h);  ///< its rows, h the sub-step
+///   bool empty() const;                                                         ///< it has none in this batch
+///   void warmStart(SolverContacts&);                                            ///< the last sub-step's impulses
+///   void solve(SolverContacts&, Pass, const Softness&, double h);               ///< one pass over its rows
+///   void store(Context&);                    ///< after the last: its impulses, and how far its islands are from its law
 /// A scene without a kind runs as if there were no such kind: not a test of it is left in the loops.
 template <class... Kinds>
 class SoftStep : public InnerRows {
  public:
+  static double longestSubStep(const Context& context, const Subgraph& batch) {
+    return std::min({longestOfContacts(context, batch), Kinds::longestSubStep(context, batch)...});
+  }
   SoftStep(Context& context, const Subgraph& batch, double t0, double t1)
       : context_(context),
         batch_(batch),
@@ -91,8 +99,7 @@ class SoftStep : public InnerRows {
         lanes_(contacts_, context.step.soft_stores->lanes, *context.step.workers),
         t0_(t0),
         dt_(t1 - t0) {
-    const double longest = longestSubStep(context, batch.contacts),
-                 shortest = context.step.h() / kMostSubSteps;
+    const double longest = longestSubStep(context, batch), shortest = context.step.h() / kMostSubSteps;
     const double of_setting = context.step.h() / context.step.solver.sub_steps;
     too_fast_ = longest < std::min(of_setting, shortest);
     h_full_ = std::min(of_setting, std::max(longest, shortest));
@@ -104,7 +111,7 @@ class SoftStep : public InnerRows {
   void collide() { contacts_.find(t0_, dt_, h_); }
   void prepare() {
     lanes_.take();
-    forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_); });
+    forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_, h_); });
     energy_.find(context_, contacts_, too_fast_);
     rolling_.find(context_, contacts_);
     if constexpr (built::restitution)
@@ -125,16 +132,16 @@ class SoftStep : public InnerRows {
     forKinds([&](auto& kind) { kind.warmStart(contacts_); });
   }
   void solve() {
-    solveKinds();
-    lanes_.solve(ContactLanes::Pass::Soft, soft_, h_);
+    solveKinds(Pass::Soft);
+    lanes_.solve(Pass::Soft, soft_, h_);
   }
   // Twice with other kinds, whose bounds are the normal forces as they are then.
   void relax() {
     if (hasKinds()) {
-      lanes_.solve(ContactLanes::Pass::Relax, soft_, h_);
-      solveKinds();
+      lanes_.solve(Pass::Relax, soft_, h_);
+      solveKinds(Pass::Last);
     }
-    lanes_.solve(ContactLanes::Pass::Last, soft_, h_);
+    lanes_.solve(Pass::Last, soft_, h_);
     if (too_fast_) energy_.apply(context_, done_ * h_, contacts_);
   }
   void rebound() {
@@ -151,6 +158,7 @@ class SoftStep : public InnerRows {
     contacts_.store(h_, h_full_, [this](Index block) {
       if (!given_back_) lanes_.giveBack(block);
     });
+    forKinds([&](auto& kind) { kind.store(context_); });
   }
 
  private:
@@ -161,10 +169,10 @@ class SoftStep : public InnerRows {
   bool hasKinds() const {
     return std::apply([](const auto&... kind) { return (!kind.empty() || ...); }, kinds_);
   }
-  void solveKinds() {
+  void solveKinds(Pass pass) {
     if (!hasKinds()) return;
     lanes_.giveBack();
-    forKinds([&](auto& kind) { kind.solve(contacts_); });
+    forKinds([&](auto& kind) { kind.solve(contacts_, pass, soft_, h_); });
   }
 
   Context& context_;

@@ -88,8 +88,7 @@ void advanceBatch(Context& context, const Subgraph& batch, bool exact, double t0
 
 // Whether an island is advanced by sub-steps of its own.
 bool needsOwnSubSteps(const Context& context, const Island& island) {
-  return soft_step::longestSubStep(context, island.contacts) <
-         context.step.h() / context.step.solver.sub_steps;
+  return soft_step::longestSubStep(context, island) < context.step.h() / context.step.solver.sub_steps;
 }
 
 }  // namespace

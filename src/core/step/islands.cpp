@@ -3,25 +3,13 @@
 
 #include "base/text.h"
 #include "solver/residuals.h"
+#include "step/constraints.h"
 #include "step/solver_choice.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace rbs::islands {
-
-namespace {
-
-void contactEdges(const Context& context, std::vector<Edge>& edges) {
-  const Contacts& contacts = context.scene.contacts;
-  for (Index k = 0; k < contacts.active.size(); ++k)
-    if (contacts.active[k].state.isForSolver()) edges.push_back(edgeOf(contacts, k));
-}
-
-// A row for each kind of constraint: it adds the edges that the kind has in this step, in canonical order.
-constexpr std::array kEdgeSources{contactEdges};
-
-}  // namespace
 
 Need need(const SceneAnalysis& c) {
   const Index dynamic = c.moved_by_forces - c.ballistic;
@@ -33,19 +21,13 @@ Need need(const SceneAnalysis& c) {
                                : "")};
 }
 
-Edge edgeOf(const Contacts& contacts, Index k) {
-  return {ConstraintKind::Contact, k, {contacts.active[k].i, contacts.active[k].j, kNone, kNone}};
-}
-
 void build(Context& context) {
   build(context, context.scene.lists.in_islands);
 }
 
 void build(Context& context, const std::vector<Index>& bodies) {
-  std::vector<Edge> edges;
-  for (const auto& addEdges : kEdgeSources) addEdges(context, edges);
   const std::size_t first = context.step.islands.size();
-  connect(context, bodies, edges);
+  connect(context, bodies, constraints::tying(context.scene));
   for (std::size_t k = first; k < context.step.islands.size(); ++k) {
     Island& island = context.step.islands[k];
     island.touching = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index contact) {

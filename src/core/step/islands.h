@@ -11,9 +11,6 @@ namespace rbs::islands {
 
 Need need(const SceneAnalysis& analysis);
 
-/// The edge of contact k.
-Edge edgeOf(const Contacts& contacts, Index k);
-
 /// Makes the islands of the step from the edges of all kinds of constraints, and chooses their solvers. Fills
 /// step.islands and step.island.
 void build(Context& context);

@@ -2,6 +2,7 @@
 #include "step/sleep.h"
 
 #include "base/disjoint_sets.h"
+#include "step/constraints.h"
 #include "step/depenetration.h"
 
 #include <algorithm>
@@ -27,15 +28,25 @@ bool moves(const SceneStore& scene, Index i) {
   return t.moved_by_forces() || (t.is_kinematic() && !(twist.v_WB.isZero(0.0) && twist.w_WB.isZero(0.0)));
 }
 
+// Whether one of its bodies moves. One that sleeps does not.
+bool isMoved(const SceneStore& scene, const Edge& edge) {
+  return std::any_of(edge.bodies.begin(), edge.bodies.end(),
+                     [&](Index i) { return i != kNone && moves(scene, i); });
+}
+
 }  // namespace
 
 void findWoken(Context& context) {
-  const SceneStore& scene = context.scene;
+  wakeGroups(context, reachedSleepers(context.scene, constraints::waking(context.scene)));
+}
+
+std::vector<Index> reachedSleepers(const SceneStore& scene, const std::vector<Edge>& edges) {
   std::vector<Index> sleepers;
-  for (const Contact& contact : scene.contacts.active)
-    for (const auto& [sleeper, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
-      if (scene.bodies.traits[sleeper].asleep && moves(scene, other)) sleepers.push_back(sleeper);
-  wakeGroups(context, sleepers);
+  for (const Edge& edge : edges)
+    for (const Index sleeper : edge.bodies)
+      if (sleeper != kNone && scene.bodies.traits[sleeper].asleep && isMoved(scene, edge))
+        sleepers.push_back(sleeper);
+  return sleepers;
 }
 
 void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
@@ -51,6 +62,13 @@ void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
 }
 
 namespace {
+
+// Whether one of its bodies moves that no forces move.
+bool isLed(const Context& context, const Edge& edge) {
+  return std::any_of(edge.bodies.begin(), edge.bodies.end(), [&](Index i) {
+    return i != kNone && context.step.island[i] == kNone && moves(context.scene, i);
+  });
+}
 
 // Islands that are near each other go to sleep together: a body that is awake wakes what sleeps near it.
 std::vector<std::vector<Index>> nearIslands(const Context& context) {
@@ -95,10 +113,9 @@ void update(Context& context) {
     }
     is_ready[k] = ready;
   }
-  for (const Contact& contact : scene.contacts.active)
-    for (const auto& [i, other] : {std::pair(contact.i, contact.j), std::pair(contact.j, contact.i)})
-      if (step.island[i] != kNone && step.island[other] == kNone && moves(scene, other))
-        is_ready[step.island[i]] = 0;
+  for (const Edge& edge : constraints::waking(scene))
+    for (const Index i : edge.bodies)
+      if (i != kNone && step.island[i] != kNone && isLed(context, edge)) is_ready[step.island[i]] = 0;
   for (const std::vector<Index>& group : nearIslands(context)) {
     if (group.empty() || !std::all_of(group.begin(), group.end(), [&](Index k) { return is_ready[k]; }))
       continue;

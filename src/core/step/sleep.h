@@ -7,11 +7,16 @@
 
 #include "state/context.h"
 
+#include <vector>
+
 namespace rbs::sleep {
 
 /// After the broad phase: finds the groups that a moving body comes near. If there are any, step.woken lists
 /// their bodies, and the step is to be begun again with them awake.
 void findWoken(Context& context);
+
+/// The sleepers that one of these edges ties to a body that moves, maybe several times.
+std::vector<Index> reachedSleepers(const SceneStore& scene, const std::vector<Edge>& edges);
 
 /// Adds the groups that these bodies sleep in to step.woken: the step is to begin again with them awake.
 void wakeGroups(Context& context, const std::vector<Index>& sleepers);
