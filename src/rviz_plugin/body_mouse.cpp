@@ -14,6 +14,8 @@
 #include <rviz/view_controller.h>
 #include <rviz/viewport_mouse_event.h>
 
+#include <QPointer>
+
 #include <cmath>
 #include <tuple>
 
@@ -46,10 +48,9 @@ BodyMouse::BodyMouse(rviz::DisplayContext& context) : context_(context) {
 void BodyMouse::aim(const std::shared_ptr<SimulatorBodies>& simulator,
                     const rigid_body_sim::BodyDescription& body, const Ogre::Vector3& position,
                     const Ogre::Quaternion& orientation) {
+  if (simulator != simulator_) press_.reset();
   simulator_ = simulator;
-  body_ = body;
-  position_ = position;
-  orientation_ = orientation;
+  target_ = {body, position, orientation};
 }
 
 void BodyMouse::handleMouseEvent(rviz::ViewportMouseEvent& event) {
@@ -71,59 +72,78 @@ void BodyMouse::showHints() {
       "<b>Right-Click:</b> Menu.");
 }
 
-std::optional<Ogre::Vector3> BodyMouse::hitPoint(const rviz::ViewportMouseEvent& event) {
-  if (isSeeThrough(body_))
-    if (const std::optional<Ogre::Vector3> behind = lookThrough(event)) return behind;
+void BodyMouse::withHitPoint(const rviz::ViewportMouseEvent& event, const WithHit& then) {
   Ogre::Vector3 point;
-  if (!context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point))
-    return std::nullopt;
-  return point;
+  const bool is_there = context_.getSelectionManager()->get3DPoint(event.viewport, event.x, event.y, point);
+  const std::optional<Ogre::Vector3> hit = is_there ? std::make_optional(point) : std::nullopt;
+  if (!isSeeThrough(target_.body)) return then(hit);
+  askBodyUnder(event, context_, *simulator_,
+               [this, then, hit, simulator = simulator_.get(), seen = target_](const auto& met) {
+                 if (simulator != simulator_.get()) return;
+                 target_ = seen;
+                 const std::optional<Ogre::Vector3> behind = standFor(met);
+                 then(behind ? behind : hit);
+               });
 }
 
-std::optional<SimulatorBodies::Met> bodyUnder(const rviz::ViewportMouseEvent& event,
-                                              rviz::DisplayContext& context,
-                                              const SimulatorBodies& simulator) {
+void askBodyUnder(const rviz::ViewportMouseEvent& event, rviz::DisplayContext& context,
+                  SimulatorBodies& simulator, const SimulatorBodies::WithMet& then) {
   Ogre::Vector3 p_FW;
   Ogre::Quaternion q_FW;
   if (!context.getFrameManager()->getTransform(simulator.frame(), ros::Time(), p_FW, q_FW))
-    return std::nullopt;
+    return then(std::nullopt);
   const Ogre::Ray ray = mouseRay(event);
   const Ogre::Vector3 direction = q_FW.Inverse() * ray.getDirection();
   geometry_msgs::Vector3 direction_W;
   direction_W.x = direction.x, direction_W.y = direction.y, direction_W.z = direction.z;
-  return simulator.meet(pointMsg(q_FW.Inverse() * (ray.getOrigin() - p_FW)), direction_W);
+  simulator.meet(pointMsg(q_FW.Inverse() * (ray.getOrigin() - p_FW)), direction_W, then);
 }
 
-std::optional<Ogre::Vector3> BodyMouse::lookThrough(const rviz::ViewportMouseEvent& event) {
-  const auto met = bodyUnder(event, context_, *simulator_);
+std::optional<Ogre::Vector3> BodyMouse::standFor(const std::optional<SimulatorBodies::Met>& met) {
   Ogre::Vector3 p_FW;
   Ogre::Quaternion q_FW;
   if (!met || !context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW))
     return std::nullopt;
   const auto& [p, q] = std::tie(met->body.pose.position, met->body.pose.orientation);
-  body_ = met->body.description;
-  position_ = q_FW * Ogre::Vector3(p.x, p.y, p.z) + p_FW;
-  orientation_ = q_FW * Ogre::Quaternion(q.w, q.x, q.y, q.z);
+  target_ = {met->body.description, q_FW * Ogre::Vector3(p.x, p.y, p.z) + p_FW,
+             q_FW * Ogre::Quaternion(q.w, q.x, q.y, q.z)};
   return q_FW * Ogre::Vector3(met->point.x, met->point.y, met->point.z) + p_FW;
 }
 
 void BodyMouse::press(rviz::ViewportMouseEvent& event) {
-  const Ogre::Vector3 hit = hitPoint(event).value_or(position_);
-  const Ogre::Plane plane(event.viewport->getCamera()->getRealDirection(), hit);
+  press_ = Press{mouseRay(event), event.viewport->getCamera()->getRealDirection(), std::nullopt};
+  withHitPoint(event, [this](const std::optional<Ogre::Vector3>& hit) {
+    if (!press_) return;
+    const Press press = *press_;
+    press_.reset();
+    begin(press, hit.value_or(target_.position));
+  });
+}
+
+void BodyMouse::begin(const Press& press, const Ogre::Vector3& hit) {
+  const Ogre::Plane plane(press.view, hit);
   // Where the ray meets the plane, and not the hit, which the depth buffer has rounded: a mouse that does not
   // move then moves the body by nothing.
-  const Ogre::Ray ray = mouseRay(event);
-  const auto [meets, distance] = ray.intersects(plane);
-  drag_ = Drag{plane, meets ? ray.getPoint(distance) : hit, Ogre::Vector3::ZERO};
+  const auto [meets, distance] = press.ray.intersects(plane);
+  drag_ = Drag{plane, meets ? press.ray.getPoint(distance) : hit, Ogre::Vector3::ZERO};
   send(Feedback::MOUSE_DOWN, hit);
   still_there_.start();
+  if (press.moved_to) moveTo(*press.moved_to);
+  if (press.released) letGo();
+}
+
+void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
+  if (press_) {
+    press_->moved_to = mouseRay(event);
+    return;
+  }
+  const Ogre::Vector3 eye = event.viewport->getCamera()->getDerivedPosition();
+  drag_->plane.d += (fartherBy(event) - 1.0f) * drag_->plane.getDistance(eye);
+  moveTo(mouseRay(event));
 }
 
 // A point behind the eye is under no pixel.
-void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
-  const Ogre::Vector3 eye = event.viewport->getCamera()->getDerivedPosition();
-  drag_->plane.d += (fartherBy(event) - 1.0f) * drag_->plane.getDistance(eye);
-  const Ogre::Ray ray = mouseRay(event);
+void BodyMouse::moveTo(const Ogre::Ray& ray) {
   const auto [meets, distance] = ray.intersects(drag_->plane);
   if (!meets) return;
   drag_->moved_by = ray.getPoint(distance) - drag_->grip;
@@ -132,21 +152,28 @@ void BodyMouse::move(const rviz::ViewportMouseEvent& event) {
 }
 
 void BodyMouse::letGo() {
-  if (!drags()) return;
+  if (press_) press_->released = true;
+  if (!drag_) return;
   send(Feedback::MOUSE_UP);
   still_there_.stop();
   drag_.reset();
 }
 
 void BodyMouse::showMenu(rviz::ViewportMouseEvent& event) {
-  const std::optional<Ogre::Vector3> hit = hitPoint(event);
+  withHitPoint(event, [this, panel = QPointer<rviz::RenderPanel>(event.panel)](const auto& hit) {
+    if (panel.isNull() || panel->contextMenuVisible()) return;
+    fillMenu(hit);
+    panel->showContextMenu(menu_);
+  });
+}
+
+void BodyMouse::fillMenu(const std::optional<Ogre::Vector3>& hit) {
   menu_.reset(new QMenu);
-  for (const auto& [action, title] : menuTitles(body_.shape, body_.kind)) {
+  for (const auto& [action, title] : menuTitles(target_.body.shape, target_.body.kind)) {
     menu_->addAction(title, [this, hit, id = static_cast<std::uint32_t>(action)] {
       send(Feedback::MENU_SELECT, hit, id);
     });
   }
-  event.panel->showContextMenu(menu_);
 }
 
 // The simulator thinks in the frame of its world, which need not be RViz's fixed frame.
@@ -156,14 +183,14 @@ void BodyMouse::send(std::uint8_t event_type, const std::optional<Ogre::Vector3>
   if (!context_.getFrameManager()->getTransform(simulator_->frame(), ros::Time(), p_FW, q_FW)) return;
   const Ogre::Quaternion q_WF = q_FW.Inverse();
   const Ogre::Vector3 moved_by = drag_ ? drag_->moved_by : Ogre::Vector3::ZERO;
-  const Ogre::Quaternion q_WB = q_WF * orientation_;
+  const Ogre::Quaternion q_WB = q_WF * target_.orientation;
   Feedback feedback;
   feedback.header.frame_id = simulator_->frame();
   feedback.client_id = ros::this_node::getName() + "/mouse";
-  feedback.marker_name = body_.name;
+  feedback.marker_name = target_.body.name;
   feedback.event_type = event_type;
   feedback.menu_entry_id = entry;
-  feedback.pose.position = pointMsg(q_WF * (position_ + moved_by - p_FW));
+  feedback.pose.position = pointMsg(q_WF * (target_.position + moved_by - p_FW));
   feedback.pose.orientation.w = q_WB.w;
   feedback.pose.orientation.x = q_WB.x;
   feedback.pose.orientation.y = q_WB.y;

@@ -15,6 +15,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include <QApplication>
+#include <QPointer>
 
 namespace rbs {
 
@@ -60,12 +61,15 @@ void InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
     if (body) SimulationPanel::toggleSelected(window, picked->node, QString::fromStdString(body->name));
     return;
   }
-  for (const std::string& node : SimulationPanel::nodes(window)) {
-    const auto met = bodyUnder(event, *context_, *bodiesOf(node));
-    if (met)
-      return SimulationPanel::toggleSelected(window, node,
-                                             QString::fromStdString(met->body.description.name));
-  }
+  const auto is_found = std::make_shared<bool>(false);
+  for (const std::string& node : SimulationPanel::nodes(window))
+    askBodyUnder(event, *context_, *bodiesOf(node),
+                 [window = QPointer<QWidget>(window), node, is_found](const auto& met) {
+                   if (!met || *is_found || window.isNull()) return;
+                   *is_found = true;
+                   SimulationPanel::toggleSelected(window, node,
+                                                   QString::fromStdString(met->body.description.name));
+                 });
 }
 
 // Before each picture: the bodies of a simulator are to be known before the mouse is over one of them.

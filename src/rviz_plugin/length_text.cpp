@@ -13,8 +13,9 @@ std::string lengthText(double metres) {
     const char* name;
   };
   constexpr double kRounding = 0.9995;  // from which on the next unit is written
+  constexpr double kSmallest = 1e-12;   // m; below it there is no unit that people know: "1.3e-15 m"
   constexpr Unit kUnits[] = {{1e3, " km"}, {1.0, " m"}, {1e-3, " mm"}, {1e-6, " µm"}, {1e-9, " nm"}};
-  Unit unit = kUnits[4];
+  Unit unit = metres < kRounding * kSmallest ? kUnits[1] : kUnits[4];
   for (const Unit& larger : kUnits) {
     if (metres < kRounding * larger.metres) continue;
     unit = larger;

@@ -4,6 +4,9 @@
 #include <rigid_body_sim/CastRay.h>
 #include <rigid_body_sim/GetBody.h>
 
+#include <QElapsedTimer>
+#include <QTimer>
+
 #include <algorithm>
 #include <chrono>
 #include <future>
@@ -55,18 +58,28 @@ const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_i
 }
 
 // A call of a service has no time-out, so it is made on a thread of its own, which owns all that it needs.
-std::optional<Met> SimulatorBodies::meet(const geometry_msgs::Point& origin,
-                                         const geometry_msgs::Vector3& direction) const {
-  constexpr std::chrono::milliseconds kPatience(200);
+void SimulatorBodies::meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction,
+                           WithMet then) {
+  constexpr int kPeriod = 5, kPatience = 200;  // ms
   rigid_body_sim::CastRay ray;
   ray.request.origin = origin;
   ray.request.direction = direction;
   for (const auto& body : descriptions_.bodies)
     if (isSeeThrough(body)) ray.request.ignore.push_back(body.name);
   auto promise = std::make_shared<std::promise<std::optional<Met>>>();
-  std::future<std::optional<Met>> answer = promise->get_future();
+  const std::shared_future<std::optional<Met>> answer = promise->get_future().share();
   std::thread([promise, ray, node = node_] { promise->set_value(ask(node, ray)); }).detach();
-  return answer.wait_for(kPatience) == std::future_status::ready ? answer.get() : std::nullopt;
+  auto* const timer = new QTimer(&answers_);
+  QElapsedTimer since;
+  since.start();
+  QObject::connect(timer, &QTimer::timeout, timer, [timer, since, answer, then] {
+    const bool is_there = answer.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!is_there && since.elapsed() < kPatience) return;
+    timer->stop();
+    timer->deleteLater();
+    then(is_there ? answer.get() : std::nullopt);
+  });
+  timer->start(kPeriod);
 }
 
 void SimulatorBodies::send(const Feedback& feedback) {

@@ -7,7 +7,10 @@
 #include <ros/ros.h>
 #include <visualization_msgs/InteractiveMarkerFeedback.h>
 
+#include <QObject>
+
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -32,9 +35,11 @@ class SimulatorBodies {
     rigid_body_sim::BodyState body;
     geometry_msgs::Point point;
   };
-  /// The first body on a ray in frame() that hides what lies behind it and can be dragged. Empty where there
-  /// is none, or where the simulator does not answer within 0.2 s.
-  std::optional<Met> meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction) const;
+  using WithMet = std::function<void(const std::optional<Met>&)>;
+  /// Asks for the first body on a ray in frame() that hides what lies behind it and can be dragged, and returns at once. `then`
+  /// is called by the event loop with the answer: nothing where there is no such body, or where the simulator has not answered
+  /// within 0.2 s. It is not called once this is gone.
+  void meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction, WithMet then);
 
   /// The frame of the world.
   const std::string& frame() const { return descriptions_.header.frame_id; }
@@ -51,6 +56,7 @@ class SimulatorBodies {
   ros::NodeHandle ros_;
   rigid_body_sim::BodyDescriptions descriptions_;
   std::vector<std::pair<ros::WallTime, Feedback>> unheard_;
+  QObject answers_;  // the timers that wait for answers of the simulator are its children
   ros::Subscriber subscriber_;
   ros::Publisher publisher_;
 };

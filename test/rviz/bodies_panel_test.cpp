@@ -3,6 +3,7 @@
 #include "wait_for.h"
 
 #include "bodies_panel.h"
+#include "simulator_bodies.h"
 
 #include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/GetBody.h>
@@ -33,6 +34,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 using namespace rbs;
@@ -536,6 +538,44 @@ TEST_F(BodiesPanelTest, NothingIsDoneWhileTheSimulatorIsSilent) {
   EXPECT_TRUE(stays([&] { return call<rigid_body_sim::ListBodies>("list_bodies").hash == hash; }));
   enter("Mass", "7");
   EXPECT_TRUE(waitFor([] { return body("crate").description.mass == 7.0; }));
+}
+
+// A press on a wall asks what is behind it. The window goes on meanwhile.
+TEST_F(BodiesPanelTest, WhatTheMouseAsksASilentSimulatorHoldsNothingUp) {
+  SimulatorBodies bodies("/sim");
+  const geometry_msgs::Point crate = body("crate").pose.position;
+  geometry_msgs::Point above = crate;
+  above.z += 20.0;
+  geometry_msgs::Vector3 down;
+  down.z = -1.0;
+  // What is met, and how often the event loop went round before that.
+  const auto meet = [&](int& turns) {
+    std::optional<std::optional<SimulatorBodies::Met>> answer;
+    bodies.meet(above, down, [&](const auto& met) { answer = met; });
+    EXPECT_FALSE(answer) << "it is given by the event loop";
+    EXPECT_TRUE(waitFor([&] { return ++turns, answer.has_value(); }));
+    return answer.value_or(std::nullopt);
+  };
+  int turns = 0;
+  const auto met = meet(turns);
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->body.description.name, "crate");
+  EXPECT_NEAR(met->point.x, crate.x, 1e-9);
+
+  const pid_t simulator = processOf("/sim");
+  ASSERT_GT(simulator, 1);
+  kill(simulator, SIGSTOP);
+  turns = 0;
+  EXPECT_FALSE(meet(turns));
+  EXPECT_GE(turns, 10);
+  kill(simulator, SIGCONT);
+
+  int calls = 0;
+  {
+    SimulatorBodies gone("/sim");
+    gone.meet(above, down, [&](const auto&) { ++calls; });
+  }
+  EXPECT_TRUE(stays([&] { return calls == 0; })) << "who asked is gone";
 }
 
 // The field with the focus would enter it into a client that is gone.

@@ -289,6 +289,8 @@ TEST(LengthText, HasTheUnitThatSuits) {
   EXPECT_EQ(lengthText(1e-9), "1 nm");
   EXPECT_EQ(lengthText(0.0), "0");
   EXPECT_EQ(lengthText(2.8e-11), "0.028 nm");
+  EXPECT_EQ(lengthText(1e-12), "0.001 nm");
+  EXPECT_EQ(lengthText(1.3e-15), "1.3e-15 m");
   EXPECT_EQ(lengthText(2500.0), "2.5 km");
   EXPECT_EQ(lengthText(0.99951), "1 m");
 }
