@@ -18,7 +18,7 @@ sanitize_with() {
   sanitizer_reports=$build/sanitizer_reports
   # Assertions stay on, of Eigen and of the standard library too; the first finding ends the program.
   cmake_arguments=(-DCMAKE_BUILD_TYPE=None
-    -DCMAKE_CXX_FLAGS="-O1 -g1 -fno-omit-frame-pointer -fsanitize=$list -fno-sanitize-recover=all -D_GLIBCXX_ASSERTIONS")
+    -DCMAKE_CXX_FLAGS="-O2 -g1 -fno-omit-frame-pointer -fsanitize=$list -fno-sanitize-recover=all -D_GLIBCXX_ASSERTIONS")
 
   # Every process writes what it finds into a file of its own, which outlives it: a node that ends with an error fails no
   # rostest by itself.
