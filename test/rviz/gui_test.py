@@ -18,7 +18,7 @@ import rostest
 from geometry_msgs.msg import Point, Quaternion, Vector3
 from rigid_body_sim.msg import BodyNames, Status
 from rigid_body_sim.srv import ClosestPoints, GetBody, ListBodies, LoadScene, SpawnBody, SpawnBodyRequest
-from std_msgs.msg import String
+from std_msgs.msg import ColorRGBA, String
 from std_srvs.srv import SetBool, Trigger
 
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
@@ -165,6 +165,28 @@ class GuiTest(unittest.TestCase):
         wait_until(is_there, 'the body is where the mouse let it go')
         self.assertGreater(position('middle')[0], start[0] + 0.3)
         self.assertEqual(position('left'), (-1.5, -1.5, 0.4))
+
+    def test_what_stands_behind_glass_is_taken_through_it(self):
+        self.addCleanup(call, 'reset', Trigger)
+        pane = SpawnBodyRequest(name='pane', is_static=True, size=Vector3(1.2, 1.2, 1.2), color=ColorRGBA(0.3, 0.6, 0.9, 0.3))
+        pane.pose.position = Point(2.0, -2.0, 1.9)  # between the eye and the middle box
+        call('spawn_body', SpawnBody, pane)
+        self.rviz.wait_for_rest()
+        start = position('middle')
+        at_middle = self.rviz.pixel_of(start)
+        self.rviz.click(at_middle)
+        self.wait_for_selection('middle')
+        self.rviz.drag(at_middle, self.rviz.pixel_of((0.7, 0.7, start[2])))
+        wait_until(lambda: position('middle')[0] > 0.3, 'the box behind the pane follows the mouse')
+        # Gestures that are over before the simulator has said what is there.
+        self.select.publish('')
+        self.wait_for_selection('')
+        self.screen.xdotool('mousemove', *self.rviz.pixel_of(position('middle')), 'sleep', 0.3, 'mousedown', 1, 'mouseup', 1)
+        self.wait_for_selection('middle')
+        start, at_middle = position('middle'), self.rviz.pixel_of(position('middle'))
+        self.screen.xdotool('mousemove', *at_middle, 'sleep', 0.3, 'mousedown', 1, 'mousemove', at_middle[0] - 60, at_middle[1], 'mouseup', 1)
+        wait_until(lambda: math.dist(position('middle'), start) > 0.1, 'it follows a mouse that was faster than the answer')
+        self.assertEqual(position('pane'), (2.0, -2.0, 1.9))
 
     def is_drawn_near(self, name, pixel):
         return all(abs(a - b) <= 8 for a, b in zip(self.rviz.pixel_of(position(name)), pixel))
