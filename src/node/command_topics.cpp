@@ -44,7 +44,7 @@ CommandTopics::CommandTopics(Simulator& simulator) : simulator_(simulator) {
 
 void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
   send("cmd_twist", [command](World& world) {
-    const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
+    const BodyId body = bodyOfFrame(world, command.header.frame_id, "header.frame_id");
     const Quat q_WB = world.pose(body).q_WB;
     const Twist twist_B = fromMsg(command.twist);
     BodyEdit change;
@@ -57,7 +57,7 @@ void CommandTopics::onTwist(const geometry_msgs::TwistStamped& command) {
 
 void CommandTopics::onWrench(const geometry_msgs::WrenchStamped& command) {
   send("cmd_wrench", [command](World& world) {
-    const BodyId body = bodyNamed(world, command.header.frame_id, "header.frame_id");
+    const BodyId body = bodyOfFrame(world, command.header.frame_id, "header.frame_id");
     const Pose X_WB = world.pose(body);
     const Vec3 force_B = fromMsg(command.wrench.force), torque_B = fromMsg(command.wrench.torque);
     edit(command.header.frame_id, {{"wrench.force", "force", force_B}, {"wrench.torque", "torque", torque_B}},

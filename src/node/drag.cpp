@@ -75,13 +75,15 @@ void Drag::hear(const std::optional<Pose>& handle) {
   moved_ = true;
 }
 
-// A gizmo or a handle of a face gives back the pose that it was given, up to the single precision of RViz.
+// A gizmo or a handle of a face gives back the pose that it was given, up to the single precision of RViz. A ring also takes
+// a click for a turn: RViz rounds the mouse to a pixel, of which one at a radius of 100 pixels is 10 mrad.
 bool Drag::isBeyondClick() const {
   if (const Pull* grip = std::get_if<Pull>(&grip_))
     return (pointAt(handle_, grip->p_B) - pointAt(pressed_, grip->p_B)).norm() > grip->click_slop;
-  constexpr double kSingle = 1e-6;  // of the coordinates; rad
+  constexpr double kSingle = 1e-6;     // of the coordinates
+  constexpr double kClickTurn = 2e-3;  // rad
   return (handle_.p_WB - pressed_.p_WB).norm() > kSingle * pressed_.p_WB.norm() ||
-         handle_.q_WB.angularDistance(pressed_.q_WB) > kSingle;
+         handle_.q_WB.angularDistance(pressed_.q_WB) > kClickTurn;
 }
 
 bool Drag::begins() const {

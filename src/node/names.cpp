@@ -50,6 +50,11 @@ BodyId bodyNamed(const World& world, const std::string& name, const std::string&
   return id;
 }
 
+BodyId bodyOfFrame(const World& world, const std::string& frame_id, const std::string& field) {
+  const BodyId id = world.find(frame_id);
+  return id ? id : bodyNamed(world, withoutPrefix(frame_id), field);
+}
+
 std::size_t indexNamed(const Snapshot& snapshot, const std::string& name, const std::string& field) {
   const int index = snapshot.find(name);
   if (index < 0) refuseName(name, field, *snapshot.bodies);

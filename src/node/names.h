@@ -14,6 +14,8 @@ namespace rbs {
 /// The body of this name. Throws InvalidInput with the nearest name and some others for an unknown one, and with
 /// the field of the request for an empty one.
 BodyId bodyNamed(const World& world, const std::string& name, const std::string& field = "name");
+/// The body whose frame this is: its name, with or without framePrefix(). The same error.
+BodyId bodyOfFrame(const World& world, const std::string& frame_id, const std::string& field);
 /// Its place in `snapshot.bodies` and `snapshot.states`. The same error.
 std::size_t indexNamed(const Snapshot& snapshot, const std::string& name, const std::string& field = "name");
 

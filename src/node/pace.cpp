@@ -15,9 +15,10 @@ constexpr double kQuickStep = 0.8;
 
 constexpr double kLongStep = 0.5;  // s; a person who sees nothing move for that long asks why
 
+// "0.0213", "21.3", "2130": without a power of ten, in which nobody reads a time.
 std::string threeDigits(double value) {
   char digits[32];
-  std::snprintf(digits, sizeof digits, "%.3g", value);
+  std::snprintf(digits, sizeof digits, value < 999.5 ? "%.3g" : "%.0f", value);
   return digits;
 }
 

@@ -22,6 +22,10 @@ namespace fs = std::filesystem;
   throw InvalidInput({{"file", quoted(path, kLongestPath), allowed}});
 }
 
+[[noreturn]] void refuseExisting(const std::string& path) {
+  refuseFile(path, "a file that is not there yet, or overwrite");
+}
+
 [[noreturn]] void failed(const std::string& path) {
   const std::string reason = std::strerror(errno);
   throw InvalidInput({{printable(path, kLongestPath), reason, "a file in a folder that can be written"}});
@@ -69,7 +73,8 @@ class NewFile {
   /// Takes the place of `path`; with `overwrite` also where there is a file.
   void moveTo(const std::string& path, bool overwrite) {
     const unsigned flags = overwrite ? 0 : RENAME_NOREPLACE;
-    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), flags) != 0) failed(path);
+    if (::renameat2(AT_FDCWD, name_.c_str(), AT_FDCWD, path.c_str(), flags) != 0)
+      errno == EEXIST ? refuseExisting(path) : failed(path);  // somebody else was quicker
     moved_ = true;
   }
 
@@ -84,7 +89,7 @@ class NewFile {
 void writeFile(const std::string& path, const std::string& text, bool overwrite) {
   struct stat old {};
   const bool exists = ::lstat(path.c_str(), &old) == 0;
-  if (exists && !overwrite) refuseFile(path, "a file that is not there yet, or overwrite");
+  if (exists && !overwrite) refuseExisting(path);
   if (exists && !S_ISREG(old.st_mode)) refuseFile(path, "a regular file to overwrite");
   const fs::path folder = fs::path(path).parent_path();
   NewFile file(folder);

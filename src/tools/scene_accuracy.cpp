@@ -56,6 +56,18 @@ std::string lengthText(double metres) {
   return text;
 }
 
+std::string windowsText(std::uint32_t n) {
+  return std::to_string(n) + (n == 1 ? " window" : " windows");
+}
+
+/// Degrees with two digits, and without a power of ten.
+std::string angleText(double radians) {
+  const double degrees = radians * 180.0 / 3.14159265358979323846;
+  char text[32];
+  std::snprintf(text, sizeof text, degrees < 99.5 ? "%.2g" : "%.0f", degrees);
+  return text;
+}
+
 void printChoice(const AccuracyStudy& study, const Request& request) {
   const auto say = [](const std::string& wish, const SettingCost* cost) {
     if (!cost) {
@@ -98,16 +110,16 @@ void print(const AccuracyStudy& study, const Request& request) {
   }
   std::printf(
       "Deviation of the worst body from the reference per second simulated, and the CPU time of a step.\n"
-      "Means of %u windows along %.3g s%s. Halving the step of the reference changes %s a second.\n",
-      std::max(study.windows, 1u), study.seconds, study.complete ? "" : " (there was no time for all)",
-      lengthText(study.uncertainty.distance).c_str());
+      "Means of %s along %.3g s%s. Halving the step of the reference changes %s a second.\n",
+      windowsText(std::max(study.windows, 1u)).c_str(), study.seconds,
+      study.complete ? "" : " (there was no time for all)", lengthText(study.uncertainty.distance).c_str());
   printWindows(study);
   std::printf("  %-38s %12s %14s %14s %12s %12s\n", "solver settings", "ms a step", "position", "at worst",
               "orientation", "energy");
   for (const SettingCost& cost : study.settings)
-    std::printf("  %-38s %12.3g %s%12s %14s %8.2g deg %10.2g %%\n", settingName(cost.setting).c_str(),
+    std::printf("  %-38s %12.3g %s%12s %14s %8s deg %10.2g %%\n", settingName(cost.setting).c_str(),
                 cost.step_ms, cost.at_most ? "<=" : "  ", lengthText(cost.error.distance).c_str(),
-                lengthText(cost.worst.distance).c_str(), cost.error.angle * 180.0 / 3.14159265358979323846,
+                lengthText(cost.worst.distance).c_str(), angleText(cost.error.angle).c_str(),
                 100.0 * cost.error.energy);
   printChoice(study, request);
 }
@@ -126,9 +138,9 @@ class Progress {
         std::cout << nlohmann::json{{"share", share}, {"study", study}}.dump() << std::endl;
       } else {
         const int filled = static_cast<int>(20 * share);
-        std::fprintf(stderr, "\r\033[K[%s%s] %.0f s, at most %.0f s left: %u windows",
+        std::fprintf(stderr, "\r\033[K[%s%s] %.0f s, at most %.0f s left: %s",
                      std::string(filled, '#').c_str(), std::string(20 - filled, '.').c_str(), elapsed,
-                     elapsed * (1.0 - share) / std::max(share, 1e-3), study.windows);
+                     elapsed * (1.0 - share) / std::max(share, 1e-3), windowsText(study.windows).c_str());
       }
     }
     return interrupted == 0;

@@ -10,7 +10,7 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, TransformStamped, TwistStamped, Vector3
 from rigid_body_sim.msg import BodyStates
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -67,6 +67,17 @@ class FramesTest(unittest.TestCase):
         for number, name in enumerate(('crate', 'sim/crate')):
             call('spawn_body', name='beside_%d' % number, pose=Pose(Point(0, number + 1, 0), Quaternion()), frame_id=name)
             self.assert_near(self.place('beside_%d' % number), [5, number + 1, 9])
+
+    def test_a_body_is_driven_by_the_frame_that_tf_knows(self):
+        publisher = rospy.Publisher('/sim/cmd_twist', TwistStamped, queue_size=1)
+        self.addCleanup(publisher.unregister)
+        wait(lambda: publisher.get_num_connections() > 0, 'the simulator listens')
+        for speed, frame_id in ((1.5, 'sim/crate'), (2.5, 'crate')):
+            command = TwistStamped()
+            command.header.frame_id = frame_id
+            command.twist.linear.x = speed
+            publisher.publish(command)
+            wait(lambda wanted=speed: body('crate').twist.linear.x == wanted, 'the crate is driven by ' + frame_id)
 
     def test_unknown_frames_are_refused_with_what_tf_says(self):
         place = Pose(Point(1, 0, 0), Quaternion(0, 0, 0, 1))
