@@ -27,13 +27,8 @@ class Coupling {
   }
   void prepare(const Context& context, const Subgraph& batch, const SolverContacts& contacts, double h) {
     sub_steps_ = static_cast<int>(std::lround(context.step.h() / h));
-    const auto slotOf = [&](Index body) -> std::size_t {
-      for (std::size_t k = 0; k < contacts.bodies.size(); ++k)
-        if (contacts.bodies[k].body == body) return k;
-      throw std::logic_error("a body of the island is not in the solver");
-    };
     for (const Edge& edge : batch.edges)
-      rows_.push_back({slotOf(edge.bodies[0]), slotOf(edge.bodies[1]), edge.bodies[0]});
+      rows_.push_back({contacts.slotOf(edge.bodies[0]), contacts.slotOf(edge.bodies[1]), edge.bodies[0]});
   }
   bool empty() const { return rows_.empty(); }
   void warmStart(SolverContacts& contacts) const {
@@ -121,6 +116,20 @@ TEST(ConstraintKind, OfItsOwnIsSolvedWithoutContacts) {
   EXPECT_LE((scene.scene.bodies.twist[j].v_WB - common).norm(), 1e-14);
   EXPECT_LE((scene.scene.bodies.pose[j].p_WB - heavy.pose.p_WB - Scene::kStep * common).norm(), 1e-13)
       << "50 sub-steps at 5 m";
+}
+
+// It hangs on a body that nothing moves, which no contact knows.
+TEST(ConstraintKind, OfItsOwnTiesABodyToTheWorld) {
+  Scene scene(Vec3(0.0, 0.0, -10.0));
+  BodyDef post = ball("post", 0.1, Vec3(0.0, 0.0, 9.0));
+  post.kind = BodyKind::Static;
+  const Index anchor = scene.add(post), hanging = scene.add(ball("hanging", 0.1, Vec3(5.0, 0.0, 7.0)));
+  for (int k = 0; k < 20; ++k) scene.advance({{hanging, anchor}}, {});
+  EXPECT_LE((scene.scene.bodies.pose[hanging].p_WB - Vec3(5.0, 0.0, 7.0)).norm(), 1e-3);
+  EXPECT_EQ(scene.scene.bodies.pose[anchor].p_WB, Vec3(0.0, 0.0, 9.0));
+  residuals::check(scene.context);
+  ASSERT_EQ(scene.step.report.residuals.size(), 1u) << "of an island without a contact too";
+  EXPECT_EQ(scene.step.report.residuals[0].bodies, 1u);
 }
 
 TEST(ConstraintKind, OfItsOwnSaysHowLongASubStepMayBeAndHowWellItHolds) {

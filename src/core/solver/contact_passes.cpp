@@ -342,13 +342,12 @@ RBS_WIDE void ContactLanes::measure(std::size_t which, double unit) {
   Lanes n_i[3], n_j[3];  // the spins, without those about axes of revolution
   for (int c = 0; c < 3; ++c) n_i[c] = pairs.w_i[c], n_j[c] = pairs.w_j[c];
   if (bundle.has_axes) leaveOut(axes_[which].i, n_i), leaveOut(axes_[which].j, n_j);
-  const auto larger = [](const Lanes& a, const Lanes& b) __attribute__((always_inline)) {
-    return a > b ? a : b;
+  const auto raise = [](Lanes & most, const Lanes& by) __attribute__((always_inline)) {
+    most = most > by ? most : by;
   };
-  const auto length = [](const Lanes& square) __attribute__((always_inline)) {
-    Lanes root;
-    for (int lane = 0; lane < kLanes; ++lane) root[lane] = std::sqrt(square[lane]);
-    return root;
+  const auto findLength = [](const Lanes& x, const Lanes& y, Lanes& length) __attribute__((always_inline)) {
+    const Lanes square = x * x + y * y;
+    for (int lane = 0; lane < kLanes; ++lane) length[lane] = std::sqrt(square[lane]);
   };
   Lanes signorini = zero, coulomb = zero, dissipation = zero;
   for (int k = 0; k < bundle.size; ++k) {
@@ -357,20 +356,22 @@ RBS_WIDE void ContactLanes::measure(std::size_t which, double unit) {
     const LaneMask is_point = row.mass > zero, pushes = row.impulse != zero;
     const Lanes speed = u[0] + ((n_j[1] * s[2] - n_j[2] * s[1]) - (n_i[1] * r[2] - n_i[2] * r[1]));
     const Lanes closes = row.open <= zero ? -speed : zero;
-    const Lanes off = pushes ? larger(speed, -speed) : closes;
-    signorini = larger(signorini, is_point ? off * per_unit : zero);
+    const Lanes off = pushes ? (speed > zero ? speed : -speed) : closes;
+    raise(signorini, is_point ? off * per_unit : zero);
     if (!built::friction || !bundle.has_friction) continue;
     const FrictionRow& friction = friction_[bundle.friction + k];
     const Lanes slip1 = u[1] + ((w_j[2] * s[0] - w_j[0] * s[2]) - (w_i[2] * r[0] - w_i[0] * r[2]));
     const Lanes slip2 = u[2] + ((w_j[0] * s[1] - w_j[1] * s[0]) - (w_i[0] * r[1] - w_i[1] * r[0]));
-    const Lanes slip = length(slip1 * slip1 + slip2 * slip2);
     const Lanes limit = bundle.mu * row.impulse;
-    const Lanes force = length(friction.impulse1 * friction.impulse1 + friction.impulse2 * friction.impulse2);
+    Lanes slip, force, left;
+    findLength(slip1, slip2, slip);
+    findLength(friction.impulse1, friction.impulse2, force);
     const LaneMask sticks = force < limit * (1.0 - kAtBound), rubs = pushes && bundle.mu > zero;
     const Lanes share = sticks ? zero : slip / force;
     const Lanes left1 = slip1 + share * friction.impulse1, left2 = slip2 + share * friction.impulse2;
-    coulomb = larger(coulomb, rubs ? (force - limit) / row.mass * per_unit : zero);
-    dissipation = larger(dissipation, rubs ? length(left1 * left1 + left2 * left2) * per_unit : zero);
+    findLength(left1, left2, left);
+    raise(coulomb, rubs ? (force - limit) / row.mass * per_unit : zero);
+    raise(dissipation, rubs ? left * per_unit : zero);
   }
   for (int lane = 0; lane < kLanes; ++lane)
     if (bundle.block[lane] != kNone)

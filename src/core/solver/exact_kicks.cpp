@@ -93,7 +93,7 @@ double fastestOf(const CoulombProblem& problem) {
 //
 // What the solve before a drift of `tau` leaves grows to a gap of tau times that. It need be no less than kCurved: the
 // curvature is not known to more digits, and in what is beyond them four corners of a face ask for what no motion of it has.
-CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
+CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) {
   problem.speed_unit = std::max(island_.loadSpeed(), kNoClosing * fastestOf(problem));
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
@@ -116,7 +116,7 @@ CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) const {
 // A solve that does not converge takes at most a quarter of the budget, what others have taken of it included: the bound must
 // not depend on them.
 CoulombResult Stepper::solveInBudget(CoulombProblem& problem, double tolerance, double wanted,
-                                     double needed) const {
+                                     double needed) {
   const std::int64_t most = std::max(budget_.left / 4, whole_budget_ / 64);
   const SolveBudget part{std::min(budget_.left - budget_.reserved, most), budget_.until};
   SolveBudget left = part;
@@ -142,7 +142,7 @@ void Stepper::addResiduals(const CoulombResult& result) {
 // Makes velocities obey the law at this instant, under `seconds` of the forces that are expected; 0 for an
 // impact without restitution.
 CoulombResult Stepper::kickAtInstant(TouchingPoints& touching, CoulombBodies& bodies, double seconds,
-                                     Friction friction) const {
+                                     Friction friction) {
   CoulombProblem problem{bodies, {}, 0.0};
   problem.points.reserve(touching.points.size());
   std::vector<std::size_t> closed;

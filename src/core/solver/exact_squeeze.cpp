@@ -164,7 +164,7 @@ void Stepper::giveWay(const TouchingPoint& point, double tau, bool at_instant, C
 }
 
 // What squeezed points bear says nothing to another method, whose contacts have another stiffness.
-void Stepper::forgetSqueezed() const {
+void Stepper::forgetSqueezed() {
   for (const Index k : squeezed_)
     for (SolvedPoint& point : context_.scene.contacts.active[k].points)
       point.normal = 0.0, point.friction_W.setZero();

@@ -118,7 +118,7 @@ class Stepper : public InnerRows {
   std::optional<TouchingPoints> withUnforeseen(const Segment& segment, double tau) const;
   void addUnforeseen();
   void giveUp(Outcome why);
-  Island& island() const { return step_.islands[step_.island[island_.indices().front()]]; }
+  Island& island() { return step_.islands[step_.island[island_.indices().front()]]; }
 
   // How long a segment is (exact_segments.cpp).
   double turnsBy(double seconds) const;
@@ -128,10 +128,10 @@ class Stepper : public InnerRows {
   void findSegment();
 
   // Kicks (exact_kicks.cpp): Coulomb problems, what is expected of them, and what the drift between two of them curves.
-  CoulombResult solveKick(CoulombProblem& problem, double tau) const;
-  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double wanted, double needed) const;
+  CoulombResult solveKick(CoulombProblem& problem, double tau);
+  CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double wanted, double needed);
   CoulombResult kickAtInstant(TouchingPoints& touching, CoulombBodies& bodies, double seconds,
-                              Friction friction) const;
+                              Friction friction);
   void solveVelocities();
   bool updateCurvature(const CoulombBodies& drifting, const std::vector<CoulombPoint>& laws,
                        const std::vector<char>& held, const std::vector<BodyMotion>& start,
@@ -176,7 +176,7 @@ class Stepper : public InnerRows {
   double stiffnessOf(const TouchingPoint& point, const CoulombPoint& law) const;
   double elasticEnergy() const;
   void giveWay(const TouchingPoint& point, double tau, bool at_instant, CoulombPoint& law) const;
-  void forgetSqueezed() const;
+  void forgetSqueezed();
   double squeezingOf(const TouchingPoints& touching, const CoulombBodies& bodies) const;
   void judgeSqueezing();
 

@@ -40,7 +40,7 @@ void checkIslands(Context& context) {
       for (const SolvedPoint& point : contact.points)
         residuals.deepest_penetration = std::max(residuals.deepest_penetration, -point.separation);
     }
-    if (residuals.contacts == 0) continue;
+    if (residuals.contacts == 0 && island.edges.empty()) continue;
     residuals.bodies = static_cast<std::uint32_t>(island.bodies.size());
     for (const Index i : island.bodies) {
       residuals.energy_change += energyOf(context, i, bodies.pose[i], bodies.twist[i]) -

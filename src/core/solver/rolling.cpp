@@ -53,6 +53,15 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W) {
   return curved * largest < 1.0 ? curved * largest * largest : 1.0 / curved;
 }
 
+bool Resistance::takes(const Context& context, const Subgraph& batch) {
+  const SceneStore& scene = context.scene;
+  if (!scene.effects[Effect::Rolling]) return false;
+  return std::any_of(batch.contacts.begin(), batch.contacts.end(), [&](Index k) {
+    const Contact& contact = scene.contacts.active[k];
+    return resists(scene, contact.i, contact.j);
+  });
+}
+
 void Resistance::prepare(const Context& context, const Subgraph&, const SolverContacts& contacts, double) {
   const SceneStore& scene = context.scene;
   for (std::size_t k = 0; k < contacts.blocks.size(); ++k) {

@@ -39,6 +39,8 @@ double radius(const Bodies& bodies, Index i, Index j, const Vec3& n_W);
 /// The resistance of the contacts of a batch in the soft step, a kind of constraint of its own.
 class Resistance {
  public:
+  static void addEdges(const SceneStore&, std::vector<Edge>&) {}  // it acts between bodies in contact
+  static bool takes(const Context& context, const Subgraph& batch);
   static double longestSubStep(const Context&, const Subgraph&) {
     return std::numeric_limits<double>::infinity();
   }

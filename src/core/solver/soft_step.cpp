@@ -2,7 +2,7 @@
 #include "solver/soft_step.h"
 
 #include "effects_built.h"
-#include "solver/rolling.h"
+#include "solver/constraint_kinds.h"
 
 #include <limits>
 
@@ -16,17 +16,20 @@ constexpr double kDamping = 10.0;  // z: stiff contacts must not ring
 // the other side of one, before a contact has stopped it. A load sinks in by about what it falls in one.
 constexpr double kMostTurn = 0.5, kMostTravel = 0.5, kMostFall = 0.1;
 
-template <class Named>
-struct Type {
-  using Method = Named;
-};
+template <class... Kinds>
+SoftStep<Kinds...> methodWith(KindList<Kinds...>);
+using WithOtherKinds = decltype(methodWith(OtherKinds()));
 
-// Calls what is given with the method that has the kinds of constraints of this scene.
-template <class Do>
-auto withMethodFor(const Context& context, const Do& what) {
-  if constexpr (built::rolling)
-    if (context.scene.effects[Effect::Rolling]) return what(Type<SoftStep<rolling::Resistance>>{});
-  return what(Type<SoftStep<>>{});
+template <class... Kinds>
+bool anyTakes(KindList<Kinds...>, const Context& context, const Subgraph& batch) {
+  return (Kinds::takes(context, batch) || ...);
+}
+
+template <class Method>
+void advanceBy(Context& context, const Subgraph& batch, double t0, double t1) {
+  InnerClock clock(context.step.row_seconds);
+  Method method(context, batch, t0, t1);
+  runInnerStep(method, clock);
 }
 
 }  // namespace
@@ -57,17 +60,17 @@ double longestOfContacts(const Context& context, const Subgraph& batch) {
 }
 
 double longestSubStep(const Context& context, const Subgraph& batch) {
-  return withMethodFor(context,
-                       [&](auto type) { return decltype(type)::Method::longestSubStep(context, batch); });
+  return WithOtherKinds::longestSubStep(context, batch);
+}
+
+bool hasOtherKinds(const Context& context, const Subgraph& batch) {
+  return anyTakes(OtherKinds(), context, batch);
 }
 
 void advance(Context& context, const Subgraph& batch, double t0, double t1) {
   if (!(t1 > t0)) return;
-  withMethodFor(context, [&](auto type) {
-    InnerClock clock(context.step.row_seconds);
-    typename decltype(type)::Method method(context, batch, t0, t1);
-    runInnerStep(method, clock);
-  });
+  hasOtherKinds(context, batch) ? advanceBy<WithOtherKinds>(context, batch, t0, t1)
+                                : advanceBy<SoftStep<>>(context, batch, t0, t1);
 }
 
 }  // namespace rbs::soft_step

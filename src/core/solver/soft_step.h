@@ -78,14 +78,8 @@ Softness softness(double h, double h_full);
 /// The longest sub-step in which contacts can follow their bodies, s.
 double longestOfContacts(const Context& context, const Subgraph& batch);
 
-/// The method, with the kinds of constraints that it solves beside contacts. What a kind has to have:
-///   static double longestSubStep(const Context&, const Subgraph&);              ///< s; infinite: as long as one likes
-///   void prepare(const Context&, const Subgraph&, const SolverContacts&, double h);  ///< its rows, h the sub-step
-///   bool empty() const;                                                         ///< it has none in this batch
-///   void warmStart(SolverContacts&);                                            ///< the last sub-step's impulses
-///   void solve(SolverContacts&, Pass, const Softness&, double h);               ///< one pass over its rows
-///   void store(Context&);                    ///< after the last: its impulses, and how far its islands are from its law
-/// A scene without a kind runs as if there were no such kind: not a test of it is left in the loops.
+/// The method, with the kinds of constraints that it solves beside contacts (constraint_kinds.h). Islands that no kind takes
+/// are solved without any, as if there were none: not a test of it is left in the loops.
 template <class... Kinds>
 class SoftStep : public InnerRows {
  public:
@@ -135,9 +129,10 @@ class SoftStep : public InnerRows {
     solveKinds(Pass::Soft);
     lanes_.solve(Pass::Soft, soft_, h_);
   }
-  // Twice with other kinds, whose bounds are the normal forces as they are then.
+  // Twice with other kinds, whose bounds are the normal forces as they are then: whether or not they have rows, so that what an
+  // island does depends on no other.
   void relax() {
-    if (hasKinds()) {
+    if constexpr (sizeof...(Kinds) > 0) {
       lanes_.solve(Pass::Relax, soft_, h_);
       solveKinds(Pass::Last);
     }

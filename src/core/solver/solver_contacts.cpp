@@ -48,7 +48,10 @@ SolverContacts::SolverContacts(Context& context, const Subgraph& batch, Stores& 
   points.clear();
   opened_.clear();
   bodies.reserve(batch.bodies.size() + 8);
-  for (const Index i : batch.bodies) slotOf(i);
+  for (const Index i : batch.bodies) addBody(i);
+  for (const Edge& edge : batch.edges)
+    for (const Index i : edge.bodies)
+      if (i != kNone) addBody(i);
 }
 
 Vec3 surfaceSpin(const Bodies& bodies, Index i, const Vec3& w_WB) {
@@ -77,7 +80,7 @@ SolverBody SolverContacts::makeBody(Index i) const {
   return s;
 }
 
-Index SolverContacts::slotOf(Index i) {
+Index SolverContacts::addBody(Index i) {
   if (slots_[i] == kNone) {
     slots_.set(i, static_cast<Index>(bodies.size()));
     bodies.push_back(makeBody(i));
@@ -101,7 +104,7 @@ void SolverContacts::find(double now, double left, double h) {
   for (const Index k : batch_.contacts) {
     const Contact& contact = context_.scene.contacts.active[k];
     if (!contact.state.isForSolver()) continue;
-    const Index i = slotOf(contact.i), j = slotOf(contact.j);
+    const Index i = addBody(contact.i), j = addBody(contact.j);
     if (bodies[i].inv_mass > 0.0 && bodies[j].inv_mass > 0.0) {
       add(k, i, j);
     } else {
@@ -110,7 +113,7 @@ void SolverContacts::find(double now, double left, double h) {
   }
   for (const Index k : last_) {
     const Contact& contact = context_.scene.contacts.active[k];
-    add(k, slotOf(contact.i), slotOf(contact.j));
+    add(k, addBody(contact.i), addBody(contact.j));
   }
   Workers& workers = *context_.step.workers;
   const bool alone = workers.count() == 1;

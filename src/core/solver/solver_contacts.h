@@ -128,6 +128,8 @@ class SolverContacts {
     }
     return u_n;
   }
+  /// Place in `bodies` of a body that a contact or an edge of the batch ties.
+  Index slotOf(Index i) const { return slots_[i]; }
   /// Centre of mass as the bodies are now, m.
   const Vec3& position(const SolverBody& s) const { return context_.scene.bodies.pose[s.body].p_WB; }
   /// The island of the dynamic bodies of a block.
@@ -143,7 +145,7 @@ class SolverContacts {
 
  private:
   SolverBody makeBody(Index i) const;
-  Index slotOf(Index i);
+  Index addBody(Index i);
   void findPoints(SolverBlock& block, double now, double left, const LastNormal& last,
                   std::vector<SolverPoint>& to) const;
   LastNormal lastNormal(const SolverBlock& block) const;

@@ -12,7 +12,7 @@
 
 namespace rbs {
 
-/// What an edge is. Each kind has a row in islands.cpp that lists its edges.
+/// What an edge is (solver/constraint_kinds.h).
 enum class ConstraintKind : std::uint8_t { Contact };
 
 /// A constraint between up to four bodies.

@@ -1,35 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "step/constraints.h"
 
-#include <array>
+#include "effects_built.h"
+#include "solver/constraint_kinds.h"
 
 namespace rbs::constraints {
 
 namespace {
 
-using AddEdges = void (*)(const SceneStore&, std::vector<Edge>&);
-
-void contactsForSolver(const SceneStore& scene, std::vector<Edge>& edges) {
-  const Contacts& contacts = scene.contacts;
-  for (Index k = 0; k < contacts.active.size(); ++k)
-    if (contacts.active[k].state.isForSolver()) edges.push_back(edgeOf(contacts, k));
-}
-
-void activeContacts(const SceneStore& scene, std::vector<Edge>& edges) {
-  for (Index k = 0; k < scene.contacts.active.size(); ++k) edges.push_back(edgeOf(scene.contacts, k));
-}
-
-struct Kind {
-  AddEdges tying, waking;
-};
-constexpr std::array kKinds{
-    Kind{contactsForSolver, activeContacts},
-};
-
-std::vector<Edge> edgesOf(const SceneStore& scene, AddEdges Kind::*role) {
-  std::vector<Edge> edges;
-  for (const Kind& kind : kKinds) (kind.*role)(scene, edges);
-  return edges;
+template <class... Kinds>
+void addEdgesOf(KindList<Kinds...>, const SceneStore& scene, std::vector<Edge>& edges) {
+  (Kinds::addEdges(scene, edges), ...);
 }
 
 }  // namespace
@@ -38,12 +19,20 @@ Edge edgeOf(const Contacts& contacts, Index k) {
   return {ConstraintKind::Contact, k, {contacts.active[k].i, contacts.active[k].j, kNone, kNone}};
 }
 
-std::vector<Edge> tying(const SceneStore& scene) {
-  return edgesOf(scene, &Kind::tying);
+std::vector<Edge> edges(const SceneStore& scene) {
+  std::vector<Edge> found;
+  const Contacts& contacts = scene.contacts;
+  for (Index k = 0; k < contacts.active.size(); ++k)
+    if (contacts.active[k].state.isForSolver()) found.push_back(edgeOf(contacts, k));
+  addEdgesOf(OtherKinds(), scene, found);
+  return found;
 }
 
-std::vector<Edge> waking(const SceneStore& scene) {
-  return edgesOf(scene, &Kind::waking);
+std::vector<Edge> wakingEdges(const SceneStore& scene) {
+  std::vector<Edge> found;
+  for (Index k = 0; k < scene.contacts.active.size(); ++k) found.push_back(edgeOf(scene.contacts, k));
+  addEdgesOf(OtherKinds(), scene, found);
+  return found;
 }
 
 }  // namespace rbs::constraints

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// THE table of the kinds of constraints, as stages see them: which bodies each constraint ties, and from which to which what
-// moves wakes what sleeps. How a kind is solved stands in a file of its own below solver/, which SoftStep names.
+// The edges of the constraint graph: of contacts, and of the other kinds (solver/constraint_kinds.h).
 #pragma once
 
 #include "state/context.h"
@@ -12,12 +11,11 @@ namespace rbs::constraints {
 /// The edge of contact k.
 Edge edgeOf(const Contacts& contacts, Index k);
 
-/// The constraints that take part in this step as it stands: the kinds in the order of the table, each in canonical order.
-/// Costs all constraints.
-std::vector<Edge> tying(const SceneStore& scene);
+/// The constraints that take part in this step as it stands: kind by kind, each in canonical order. Costs all constraints.
+std::vector<Edge> edges(const SceneStore& scene);
 
 /// Those over which a body that moves wakes one that sleeps, and keeps one awake that is at rest. A contact is one from
 /// where the bounds of its bodies overlap, before they touch. Costs all constraints of awake bodies.
-std::vector<Edge> waking(const SceneStore& scene);
+std::vector<Edge> wakingEdges(const SceneStore& scene);
 
 }  // namespace rbs::constraints

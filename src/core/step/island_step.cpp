@@ -138,7 +138,7 @@ void advanceExact(Context& context, const std::vector<Island*>& islands) {
 void advanceToEnd(Context& context) {
   StepStore& step = context.step;
   std::vector<Island*> exact;
-  Subgraph flying, connected;
+  Subgraph flying, connected, with_other_kinds;
   for (Island& island : step.islands) {
     if (island.time >= step.t1) continue;
     if (!island.flies() && island.exact) {
@@ -146,15 +146,20 @@ void advanceToEnd(Context& context) {
     } else if (island.time > step.t0 || (!island.flies() && needsOwnSubSteps(context, island))) {
       advanceTo(context, island, step.t1);
     } else {
-      (island.flies() ? flying : connected).append(island);
+      (island.flies()                              ? flying
+       : soft_step::hasOtherKinds(context, island) ? with_other_kinds
+                                                   : connected)
+          .append(island);
       island.time = step.t1;
     }
   }
   advanceExact(context, exact);
-  std::sort(connected.contacts.begin(), connected.contacts.end());
-  std::sort(connected.edges.begin(), connected.edges.end());
   advanceBatch(context, flying, false, step.t0, step.t1);
-  advanceBatch(context, connected, false, step.t0, step.t1);
+  for (Subgraph* const batch : {&connected, &with_other_kinds}) {
+    std::sort(batch->contacts.begin(), batch->contacts.end());
+    std::sort(batch->edges.begin(), batch->edges.end());
+    advanceBatch(context, *batch, false, step.t0, step.t1);
+  }
 }
 
 void reportIslands(Context& context) {

@@ -27,7 +27,7 @@ void build(Context& context) {
 
 void build(Context& context, const std::vector<Index>& bodies) {
   const std::size_t first = context.step.islands.size();
-  connect(context, bodies, constraints::tying(context.scene));
+  connect(context, bodies, constraints::edges(context.scene));
   for (std::size_t k = first; k < context.step.islands.size(); ++k) {
     Island& island = context.step.islands[k];
     island.touching = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index contact) {
@@ -44,13 +44,13 @@ void connect(Context& context, const std::vector<Index>& bodies, const std::vect
   std::vector<char> dynamic(n, 0);
   for (const Index i : bodies) dynamic[i] = 1;
   // The first body of an edge that forces move; kNone where there is none.
-  const auto firstMover = [&](const Edge& edge) {
+  const auto firstMoved = [&](const Edge& edge) {
     for (const Index i : edge.bodies)
       if (i != kNone && dynamic[i]) return i;
     return kNone;
   };
   for (const Edge& edge : edges) {
-    const Index first = firstMover(edge);
+    const Index first = firstMoved(edge);
     for (const Index i : edge.bodies)
       if (i != kNone && i != first && dynamic[i]) sets.unite(first, i);
   }
@@ -66,7 +66,7 @@ void connect(Context& context, const std::vector<Index>& bodies, const std::vect
     island.work_left += kWorkPerBody;
   }
   for (const Edge& edge : edges) {
-    const Index first = firstMover(edge);
+    const Index first = firstMoved(edge);
     if (first == kNone) continue;
     Island& island = step.islands[step.island[first]];
     edge.kind == ConstraintKind::Contact ? island.contacts.push_back(edge.of) : island.edges.push_back(edge);

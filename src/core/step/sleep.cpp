@@ -37,7 +37,7 @@ bool isMoved(const SceneStore& scene, const Edge& edge) {
 }  // namespace
 
 void findWoken(Context& context) {
-  wakeGroups(context, reachedSleepers(context.scene, constraints::waking(context.scene)));
+  wakeGroups(context, reachedSleepers(context.scene, constraints::wakingEdges(context.scene)));
 }
 
 std::vector<Index> reachedSleepers(const SceneStore& scene, const std::vector<Edge>& edges) {
@@ -64,7 +64,7 @@ void wakeGroups(Context& context, const std::vector<Index>& sleepers) {
 namespace {
 
 // Whether one of its bodies moves that no forces move.
-bool isLed(const Context& context, const Edge& edge) {
+bool isDriven(const Context& context, const Edge& edge) {
   return std::any_of(edge.bodies.begin(), edge.bodies.end(), [&](Index i) {
     return i != kNone && context.step.island[i] == kNone && moves(context.scene, i);
   });
@@ -113,9 +113,9 @@ void update(Context& context) {
     }
     is_ready[k] = ready;
   }
-  for (const Edge& edge : constraints::waking(scene))
+  for (const Edge& edge : constraints::wakingEdges(scene))
     for (const Index i : edge.bodies)
-      if (i != kNone && step.island[i] != kNone && isLed(context, edge)) is_ready[step.island[i]] = 0;
+      if (i != kNone && step.island[i] != kNone && isDriven(context, edge)) is_ready[step.island[i]] = 0;
   for (const std::vector<Index>& group : nearIslands(context)) {
     if (group.empty() || !std::all_of(group.begin(), group.end(), [&](Index k) { return is_ready[k]; }))
       continue;
