@@ -79,7 +79,11 @@ std::string apply(World& world, const AccuracyStudy& study, const Goal& goal,
   const std::string message = applySettings(world, cost->setting);
   response.fidelity = settingName(cost->setting);
   return words(message, ": ", cost->at_most ? "at most " : "", cost->error.distance,
-               " m per second simulated, ", cost->step_ms, " ms per step, measured on '", study.scene, "'");
+               " m per second simulated, ", cost->step_ms, " ms per step, measured on '", study.scene, "'",
+               study.complete
+                   ? ""
+                   : words(" in ", study.windows, study.windows == 1 ? " window" : " windows",
+                           " of an accuracy study that ended early: more of them may find larger errors"));
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ void placeBody(const Spec& spec, const World& world, const std::string& path, Bo
   const Pose X_WF = frameOf(spec, world, path);
   if (!isZero(spec.pose)) {
     finiteVector(fromMsg(spec.pose.position), path + ".position");
+    finiteOrientation(fromMsg(spec.pose.orientation), path + ".orientation");
     body.pose = compose(X_WF, fromMsg(spec.pose));
   }
   body.twist = {X_WF.q_WB * finiteIn(spec.twist.linear, path + ".velocity"),

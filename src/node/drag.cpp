@@ -70,20 +70,28 @@ Drag::Drag(BodyId body, std::string marker, const Grip& grip, const Pose& handle
 void Drag::hear(const std::optional<Pose>& handle) {
   heard_ = Clock::now();
   if (!handle) return;
-  handle_ = *handle;
+  if (!first_) first_ = isJump(*handle) ? *handle : pressed_;
+  handle_.p_WB = pressed_.p_WB + (handle->p_WB - first_->p_WB);
+  handle_.q_WB = handle->q_WB * first_->q_WB.conjugate() * pressed_.q_WB;
   dragged_ = dragged_ || isBeyondClick();
   moved_ = true;
 }
 
-// A gizmo or a handle of a face gives back the pose that it was given, up to the single precision of RViz. A ring also takes
-// a click for a turn: RViz rounds the mouse to a pixel, of which one at a radius of 100 pixels is 10 mrad.
+bool Drag::isJump(const Pose& handle) const {
+  constexpr double kTurn = 0.02;  // rad: a pixel at a radius of 50
+  const Carry* const carry = std::get_if<Carry>(&grip_);
+  const Resize* const resize = std::get_if<Resize>(&grip_);
+  const double jump = carry ? carry->jump : resize ? resize->jump : 0.0;
+  return (handle.p_WB - pressed_.p_WB).norm() < jump && handle.q_WB.angularDistance(pressed_.q_WB) < kTurn;
+}
+
+// A gizmo or a handle of a face that stands still gives back the same pose, up to the single precision of RViz.
 bool Drag::isBeyondClick() const {
   if (const Pull* grip = std::get_if<Pull>(&grip_))
     return (pointAt(handle_, grip->p_B) - pointAt(pressed_, grip->p_B)).norm() > grip->click_slop;
-  constexpr double kSingle = 1e-6;     // of the coordinates
-  constexpr double kClickTurn = 2e-3;  // rad
+  constexpr double kSingle = 1e-6;  // of the coordinates; rad
   return (handle_.p_WB - pressed_.p_WB).norm() > kSingle * pressed_.p_WB.norm() ||
-         handle_.q_WB.angularDistance(pressed_.q_WB) > kClickTurn;
+         handle_.q_WB.angularDistance(pressed_.q_WB) > kSingle;
 }
 
 bool Drag::begins() const {

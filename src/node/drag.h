@@ -19,7 +19,9 @@ struct Pull {
 };
 
 /// Drag of the gizmo: the body follows the pose of the gizmo, as a kinematic target.
-struct Carry {};
+struct Carry {
+  double jump;  ///< m; as far as this a gizmo may jump at the press: see Drag::hear()
+};
 
 /// Drag of the handle of a face: the face follows the handle, and the opposite face stays.
 struct Resize {
@@ -27,6 +29,7 @@ struct Resize {
   Vec3 n_W;       ///< that normal in W, at the press
   Vec3 handle_W;  ///< the handle at the press, m
   double extent;  ///< extent of the body along n_B at the press, m
+  double jump;    ///< m; as of Carry
 };
 
 using Grip = std::variant<Pull, Carry, Resize>;
@@ -40,7 +43,10 @@ class Drag {
   BodyId body() const { return body_; }
   const std::string& marker() const { return marker_; }
 
-  /// The client is still dragging. `handle` is the new pose of the marker; empty: it has not moved.
+  /// The client is still dragging. `handle` is the new pose of the marker; empty: it has not moved. A gizmo or a handle jumps a
+  /// little as it is pressed, with a mouse that stands still: RViz rounds the mouse to a pixel, and takes the point of the arrow
+  /// or ring under it from a picture. So the first pose that comes is where a drag begins, if it is near enough to be such a
+  /// jump, and what comes after it counts from there.
   void hear(const std::optional<Pose>& handle);
   /// Whether the client has sent nothing for 5 s, so that it must be gone. An RViz that renders thousands of
   /// bodies in software may be silent for a second or two.
@@ -66,6 +72,7 @@ class Drag {
  private:
   using Clock = std::chrono::steady_clock;
 
+  bool isJump(const Pose& handle) const;
   bool isBeyondClick() const;
   void applyUserForce(World& world);
   void setPose(World& world, const Snapshot& now, int which) const;
@@ -73,7 +80,8 @@ class Drag {
   BodyId body_;
   std::string marker_;
   Grip grip_;
-  Pose handle_, pressed_;  ///< poses of the marker: now, and at the press
+  Pose handle_, pressed_;      ///< poses of the marker: now, and at the press
+  std::optional<Pose> first_;  ///< the first that came after the press, if that was a jump
   Clock::time_point heard_ = Clock::now();
   bool moved_ = true;               ///< whether the marker has moved since the last apply()
   bool dragged_ = false;            ///< whether the marker has moved beyond a click since the press

@@ -42,7 +42,6 @@ unsigned usualThreads() {
   return std::clamp(std::thread::hardware_concurrency(), 2u, 5u) - 1u;
 }
 
-/// Throws InvalidInput for parameters that are not allowed.
 Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   Options options;
   rbs::Session::Options& session = options.session;
@@ -102,11 +101,11 @@ Options readOptions(rbs::Parameters& parameters, const std::string& scenes) {
   } else if (boost::system::error_code error; boost::filesystem::is_directory(options.state_file, error)) {
     parameters.refuse("state_file", options.state_file, "a file: this is a folder");
   }
-  parameters.check();
   return options;
 }
 
-/// What was given on the parameter server, with a warning for each name that means nothing to this node.
+/// What was given on the parameter server, with a warning for each name that means nothing to this node. Throws InvalidInput for
+/// values that are not allowed.
 Options givenOptions(const ros::NodeHandle& node) {
   XmlRpc::XmlRpcValue given;
   ros::param::get(node.getNamespace(), given);
@@ -114,6 +113,7 @@ Options givenOptions(const ros::NodeHandle& node) {
   const Options options = readOptions(parameters, ros::package::getPath("rigid_body_sim") + "/scenes");
   for (const std::string& sentence : parameters.unknown())
     ROS_WARN_NAMED("parameters", "%s", sentence.c_str());
+  parameters.check();
   return options;
 }
 

@@ -21,20 +21,20 @@ std::string someNames(const std::vector<BodyDescription>& bodies) {
   return list;
 }
 
+std::string withoutPrefix(const std::string& frame_id) {
+  const std::string& prefix = framePrefix();
+  return frame_id.compare(0, prefix.size(), prefix) == 0 ? frame_id.substr(prefix.size()) : frame_id;
+}
+
 [[noreturn]] void refuseName(const std::string& name, const std::string& field,
                              const std::vector<BodyDescription>& bodies) {
   std::vector<std::string> names;
   for (const BodyDescription& body : bodies) names.push_back(body.name);
-  const std::string nearest = nearestName(name, names);
+  const std::string nearest = nearestName(withoutPrefix(name), names);
   const std::string hint = nearest.empty() ? "" : "did you mean '" + nearest + "'?; ";
   const std::string known = bodies.empty() ? "the world has no bodies" : "bodies: " + someNames(bodies);
   if (name.empty()) throw InvalidInput({{field, "empty", "the name of a body; " + known}});
   throw InvalidInput({{"unknown body " + quoted(name), "", hint + known}});
-}
-
-std::string withoutPrefix(const std::string& frame_id) {
-  const std::string& prefix = framePrefix();
-  return frame_id.compare(0, prefix.size(), prefix) == 0 ? frame_id.substr(prefix.size()) : frame_id;
 }
 
 FrameLookup& frameLookup() {
@@ -83,6 +83,13 @@ const Vec3& finiteVector(const Vec3& v, const std::string& path) {
   if (!v.allFinite())
     throw InvalidInput({{path, words('[', v.x(), ", ", v.y(), ", ", v.z(), ']'), "finite numbers"}});
   return v;
+}
+
+const Quat& finiteOrientation(const Quat& q, const std::string& path) {
+  if (!q.coeffs().allFinite())
+    throw InvalidInput(
+        {{path, words('[', q.x(), ", ", q.y(), ", ", q.z(), ", ", q.w(), ']'), "finite numbers x, y, z, w"}});
+  return q;
 }
 
 Pose compose(const Pose& X_WF, const Pose& X_FB) {

@@ -34,6 +34,9 @@ Pose frameNamed(const World& world, const std::string& frame_id);
 /// shows what was sent.
 const Vec3& finiteVector(const Vec3& v, const std::string& path);
 
+/// The same orientation, with the same error.
+const Quat& finiteOrientation(const Quat& q, const std::string& path);
+
 /// A pose given in a frame that is at `X_WF` in W, seen from W.
 Pose compose(const Pose& X_WF, const Pose& X_FB);
 

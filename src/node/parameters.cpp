@@ -12,9 +12,6 @@ namespace {
 
 using Value = XmlRpc::XmlRpcValue;
 
-/// Read by diagnostic_updater, not by us.
-const std::vector<std::string> kOfLibraries = {"diagnostic_updater_use_fqn"};
-
 /// "'abc'", "true", "3": a text of someone else, cut where it is too long for a message.
 std::string shown(Value value) {
   constexpr std::size_t kLongest = 80;
@@ -114,7 +111,6 @@ std::vector<std::string> Parameters::unknown() const {
   for (const auto& [name, value] : given_) {
     if (value.getType() == Value::TypeStruct) continue;  // a namespace: parameters of someone else
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    if (std::find(kOfLibraries.begin(), kOfLibraries.end(), name) != kOfLibraries.end()) continue;
     const std::string nearest = nearestName(name, known);
     sentences.push_back("unknown parameter ~" + name + " (" + shown(value) + ") has no effect; " +
                         (nearest.empty() ? "parameters: " + oneOf(known) : "did you mean ~" + nearest + "?"));
@@ -123,11 +119,13 @@ std::vector<std::string> Parameters::unknown() const {
 }
 
 std::string Parameters::list() const {
+  std::size_t longest = 0;
+  for (const Entry& entry : entries_) longest = std::max(longest, entry.name.size());
   std::string lines;
   for (const Entry& entry : entries_) {
     const std::string usual = entry.usual.empty() ? "''" : entry.usual;
-    lines += "  ~" + entry.name + std::string(entry.name.size() < 14 ? 14 - entry.name.size() : 1, ' ') +
-             entry.help + " (" + usual + ")\n";
+    lines += "  ~" + entry.name + std::string(longest + 2 - entry.name.size(), ' ') + entry.help + " (" +
+             usual + ")\n";
   }
   return lines;
 }

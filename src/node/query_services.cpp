@@ -88,6 +88,7 @@ std::string overlaps(const Snapshot& snapshot, const rigid_body_sim::Overlaps::R
   place.scale = request.scale;
   const Pose X_WF = frameNamed(snapshot, request.frame_id);
   finiteVector(fromMsg(request.pose.position), "position");
+  finiteOrientation(fromMsg(request.pose.orientation), "orientation");
   const PlacedShape shape = shapeFrom(place, "place");
   const Pose X_WB = shape.poseOfB(compose(X_WF, fromMsg(request.pose)));
   for (const Neighbour& neighbour : overlaps(snapshot, shape.shape, X_WB, request.margin)) {

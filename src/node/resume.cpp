@@ -34,7 +34,9 @@ void checkSeal(const std::string& file) {
   const std::size_t length = seal("").size();
   const std::size_t end = text.size() < length ? 0 : text.size() - length;
   const bool sealed = text.substr(end) == seal(text.substr(0, end));
-  if (!sealed) throw InvalidInput({{file, "no state that a node has saved, or cut or changed since", ""}});
+  if (!sealed)
+    throw InvalidInput({{file, "cut or changed since it was saved, or not saved by a node",
+                         "a whole state that a node has saved"}});
 }
 
 std::string localTime(std::time_t time) {

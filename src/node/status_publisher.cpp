@@ -152,6 +152,18 @@ std::size_t frozenBodies(const Snapshot& snapshot) {
                        [](const BodyDescription& body) { return body.frozen; });
 }
 
+// It may be changed while the node runs.
+double diagnosticPeriod() {
+  constexpr double kUsual = 1.0, kShortest = 0.01, kLongest = 1e6;  // s
+  double period = kUsual;
+  ros::param::getCached("~diagnostic_period", period);
+  if (period >= kShortest && period <= kLongest) return period;  // which NaN is not
+  ROS_ERROR_NAMED("status", "~diagnostic_period: %g (allowed: %g to %g); it is set to %g s", period,
+                  kShortest, kLongest, kUsual);
+  ros::param::set("~diagnostic_period", kUsual);
+  return kUsual;
+}
+
 }  // namespace
 
 StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulator,
@@ -159,10 +171,8 @@ StatusPublisher::StatusPublisher(ros::NodeHandle& node, const Simulator& simulat
     : simulator_(simulator),
       reference_run_(reference_run),
       status_(Topic::of<rigid_body_sim::Status>(node, "status", 10)),
-      wind_(Topic::of<rigid_body_sim::Wind>(node, "wind", 10)) {
-  diagnostics_.setHardwareID("none");
-  diagnostics_.add("simulation", this, &StatusPublisher::describeSimulation);
-}
+      wind_(Topic::of<rigid_body_sim::Wind>(node, "wind", 10)),
+      diagnostics_(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1)) {}
 
 void StatusPublisher::publish(const Timeline::Moment& moment) {
   const std::vector<Warning> warnings = new_warnings_.takeWithLast(*moment.snapshot);
@@ -177,19 +187,22 @@ void StatusPublisher::publish(const Timeline::Moment& moment) {
 }
 
 void StatusPublisher::diagnose(const Timeline::Moment& moment) {
-  diagnosed_ = moment.snapshot;
-  // It reads ~diagnostic_period each time, and ends by an exception where no clock can hold that.
-  try {
-    diagnostics_.update();
-  } catch (const std::runtime_error& error) {
-    ROS_ERROR_NAMED("status", "~diagnostic_period: %s; it is set to 1 s", error.what());
-    ros::param::set("~diagnostic_period", 1.0);
-  }
+  const ros::WallTime now = ros::WallTime::now();
+  if (now < next_diagnosis_) return;
+  next_diagnosis_ = now + ros::WallDuration(diagnosticPeriod());
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  status.name = ros::this_node::getName().substr(1) + ": simulation";
+  status.hardware_id = "none";
+  describeSimulation(*moment.snapshot, status);
+  diagnostic_msgs::DiagnosticArray msg;
+  msg.header.stamp = moment.stamp;
+  msg.status.push_back(status);
+  diagnostics_.publish(msg);
 }
 
-void StatusPublisher::describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status) {
+void StatusPublisher::describeSimulation(const Snapshot& snapshot,
+                                         diagnostic_updater::DiagnosticStatusWrapper& status) {
   using Level = diagnostic_msgs::DiagnosticStatus;
-  const Snapshot& snapshot = *diagnosed_;
   const Pace pace = simulator_.pace();
   const std::size_t frozen = frozenBodies(snapshot);
   status.summary(Level::OK, inWords(pace));

@@ -7,7 +7,9 @@
 #include "timeline.h"
 #include "topic.h"
 
-#include <diagnostic_updater/diagnostic_updater.h>
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <diagnostic_updater/DiagnosticStatusWrapper.h>
+#include <ros/publisher.h>
 
 namespace rbs {
 
@@ -16,17 +18,17 @@ class StatusPublisher {
   StatusPublisher(ros::NodeHandle& node, const Simulator& simulator, const ReferenceRun& reference_run);
 
   void publish(const Timeline::Moment& moment);
-  /// Sends /diagnostics, once a second however often it is called.
+  /// Sends /diagnostics with the stamp of the moment, once in ~diagnostic_period of wall time however often it is called.
   void diagnose(const Timeline::Moment& moment);
 
  private:
-  void describeSimulation(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void describeSimulation(const Snapshot& snapshot, diagnostic_updater::DiagnosticStatusWrapper& status);
 
   const Simulator& simulator_;
   const ReferenceRun& reference_run_;
   Topic status_, wind_;
-  diagnostic_updater::Updater diagnostics_;
-  std::shared_ptr<const Snapshot> diagnosed_;
+  ros::Publisher diagnostics_;
+  ros::WallTime next_diagnosis_;
   NewWarnings new_warnings_, undiagnosed_;
 };
 

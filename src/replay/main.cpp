@@ -23,7 +23,6 @@ struct Options {
   rbs::Player::Options player;
 };
 
-/// Throws InvalidInput for parameters that are not allowed.
 Options readOptions(rbs::Parameters& parameters) {
   constexpr double kFastest = 1e6;
   Options options;
@@ -34,16 +33,17 @@ Options readOptions(rbs::Parameters& parameters) {
   options.player.speed = parameters.number("speed", 1.0, 0.0, kFastest,
                                            "time of the recording over wall time; 0 is as fast as possible");
   options.player.clock = parameters.flag("publish_clock", true, "publish /clock");
-  parameters.check();
   return options;
 }
 
+/// Throws InvalidInput for parameters that are not allowed.
 Options givenOptions() {
   XmlRpc::XmlRpcValue given;
   ros::param::get(ros::this_node::getName(), given);
   rbs::Parameters parameters(given);
   const Options options = readOptions(parameters);
   for (const std::string& sentence : parameters.unknown()) ROS_WARN("%s", sentence.c_str());
+  parameters.check();
   if (options.bag.empty())
     throw rbs::InvalidInput({{"bag", "", "the path of a recording, such as bag:=/home/me/sim.bag"}});
   return options;

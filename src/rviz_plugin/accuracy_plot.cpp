@@ -178,11 +178,11 @@ const rigid_body_sim::SettingCost* AccuracyPlot::nearest(const QPointF& pixels) 
 QString AccuracyPlot::nameAt(const QPoint& pixels) const {
   const rigid_body_sim::SettingCost* cost = nearest(pixels);
   if (!cost) return QString();
-  return QString("%1: %2 ms, %3%4/s%5")
+  return QString("%1:\n%2 ms, %3%4/s%5")
       .arg(QString::fromStdString(cost->name))
       .arg(cost->step_ms, 0, 'g', 3)
       .arg(cost->at_most ? "at most " : "", QString::fromStdString(lengthText(cost->error)),
-           stale_ ? "" : "; click to take it");
+           stale_ ? "" : "\nclick to take it");
 }
 
 void AccuracyPlot::choose(const QPointF& where) {

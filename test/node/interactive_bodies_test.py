@@ -38,6 +38,11 @@ def position(name):
     return [p.x, p.y, p.z]
 
 
+def turned_by(angle):
+    """The place of the crate, turned about z."""
+    return Pose(Point(0, 0, 5), Quaternion(0, 0, math.sin(angle / 2), math.cos(angle / 2)))
+
+
 def pose_at(x, y, z):
     return Pose(Point(x, y, z), Quaternion(0, 0, 0, 1))
 
@@ -633,19 +638,22 @@ class InteractiveBodiesTest(unittest.TestCase):
     def test_a_click_on_the_gizmo_moves_nothing_and_a_small_turn_does(self):
         self.client.click("crate")
         before = body("crate").pose
-        # In single precision; and turned by what RViz makes of the pixel of a click on a ring.
-        for rounded in (pose_at(0, 0, 5 + 4e-7), Pose(Point(0, 0, 5), Quaternion(0, 0, math.sin(1e-3 / 2), math.cos(1e-3 / 2)))):
+        # In single precision; by what RViz makes of the pixel of a click on a ring, and on an arrow.
+        turned = turned_by(1e-3)
+        for rounded in (pose_at(0, 0, 5 + 4e-7), turned, pose_at(0, 0.015, 5)):
             self.client.press(GIZMO)
-            self.client.move(GIZMO, rounded)
+            for _ in range(3):
+                self.client.move(GIZMO, rounded)
             self.client.release(GIZMO, rounded)
         self.client.click("ball")  # done after all of that
         self.assertEqual(body("crate").pose, before)
         self.client.click("crate")
-        turned = Pose(Point(0, 0, 5), Quaternion(0, 0, math.sin(5e-3 / 2), math.cos(5e-3 / 2)))
         self.client.press(GIZMO)
         self.client.move(GIZMO, turned)
-        wait(lambda: abs(body("crate").pose.orientation.z - math.sin(5e-3 / 2)) < 1e-9, "the crate has turned by 5 mrad")
-        self.client.release(GIZMO, turned)
+        further = turned_by(2e-3)
+        self.client.move(GIZMO, further)
+        wait(lambda: abs(body("crate").pose.orientation.z - math.sin(1e-3 / 2)) < 1e-9, "the crate has turned by 1 mrad, as the mouse has")
+        self.client.release(GIZMO, further)
 
     def test_running_gizmo_carries_against_gravity_and_leaves_at_rest(self):
         self.client.click("crate")

@@ -66,9 +66,9 @@ TEST(AccuracyPlot, NamesThePointUnderTheMouse) {
   Chart chart;
   chart.show(study());
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(0.1, 0.01)),
-            "interactive, 2 divisions: 0.1 ms, 10 mm/s; click to take it");
+            "interactive, 2 divisions:\n0.1 ms, 10 mm/s\nclick to take it");
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(1.0, 1e-6)),
-            "reference: 1 ms, at most 1 µm/s; click to take it");
+            "reference:\n1 ms, at most 1 µm/s\nclick to take it");
   EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(1.0, 0.1)), "");
 }
 
@@ -93,7 +93,7 @@ TEST(AccuracyPlot, AClickTakesASettingWhileItHolds) {
   chart.show(stale);
   chart.click(chart.pixelsOf(0.01, 0.1));
   EXPECT_EQ(chart.chosen, "");
-  EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(0.01, 0.1)), "preview: 0.01 ms, 100 mm/s");
+  EXPECT_EQ(chart.plot.nameAt(chart.pixelsOf(0.01, 0.1)), "preview:\n0.01 ms, 100 mm/s");
 }
 
 TEST(AccuracyPlot, IsHiddenWhileNothingIsKnown) {
