@@ -13,7 +13,8 @@
 
 namespace rbs {
 
-/// Multiplications of doubles, about. Where the soft step can take over, nothing is taken of the common ones. A hundred bodies have 1.5e9, which take 0.5 s (docs/stability.md).
+/// Multiplications of doubles, about. Where the soft step can take over, nothing is taken of the common ones. A hundred bodies
+/// have 1.5e9, which take 0.5 s (docs/stability.md).
 inline constexpr std::int64_t kWorkPerBody = 8'000'000, kCommonWork = 700'000'000;
 
 /// What solvers may still cost. Once it is spent they end with the best they have.

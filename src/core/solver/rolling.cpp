@@ -14,7 +14,7 @@
 // what it would do without friction. Solved so, a ball stops within a sub-step; with A alone it would take
 // many.
 //
-// The exact step solves it together with the forces (coulomb/coulomb.h, TorqueConstraint).
+// The exact step solves it together with the forces (coulomb/coulomb_problem.h, TorqueConstraint).
 #include "solver/rolling.h"
 
 #include "base/algebra.h"

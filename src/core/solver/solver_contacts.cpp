@@ -235,7 +235,7 @@ bool SolverContacts::rolls(const SolverBlock& block, double left) const {
 bool SolverContacts::travels(const SolverBlock& block, double left) const {
   const Traits& a = context_.scene.bodies.traits[bodies[block.i].body];
   const Traits& b = context_.scene.bodies.traits[bodies[block.j].body];
-  const bool has_plane = std::holds_alternative<Plane>(a.shape) || std::holds_alternative<Plane>(b.shape);
+  const bool has_plane = a.unbounded || b.unbounded;
   return (isCurved(a) || isCurved(b)) && !has_plane && slipOf(block) * left > kTravel * block.pair.length &&
          isOfFew(block);
 }

@@ -7,7 +7,8 @@
 // found the two near each other, or a constraint ties them. What these relations connect with the pair begins
 // again, and all other bodies stay where the step has brought them.
 //
-// Bodies and pair states are put back as they were. The points that the solver has left in the contacts stay, as a
+// Bodies and pair states are put back as they were; but a pair that rested apart is a candidate, since contacts may push it
+// together. The points that the solver has left in the contacts stay, as a
 // warm start that is nearer than that of the last step; their impulses do not count.
 #pragma once
 

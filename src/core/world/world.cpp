@@ -342,8 +342,8 @@ void World::Impl::advance(double to) {
 
 namespace {
 
-// What the parts of a step did, together; what it found is that of the last part.
-void addParts(const StepReport& before, StepReport& report) {
+// What the divisions of a step did, together; what it found is that of the last one.
+void addDivisions(const StepReport& before, StepReport& report) {
   report.seconds += before.seconds;
   report.overlap_tests += before.overlap_tests;
   report.axis_queries += before.axis_queries;
@@ -374,7 +374,7 @@ const StepReport& World::step() {
     for (Contact& contact : w.scene.contacts.active)
       if (!w.scene.isAsleep(contact)) contact.addEarlier();
     w.advance(part == parts ? start + h : start + h * part / parts);
-    addParts(before, w.step.report);
+    addDivisions(before, w.step.report);
   }
   ++w.scene.steps;
   return w.step.report;
