@@ -165,6 +165,7 @@ TEST(AccuracyStudy, MeasuresAWindowInPiecesInWhichTheReferenceConverges) {
   options.settings[0].divisions = 4;
   options.windows = 1;
   options.window = 10.0;
+  options.max_cpu_seconds = 1e4;  // also with sanitizers, which take five times as long
   const AccuracyStudy study = measureAccuracy(World(tumblingCubes()), options, kAlways);
   EXPECT_EQ(study.trouble, "");
   EXPECT_EQ(study.windows, 1u);

@@ -173,7 +173,7 @@ struct Simulator::Impl {
     recorder.drop(recorded);
   }
 
-  // The solver settings are no edit: they stay, but where the edit was a load. User forces end: the hand that
+  // The solver settings are no edit: they stay, but where the edit was a load. User forces end: the mouse that
   // held a body then holds it no longer.
   std::string goBack(bool undoes) {
     const EditHistory::Entry* const next = undoes ? history.undoable() : history.redoable();

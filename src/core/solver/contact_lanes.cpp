@@ -228,13 +228,13 @@ void ContactLanes::refresh(double now, double left) {
   };
   for (Index k = 0; k < contacts_.blocks.size(); ++k) {
     if (!contacts_.blocks[k].on_arc || places_[k].bundle == kNone) continue;
-    giveBack(k);
+    writePoints(k);
     contacts_.followArc(k, now);
     takeAgain(places_[k]);
   }
   const std::size_t known = bundles_.size();
   for (const Index k : contacts_.drifted()) {
-    giveBack(k);
+    writePoints(k);
     contacts_.refresh(k, now, left);
     const SolverBlock& block = contacts_.blocks[k];
     if (const Place place = places_[k]; place.bundle != kNone) {
@@ -344,13 +344,13 @@ void ContactLanes::scaleImpulses(const std::function<double(const SolverBlock&)>
     }
 }
 
-void ContactLanes::giveBack() {
+void ContactLanes::writePoints() {
   workers_.share(places_.size(), kLanes * kBundlesOfAPart, [this](auto, auto begin, auto end) {
-    for (std::size_t k = begin; k < end; ++k) giveBack(static_cast<Index>(k));
+    for (std::size_t k = begin; k < end; ++k) writePoints(static_cast<Index>(k));
   });
 }
 
-void ContactLanes::giveBack(Index which) {
+void ContactLanes::writePoints(Index which) {
   const auto [place, lane, room] = places_[which];
   if (place == kNone) return;
   const Bundle& bundle = bundles_[place];

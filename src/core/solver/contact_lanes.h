@@ -137,8 +137,8 @@ class ContactLanes {
   /// of them than when it got its place goes behind all others.
   void refresh(double now, double left);
   /// Gives the points of all blocks their impulses, their gaps and what resists there; or those of one.
-  void giveBack();
-  void giveBack(Index block);
+  void writePoints();
+  void writePoints(Index block);
 
   /// Gives the bodies the impulses of the last sub-step again.
   void warmStart();

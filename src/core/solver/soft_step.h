@@ -141,8 +141,8 @@ class SoftStep : public InnerRows {
   }
   void rebound() {
     if (restitution_.empty() && energy_.empty() && rolling_.empty()) return;
-    lanes_.giveBack();
-    given_back_ = true;
+    lanes_.writePoints();
+    are_written_ = true;
     if constexpr (built::restitution) restitution_.apply(context_, dt_, contacts_);
     energy_.apply(context_, dt_, contacts_);
     rolling_.apply(context_, dt_, contacts_);
@@ -151,7 +151,7 @@ class SoftStep : public InnerRows {
   void store() {
     lanes_.measure(context_.step.h() * orEarths(context_.scene.gravity_W.norm()));
     contacts_.store(h_, h_full_, [this](Index block) {
-      if (!given_back_) lanes_.giveBack(block);
+      if (!are_written_) lanes_.writePoints(block);
     });
     forKinds([&](auto& kind) { kind.store(context_); });
   }
@@ -166,7 +166,7 @@ class SoftStep : public InnerRows {
   }
   void solveKinds(Pass pass) {
     if (!hasKinds()) return;
-    lanes_.giveBack();
+    lanes_.writePoints();
     forKinds([&](auto& kind) { kind.solve(contacts_, pass, soft_, h_); });
   }
 
@@ -181,7 +181,7 @@ class SoftStep : public InnerRows {
   double t0_, dt_;
   double h_full_, h_;  // a sub-step when no impact cuts the step, and now
   int sub_steps_, done_ = 0;
-  bool given_back_ = false;  // the points have what the lanes had
+  bool are_written_ = false;  // the points have what the lanes had
   bool too_fast_;  // for the most sub-steps: no contact can be followed, and no energy may be gained
   Softness soft_;
 };

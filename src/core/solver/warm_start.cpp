@@ -87,7 +87,7 @@ void limit(const Context& context, SolverContacts& contacts, ContactLanes& lanes
   for (const SolverBody& s : contacts.bodies)
     if (const Index k = islands.placeOf(context, s); k != kNone) addBody(context, s, h, sums[k]);
   if (std::any_of(contacts.bodies.begin(), contacts.bodies.end(), isKinematic)) {
-    lanes.giveBack();
+    lanes.writePoints();
     for (const SolverBlock& block : contacts.blocks)
       if (const Index k = islands.placeOf(contacts.islandOf(block)); k != kNone)
         sums[k].along += workOfKinematic(contacts, block);
