@@ -20,7 +20,7 @@ struct Pull {
 
 /// Drag of the gizmo: the body follows the pose of the gizmo, as a kinematic target.
 struct Carry {
-  double jump;  ///< m; as far as this a gizmo may jump at the press: see Drag::hear()
+  double jump;  ///< m; a gizmo may jump this far at the press: see Drag::hear()
 };
 
 /// Drag of the handle of a face: the face follows the handle, and the opposite face stays.
@@ -81,7 +81,7 @@ class Drag {
   std::string marker_;
   Grip grip_;
   Pose handle_, pressed_;      ///< poses of the marker: now, and at the press
-  std::optional<Pose> first_;  ///< the first that came after the press, if that was a jump
+  std::optional<Pose> first_;  ///< from which the drag counts: see hear()
   Clock::time_point heard_ = Clock::now();
   bool moved_ = true;               ///< whether the marker has moved since the last apply()
   bool dragged_ = false;            ///< whether the marker has moved beyond a click since the press

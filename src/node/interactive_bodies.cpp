@@ -28,12 +28,12 @@ std::optional<Vec3> hitPoint(const InteractiveMarkerFeedback& feedback) {
 // p_WM). Without a hit it is the centre.
 Grip gripOf(const std::string& marker, const Pose& handle, const std::optional<Vec3>& hit_W,
             const BodyDescription& body) {
-  constexpr double kJump = 0.1, kMostJump = 0.05;  // of the bounding radius; m
-  const double jump = std::min(kJump * boundingRadius(body.shape), kMostJump);
-  if (marker == kGizmoName) return Carry{jump};
+  constexpr double kJump = 0.1, kMostJump = 0.02;  // of the length of what is moved; m
+  if (marker == kGizmoName) return Carry{std::min(kJump * boundingRadius(body.shape), kMostJump)};
   if (const int face = handleFace(marker); face >= 0) {
     const Vec3 n_B = faceNormal(face);
-    return Resize{n_B, handle.q_WB * n_B, handle.p_WB, fullExtents(body.shape)[face / 2], jump};
+    const double extent = fullExtents(body.shape)[face / 2];
+    return Resize{n_B, handle.q_WB * n_B, handle.p_WB, extent, std::min(kJump * extent, kMostJump)};
   }
   // RViz reads the point under the mouse from its depth image: a click alone moved a box of 0.4 m by 0.4 mm.
   constexpr double kSlop = 0.01, kMostSlop = 0.01;  // of the bounding radius; m

@@ -187,9 +187,9 @@ void StatusPublisher::publish(const Timeline::Moment& moment) {
 }
 
 void StatusPublisher::diagnose(const Timeline::Moment& moment) {
-  const ros::WallTime now = ros::WallTime::now();
-  if (now < next_diagnosis_) return;
-  next_diagnosis_ = now + ros::WallDuration(diagnosticPeriod());
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!last_diagnosis_.isZero() && (now - last_diagnosis_).toSec() < diagnosticPeriod()) return;
+  last_diagnosis_ = now;
   diagnostic_updater::DiagnosticStatusWrapper status;
   status.name = ros::this_node::getName().substr(1) + ": simulation";
   status.hardware_id = "none";

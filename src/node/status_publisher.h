@@ -28,7 +28,7 @@ class StatusPublisher {
   const ReferenceRun& reference_run_;
   Topic status_, wind_;
   ros::Publisher diagnostics_;
-  ros::WallTime next_diagnosis_;
+  ros::SteadyTime last_diagnosis_;
   NewWarnings new_warnings_, undiagnosed_;
 };
 

@@ -26,7 +26,7 @@ void InteractTool::onInitialize() {
 }
 
 void InteractTool::deactivate() {
-  mouse_->letGo();
+  mouse_->cancel();
   hover(nullptr);
   rviz::InteractionTool::deactivate();
 }
@@ -61,15 +61,24 @@ void InteractTool::toggle(const rviz::ViewportMouseEvent& event) {
     if (body) SimulationPanel::toggleSelected(window, picked->node, QString::fromStdString(body->name));
     return;
   }
-  const auto is_found = std::make_shared<bool>(false);
-  for (const std::string& node : SimulationPanel::nodes(window))
-    askBodyUnder(event, *context_, *bodiesOf(node),
-                 [window = QPointer<QWidget>(window), node, is_found](const auto& met) {
-                   if (!met || *is_found || window.isNull()) return;
-                   *is_found = true;
-                   SimulationPanel::toggleSelected(window, node,
-                                                   QString::fromStdString(met->body.description.name));
-                 });
+  // The first simulator in the order of the panels, whichever answers first.
+  const std::vector<std::string> nodes = SimulationPanel::nodes(window);
+  struct Answers {
+    std::vector<std::optional<QString>> names;
+    std::size_t came = 0;
+  };
+  const auto answers = std::make_shared<Answers>();
+  answers->names.resize(nodes.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    askBodyUnder(
+        event, *context_, *bodiesOf(nodes[k]),
+        [window = QPointer<QWidget>(window), nodes, answers, k](const SimulatorBodies::Answer& answer) {
+          if (answer.met) answers->names[k] = QString::fromStdString(answer.met->body.description.name);
+          if (++answers->came < nodes.size() || window.isNull()) return;
+          for (std::size_t n = 0; n < nodes.size(); ++n)
+            if (answers->names[n])
+              return SimulationPanel::toggleSelected(window, nodes[n], *answers->names[n]);
+        });
 }
 
 // Before each picture: the bodies of a simulator are to be known before the mouse is over one of them.

@@ -59,7 +59,7 @@ const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_i
 
 // A call of a service has no time-out, so it is made on a thread of its own, which owns all that it needs.
 void SimulatorBodies::meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction,
-                           WithMet then) {
+                           WithAnswer then) {
   constexpr int kPeriod = 5, kPatience = 200;  // ms
   rigid_body_sim::CastRay ray;
   ray.request.origin = origin;
@@ -77,7 +77,7 @@ void SimulatorBodies::meet(const geometry_msgs::Point& origin, const geometry_ms
     if (!is_there && since.elapsed() < kPatience) return;
     timer->stop();
     timer->deleteLater();
-    then(is_there ? answer.get() : std::nullopt);
+    then(is_there ? Answer{true, answer.get()} : Answer{});
   });
   timer->start(kPeriod);
 }

@@ -35,11 +35,15 @@ class SimulatorBodies {
     rigid_body_sim::BodyState body;
     geometry_msgs::Point point;
   };
-  using WithMet = std::function<void(const std::optional<Met>&)>;
-  /// Asks for the first body on a ray in frame() that hides what lies behind it and can be dragged, and returns at once. `then`
-  /// is called by the event loop with the answer: nothing where there is no such body, or where the simulator has not answered
-  /// within 0.2 s. It is not called once this is gone.
-  void meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction, WithMet then);
+  /// What a simulator says of a ray.
+  struct Answer {
+    bool came = false;  ///< false: it has not answered in time
+    std::optional<Met> met;
+  };
+  using WithAnswer = std::function<void(const Answer&)>;
+  /// Asks for the first body on a ray in frame() that hides what lies behind it and can be dragged, and returns at once. The event
+  /// loop calls `then` when the simulator answers, and after 0.2 s without an answer. Nothing is called once this is gone.
+  void meet(const geometry_msgs::Point& origin, const geometry_msgs::Vector3& direction, WithAnswer then);
 
   /// The frame of the world.
   const std::string& frame() const { return descriptions_.header.frame_id; }

@@ -186,6 +186,10 @@ class GuiTest(unittest.TestCase):
         start, at_middle = position('middle'), self.rviz.pixel_of(position('middle'))
         self.screen.xdotool('mousemove', *at_middle, 'sleep', 0.3, 'mousedown', 1, 'mousemove', at_middle[0] - 60, at_middle[1], 'mouseup', 1)
         wait_until(lambda: math.dist(position('middle'), start) > 0.1, 'it follows a mouse that was faster than the answer')
+        start, at_middle = position('middle'), self.rviz.pixel_of(position('middle'))
+        self.screen.xdotool('mousemove', *at_middle, 'sleep', 0.3, 'mousedown', 1, 'mouseup', 1, 'mousemove', at_middle[0] - 60, at_middle[1],
+                            'sleep', 1.0)
+        self.assertEqual(position('middle'), start, 'a mouse that moves on after a click drags nothing')
         self.assertEqual(position('pane'), (2.0, -2.0, 1.9))
 
     def is_drawn_near(self, name, pixel):
