@@ -280,7 +280,7 @@ class World {
   SavedState captureState() const;
   /// captureState(), and what that leaves out: grabs, holds and which bodies are frozen. With capture() it makes
   /// a world of the same stateHash(). It is meant for recordings. A saved state that people load again should
-  /// have no grab, since the mouse that held the body is gone. Cost: that of captureState().
+  /// have no grab, since who held the body is gone. Cost: that of captureState().
   SavedState captureExactState() const;
   /// The descriptions of all bodies in canonical order; never null. Cost: a copied pointer, or n descriptions
   /// after an edit that changed one.

@@ -3,6 +3,7 @@
 #include "step/islands.h"
 #include "make_scene.h"
 #include "step/analyse_scene.h"
+#include "step/sleep.h"
 
 #include <gtest/gtest.h>
 
@@ -109,6 +110,22 @@ TEST(Islands, ThatAreMergedKeepAllBodiesAndEdges) {
   EXPECT_EQ(world.step.islands[0].edges.size(), 1u);
   EXPECT_TRUE(world.step.islands[1].bodies.empty() && world.step.islands[1].flies());
   for (Index i = 0; i < 4; ++i) EXPECT_EQ(world.step.island[i], 0u);
+}
+
+// Of two islands that have become one in the step the other is empty, and no group to put to sleep.
+TEST(Islands, WithoutBodiesDoNotFallAsleep) {
+  World world({true, true});
+  islands::connect(world.context, {0, 1}, {});
+  ASSERT_EQ(world.step.islands.size(), 2u);
+  islands::merge(world.context, 0, 1);
+  world.step.before.resize(2), world.step.twist_before.resize(2);
+  world.scene.settings.gravity = world.scene.gravity_W = Vec3(0.0, 0.0, -10.0);
+  for (int k = 0; k < 100; ++k) {
+    world.step.falling_asleep.clear();
+    sleep::update(world.context);
+  }
+  ASSERT_EQ(world.step.falling_asleep.size(), 1u);
+  EXPECT_EQ(world.step.falling_asleep[0], (std::vector<Index>{0, 1}));
 }
 
 }  // namespace

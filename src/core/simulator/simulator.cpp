@@ -173,8 +173,8 @@ struct Simulator::Impl {
     recorder.drop(recorded);
   }
 
-  // The solver settings are no edit: they stay, but where the edit was a load. User forces end: the mouse that
-  // held a body then holds it no longer.
+  // The solver settings are no edit: they stay, but where the edit was a load. User forces end: nobody
+  // holds a body any longer.
   std::string goBack(bool undoes) {
     const EditHistory::Entry* const next = undoes ? history.undoable() : history.redoable();
     if (!next && undoes) throw nothingToUndo(history.forgotten());

@@ -17,8 +17,8 @@ void advance(Context& context, const Subgraph& batch, double t0, double t1);
 namespace soft_step {
 /// The longest sub-step in which the constraints of a batch can follow their bodies, s; infinite where nothing moves.
 double longestSubStep(const Context& context, const Subgraph& batch);
-/// Whether constraints of other kinds than contacts may act among those of a batch. Islands with and without are not to be
-/// advanced in one batch: one pass more would change what those without do.
+/// Whether constraints of other kinds than contacts may act in a batch. Islands with them and islands without are never advanced
+/// in one batch: the pass that they need would change the others.
 bool hasOtherKinds(const Context& context, const Subgraph& batch);
 /// Bodies in contact, by sub-steps of soft sequential impulses.
 void advance(Context& context, const Subgraph& batch, double t0, double t1);

@@ -15,7 +15,7 @@ Edge edgeOf(const Contacts& contacts, Index k);
 std::vector<Edge> edges(const SceneStore& scene);
 
 /// Those over which a body that moves wakes one that sleeps, and keeps one awake that is at rest. A contact is one from
-/// where the bounds of its bodies overlap, before they touch. Costs all constraints of awake bodies.
+/// where the bounds of its bodies overlap, before they touch. Costs all contacts of awake bodies, and all constraints of other kinds.
 std::vector<Edge> wakingEdges(const SceneStore& scene);
 
 }  // namespace rbs::constraints

@@ -8,8 +8,8 @@
 // again, and all other bodies stay where the step has brought them.
 //
 // Bodies and pair states are put back as they were; but a pair that rested apart is a candidate, since contacts may push it
-// together. The points that the solver has left in the contacts stay, as a
-// warm start that is nearer than that of the last step; their impulses do not count.
+// together. The points that the solver has left in the contacts stay, as a warm start that is nearer than that of the last
+// step; their impulses do not count.
 #pragma once
 
 #include "state/context.h"

@@ -104,7 +104,7 @@ void update(Context& context) {
     const bool parts = std::any_of(island.contacts.begin(), island.contacts.end(), [&](Index contact) {
       return depenetration::isDeep(context, scene.contacts.active[contact]);
     });
-    bool ready = !blown;
+    bool ready = !blown && !island.bodies.empty();  // empty: another island has taken it in
     for (const Index i : island.bodies) {
       std::uint32_t& rested = scene.rest[i].steps;
       const bool rests = !parts && !step.isCrowded(i) && isStill(scene, i, step.h());
