@@ -64,16 +64,8 @@ BodyBlocks::BodyBlocks(const System& system) : system_(system) {
   diagonal_.resize(order_.size());
   lower_.resize(rows_.size());
   upper_.resize(rows_.size());
-  for (const Point& point : system_.points()) {
-    std::uint32_t slot = 0;
-    if (point.i != kNone && point.j != kNone) {
-      const Index first = std::min(place_[point.i], place_[point.j]);
-      const Index second = std::max(place_[point.i], place_[point.j]);
-      const auto begin = rows_.begin() + begin_[first], end = rows_.begin() + begin_[first + 1];
-      slot = static_cast<std::uint32_t>(std::lower_bound(begin, end, second) - rows_.begin());
-    }
-    slot_.push_back(slot);
-  }
+  for (const Point& point : system_.points()) slot_.push_back(slotOf(point));
+  for (const JointRows& joint : system_.joints()) slot_.push_back(slotOf(joint));
   constexpr std::int64_t kBlock = 6 * 6 * 6, kColumn = 6 * 6;
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const std::int64_t later = begin_[k + 1] - begin_[k];
@@ -83,14 +75,23 @@ BodyBlocks::BodyBlocks(const System& system) : system_(system) {
   factor_work_ += kPointWork * static_cast<std::int64_t>(system.columns());
 }
 
+std::uint32_t BodyBlocks::slotOf(const Rows& rows) const {
+  if (rows.i == kNone || rows.j == kNone) return 0;
+  const auto [first, second] = std::minmax(place_[rows.i], place_[rows.j]);
+  const auto begin = rows_.begin() + begin_[first], end = rows_.begin() + begin_[first + 1];
+  return static_cast<std::uint32_t>(std::lower_bound(begin, end, second) - rows_.begin());
+}
+
 void BodyBlocks::order() {
   const Index bodies = static_cast<Index>(system_.free().cols());
   std::vector<std::vector<Index>> neighbours(bodies);
-  for (const Point& point : system_.points()) {
-    if (point.i == kNone || point.j == kNone) continue;
-    neighbours[point.i].push_back(point.j);
-    neighbours[point.j].push_back(point.i);
-  }
+  const auto tie = [&](const Rows& rows) {
+    if (rows.i == kNone || rows.j == kNone) return;
+    neighbours[rows.i].push_back(rows.j);
+    neighbours[rows.j].push_back(rows.i);
+  };
+  for (const Point& point : system_.points()) tie(point);
+  for (const JointRows& joint : system_.joints()) tie(joint);
   std::set<std::pair<std::size_t, Index>> by_degree;
   for (Index body = 0; body < bodies; ++body) {
     std::vector<Index>& n = neighbours[body];
@@ -156,6 +157,11 @@ RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector
     DJ_i.rightCols<3>() += D[points.size() + k] * torque.J_i.rightCols<3>();
     DJ_j.rightCols<3>() += D[points.size() + k] * torque.J_j.rightCols<3>();
     addBlocks(torque, DJ_i, DJ_j, slot_[torque.first]);
+  }
+  for (std::size_t k = 0; k < system_.joints().size(); ++k) {
+    const JointRows& joint = system_.joints()[k];
+    const Mat3& D_k = D[system_.firstJoint() + k];
+    addBlocks(joint, D_k * joint.J_i, D_k * joint.J_j, slot_[points.size() + k]);
   }
 }
 

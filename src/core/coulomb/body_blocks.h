@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
 //
-// D has a 3x3 block a point, so that blocks stand on the diagonal and where two bodies touch. A torque constraint has
-// one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
+// D has a 3x3 block a point and a joint, so that blocks stand on the diagonal and where two bodies touch or are joined. A
+// torque constraint has one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
 // already.
 //
 // Bodies are eliminated in the order of least degree (Tinney and Walker 1967; George and Liu 1989): at each
@@ -35,6 +35,8 @@ class BodyBlocks {
 
  private:
   void order();
+  /// Where the pair of bodies is in rows_; 0 where one of the two is none.
+  std::uint32_t slotOf(const Rows& rows) const;
   void assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
   void substitute(Velocities& x) const;
   /// Adds J^T DJ.
@@ -44,7 +46,7 @@ class BodyBlocks {
   std::vector<Index> order_, place_;               // body by place in the order, and the inverse
   std::vector<std::uint32_t> begin_;               // by place: the start of its part of rows_, lower_, upper_
   std::vector<Index> rows_;                        // places of the later neighbours, ascending
-  std::vector<std::uint32_t> slot_;                // by point: where its pair is in rows_
+  std::vector<std::uint32_t> slot_;                // by point, then by joint: where its pair is in rows_
   std::int64_t factor_work_ = 0, solve_work_ = 0;  // multiplications
   std::vector<Mat6> diagonal_;                     // A_kk, then its inverse
   std::vector<Mat6> lower_, upper_;                // A_ak, then T_a; and A_ka

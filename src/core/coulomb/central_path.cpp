@@ -26,6 +26,7 @@ CentralPath::Place& CentralPath::Place::add(double part, const Place& direction)
     torques[k].rolling.add(part, direction.torques[k].rolling);
     torques[k].spinning.add(part, direction.torques[k].spinning);
   }
+  for (std::size_t k = 0; k < joints.size(); ++k) joints[k].add(part, direction.joints[k]);
   return *this;
 }
 
@@ -48,7 +49,7 @@ CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(sys
     free.push_back(system.velocity(point, place.y));
     if (free.back()[2] < 0.0) sum += free.back().squaredNorm();
   }
-  const double start = std::max(1.0, std::sqrt(sum / static_cast<double>(size)));
+  const double start = std::max(1.0, std::sqrt(sum / std::max(static_cast<double>(size), 1.0)));
   for (std::size_t k = 0; k < size; ++k) {
     const double u_n = std::max(start, free[k][2]), r_n = start * start / u_n;
     const FrictionBarrier<2>& barrier = sliding_.emplace_back(system.points()[k].sliding);
@@ -61,6 +62,11 @@ CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(sys
         TorqueBarriers{FrictionBarrier<2>(torque.rolling), FrictionBarrier<1>(torque.spinning)});
     place.torques.push_back({barriers.rolling.start(n, speed), barriers.spinning.start(n, speed)});
     count_ += barriers.rolling.isBall() + barriers.spinning.isBall();
+  }
+  for (const JointRows& joint : system.joints()) {
+    const BoxBarrier& barrier = joints_.emplace_back(joint.box, joint.response);
+    place.joints.push_back(barrier.start(start * start));
+    count_ += barrier.count();
   }
   D_.resize(system.columns());
   g_.resize(torques_.size());
@@ -80,6 +86,7 @@ Impulses CentralPath::impulses() const {
     r.col(points + k) << torques_[k].rolling.impulse(pairs.rolling, n),
         torques_[k].spinning.impulse(pairs.spinning, n);
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k) r.col(system_.firstJoint() + k) = place.joints[k].r;
   return r;
 }
 
@@ -89,7 +96,8 @@ double CentralPath::meanProduct() const {
     sum += pairs.r_n * pairs.u_n + pairs.sliding.b.dot(pairs.sliding.h);
   for (const TorquePairs& pairs : place.torques)
     sum += pairs.rolling.b.dot(pairs.rolling.h) + pairs.spinning.b.dot(pairs.spinning.h);
-  return sum / count_;
+  for (std::size_t k = 0; k < joints_.size(); ++k) sum += joints_[k].sumOfProducts(place.joints[k]);
+  return count_ == 0 ? 0.0 : sum / count_;
 }
 
 bool CentralPath::linearise() {
@@ -125,6 +133,12 @@ bool CentralPath::linearise() {
     D.bottomRightCorner<1, 1>() = spinning.stiffness();
     g_[k] << rolling.byNormal(1.0), spinning.byNormal(1.0);
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const std::size_t column = system_.firstJoint() + k;
+    joints_[k].linearise(place.joints[k]);
+    off_.col(column) = joints_[k].off(system_.velocity(system_.joints()[k], place.y));
+    D_[column] = joints_[k].stiffness().asDiagonal();
+  }
   if (first_off_.size() == 0) first_off_ = off_, first_away_ = away_;
   return matrix_.factor(D_, g_);
 }
@@ -138,13 +152,14 @@ double CentralPath::distance(double t, double share) const {
   }
   for (const TorqueBarriers& barriers : torques_)
     worst = std::max({worst, barriers.rolling.distance(t), barriers.spinning.distance(t)});
+  for (const BoxBarrier& barrier : joints_) worst = std::max(worst, barrier.distance(t));
   for (Eigen::Index k = 0; k < off_.cols(); ++k)
     worst = std::max(worst, (off_.col(k) - share * first_off_.col(k)).norm());
   return worst;
 }
 
 bool CentralPath::step(double t, double share, const Place* earlier, Place& direction) const {
-  Wanted wanted{{}, {}, share * first_off_ - off_, share * first_away_ - away_};
+  Wanted wanted{{}, {}, {}, share * first_off_ - off_, share * first_away_ - away_};
   wanted.points.reserve(place.points.size());
   for (std::size_t k = 0; k < place.points.size(); ++k) {
     const PointPairs& pairs = place.points[k];
@@ -158,15 +173,18 @@ bool CentralPath::step(double t, double share, const Place* earlier, Place& dire
     wanted.torques.push_back({torques_[k].rolling.towards(t, before ? &before->rolling : nullptr),
                               torques_[k].spinning.towards(t, before ? &before->spinning : nullptr)});
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    wanted.joints.push_back(joints_[k].towards(t, earlier ? &earlier->joints[k] : nullptr));
   return solve(wanted, direction);
 }
 
 bool CentralPath::tangent(double t, double share, Place& direction) const {
-  Wanted wanted{{}, {}, share * first_off_, share * first_away_};
+  Wanted wanted{{}, {}, {}, share * first_off_, share * first_away_};
   wanted.points.reserve(place.points.size());
   for (const FrictionBarrier<2>& sliding : sliding_) wanted.points.push_back({t, sliding.alongPath(t)});
   for (const TorqueBarriers& barriers : torques_)
     wanted.torques.push_back({barriers.rolling.alongPath(t), barriers.spinning.alongPath(t)});
+  for (const BoxBarrier& barrier : joints_) wanted.joints.push_back(barrier.alongPath(t));
   return solve(wanted, direction);
 }
 
@@ -182,6 +200,9 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
     e.col(points + k) << torques_[k].rolling.constant(wanted.torques[k].rolling, e_n),
         torques_[k].spinning.constant(wanted.torques[k].spinning, e_n);
   }
+  const std::size_t first_joint = system_.firstJoint();
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    e.col(first_joint + k) = joints_[k].constant(wanted.joints[k]);
   Velocities right = wanted.away;
   system_.push(e + respond(wanted.off), right);
   direction.y = matrix_.solve(right);
@@ -191,6 +212,7 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
 
   direction.points.resize(points);
   direction.torques.resize(torques_.size());
+  direction.joints.resize(joints_.size());
   for (std::size_t k = 0; k < points; ++k) {
     const Vec3 du = System::changed(system_.points()[k], Vec3::Zero(), direction.y) + wanted.off.col(k);
     PointPairs& d = direction.points[k];
@@ -205,6 +227,11 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
     direction.torques[k] = {torques_[k].rolling.change(wanted.torques[k].rolling, du.head<2>(), dn),
                             torques_[k].spinning.change(wanted.torques[k].spinning, du.tail<1>(), dn)};
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const Vec3 du =
+        System::changed(system_.joints()[k], Vec3::Zero(), direction.y) + wanted.off.col(first_joint + k);
+    direction.joints[k] = joints_[k].change(wanted.joints[k], du);
+  }
   return true;
 }
 
@@ -218,6 +245,8 @@ Impulses CentralPath::respond(Impulses du) const {
     du.col(points + k) = (dn * g_[k] - D_[points + k] * du.col(points + k)).eval();
   }
   for (std::size_t k = 0; k < points; ++k) du.col(k) = -(D_[k] * du.col(k)).eval();
+  for (std::size_t k = system_.firstJoint(); k < system_.columns(); ++k)
+    du.col(k) = -(D_[k] * du.col(k)).eval();
   return du;
 }
 
@@ -243,13 +272,16 @@ double CentralPath::room(const Place& direction) const {
     if (torques_[k].rolling.isBall()) t = std::min(t, pairs.rolling.room(d.rolling));
     if (torques_[k].spinning.isBall()) t = std::min(t, pairs.spinning.room(d.spinning));
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    t = std::min(t, joints_[k].room(place.joints[k], direction.joints[k]));
   return t;
 }
 
 Eigen::VectorXd CentralPath::relative(const Place& direction) const {
   const Eigen::Index points = static_cast<Eigen::Index>(place.points.size());
   Eigen::VectorXd fractions =
-      Eigen::VectorXd::Zero(8 * points + 10 * static_cast<Eigen::Index>(torques_.size()));
+      Eigen::VectorXd::Zero(8 * points + 10 * static_cast<Eigen::Index>(torques_.size()) +
+                            12 * static_cast<Eigen::Index>(joints_.size()));
   for (Eigen::Index k = 0; k < points; ++k) {
     const PointPairs &pairs = place.points[k], &d = direction.points[k];
     fractions.segment<2>(8 * k) << d.r_n / pairs.r_n, d.u_n / pairs.u_n;
@@ -261,6 +293,9 @@ Eigen::VectorXd CentralPath::relative(const Place& direction) const {
     if (torques_[k].rolling.isBall()) part.head<6>() = pairs.rolling.relative(d.rolling);
     if (torques_[k].spinning.isBall()) part.tail<4>() = pairs.spinning.relative(d.spinning);
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    fractions.segment<12>(fractions.size() - 12 * static_cast<Eigen::Index>(joints_.size() - k)) =
+        joints_[k].relative(place.joints[k], direction.joints[k]);
   return fractions;
 }
 

@@ -8,7 +8,8 @@
 // De Saxce's shift is eliminated with the free speed a: what ties the pairs is that mu r_n is both the
 // limit of friction and the first impulse, and that stays within Newton's matrix below. A torque constraint has the
 // second pair alone, once for rolling and once for spinning, with the sum N of the normal impulses of its
-// points for r_n. Where a factor of friction is 0, or the direction of slip is prescribed, there is no pair.
+// points for r_n. Where a factor of friction is 0, or the direction of slip is prescribed, there is no pair. The rows of a
+// joint have a pair for each of their bounds (box_barrier.h).
 //
 // A point of the path has all products equal to t e, and a share of the errors
 //   off = u - J y - bias,   away = y - y_free - J^T r
@@ -26,6 +27,7 @@
 #pragma once
 
 #include "coulomb/body_blocks.h"
+#include "coulomb/box_barrier.h"
 #include "coulomb/coulomb_system.h"
 #include "coulomb/friction_barrier.h"
 
@@ -48,6 +50,7 @@ class CentralPath {
     Velocities y;
     std::vector<PointPairs> points;
     std::vector<TorquePairs> torques;
+    std::vector<BoxPairs> joints;
     Place& add(double part, const Place& direction);
     /// The sum of the normal impulses of a torque's points.
     double normalSum(const TorqueRows& torque) const;
@@ -57,6 +60,7 @@ class CentralPath {
 
   Place place;
   Impulses impulses() const;
+  /// 0 where there are no pairs: then all steps are Newton's own.
   double meanProduct() const;
 
   /// To be called where `place` is new, before what follows. False where the matrix is singular.
@@ -91,6 +95,7 @@ class CentralPath {
   struct Wanted {
     std::vector<PointWanted> points;
     std::vector<TorqueWanted> torques;
+    std::vector<BoxBarrier::Wanted> joints;
     Impulses off;
     Velocities away;
   };
@@ -105,6 +110,7 @@ class CentralPath {
   int count_ = 0;                            // of pairs
   std::vector<FrictionBarrier<2>> sliding_;  // by point
   std::vector<TorqueBarriers> torques_;
+  std::vector<BoxBarrier> joints_;
   std::vector<Mat3> D_;  // by column of impulses
   std::vector<Vec3> g_;  // by torque
   Impulses off_, first_off_;

@@ -23,8 +23,10 @@ constexpr double kNearlySolved = 1e-3;
 constexpr double kWorthATry = 2e-2;
 constexpr std::size_t kFewPoints = 8;
 
-// How fast the points close, m/s; infinite where a warm start tells of an impulse, or a velocity is not finite.
+// How fast the points close, m/s; infinite where there are joints, a warm start tells of an impulse, or a velocity is not
+// finite.
 double closingWithoutImpulses(const CoulombProblem& problem) {
+  if (!problem.joints.empty()) return std::numeric_limits<double>::infinity();
   double fastest = 0.0;
   for (const CoulombPoint& point : problem.points) {
     if (!point.impulse.isZero(0.0)) return std::numeric_limits<double>::infinity();
@@ -57,7 +59,7 @@ struct Case {
   double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
 
   Answer cold() const {
-    const Impulses zero = Impulses::Zero(3, system.columns());
+    const Impulses zero = system.noImpulses();
     return {zero, system.residuals(zero)};
   }
 };
@@ -92,7 +94,7 @@ Answer path(const Case& at, double tolerance, int cap) {
   return followPath(at.system, at.matrix, tolerance, cap);
 }
 Answer admmFromRest(const Case& at, double tolerance, int cap) {
-  return admm(at.system, at.matrix, Impulses::Zero(3, at.system.columns()), tolerance, cap);
+  return admm(at.system, at.matrix, at.system.noImpulses(), tolerance, cap);
 }
 Answer admmFromBest(const Case& at, double tolerance, int cap) {
   return admm(at.system, at.matrix, at.best.r, tolerance, cap);
@@ -119,10 +121,10 @@ constexpr Attempt kAttempts[] = {
      20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::needed,
      &Case::target, 30, 0},
-    // Heaps in motion, and torques: the proximal steps are slow but sure, and the central path would begin anew.
+    // Heaps in motion, torques and joints: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,
      [](const Case& at) {
-       return !at.slips && (at.best.within(kNearlySolved) || !at.system.torques().empty());
+       return !at.slips && (at.best.within(kNearlySolved) || at.system.columns() > at.size);
      },
      &Case::needed, &Case::target, 400, 0},
     // The central path may turn back where the interior point gets stuck.

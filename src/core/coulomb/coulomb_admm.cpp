@@ -11,10 +11,11 @@
 // a = 1.6 being over-relaxation, and s is taken anew from y. The matrix changes with rho only, and rho only
 // where the residuals of the two equations, J y + bias + s - w and rho (w' - w), are far from equal (Boyd et
 // al. 2011, 3.4.1). A torque constraint has for K its disc of rolling and its interval of spinning under the normal
-// impulses that its points have just got, and no shift. That it converges for Coulomb's problem, where s and
-// these bounds move, is not a theorem.
+// impulses that its points have just got, and no shift; a joint has its bounds. That it converges for Coulomb's problem, where
+// s and the bounds of torques move, is not a theorem.
 #include "coulomb/coulomb_solvers.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rbs::coulomb {
@@ -24,6 +25,7 @@ namespace {
 constexpr double kRelaxation = 1.6;
 constexpr int kFirstRhos = 15, kRhosEvery = 10;  // steps
 constexpr double kUneven = 3.0;                  // a ratio of residuals that calls for another rho
+constexpr double kMostRho = 1e3;                 // joints without bounds leave nothing of the second equation
 constexpr int kCheckEvery = 5;
 
 }  // namespace
@@ -43,12 +45,6 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     const Vec3 v = w.col(k) + s[k];
     w.col(k) = v + nearestOnCone(points[k].sliding, -v);
   }
-  // Points come first, so that torques find their new normal impulses.
-  const auto nearest = [&](std::size_t k, const Vec3& x) {
-    if (k < points.size()) return nearestOnCone(points[k].sliding, x);
-    const TorqueRows& torque = system.torques()[k - points.size()];
-    return System::nearest(torque, x, System::normalSum(torque, r));
-  };
   std::vector<Mat3> D(columns);
   const std::vector<Vec3> g(system.torques().size(), Vec3::Zero());
   double rho = 1.0;  // in units of 1/response
@@ -73,7 +69,8 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
       const Vec3 u = system.velocity(rows, y);
       const Vec3 shifted = u + s[k];
       const Vec3 relaxed = kRelaxation * shifted + (1.0 - kRelaxation) * w.col(k);
-      const Vec3 r_new = nearest(k, r.col(k) - stiffness * relaxed);
+      // Points come first, so that torques find their new normal impulses.
+      const Vec3 r_new = system.nearest(k, r.col(k) - stiffness * relaxed, r);
       const Vec3 w_new = relaxed + (r_new - r.col(k)) / stiffness;
       primal += (shifted - w_new).squaredNorm();
       dual += rho * rho * (w_new - w.col(k)).squaredNorm();
@@ -89,7 +86,7 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     if (step < kFirstRhos || step % kRhosEvery != 0) continue;
     const double ratio = std::sqrt(primal / dual);
     if (!(ratio > kUneven || ratio < 1.0 / kUneven) || !std::isfinite(ratio)) continue;
-    rho *= std::sqrt(ratio);
+    rho = std::min(rho * std::sqrt(ratio), kMostRho);
     if (!factor()) break;
   }
   return best;

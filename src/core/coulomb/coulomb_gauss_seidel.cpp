@@ -33,10 +33,23 @@ Vec3 improveTorque(const TorqueRows& torque, const Vec3& old, const Vec3& u, con
   return System::nearest(torque, old - u / most, System::normalSum(torque, r));
 }
 
+// The rows of a joint, each solved exactly in turn.
+void solveJoint(const JointRows& joint, Vec3& r, Velocities& y, const System& system) {
+  for (int c = 0; c < 3; ++c) {
+    const double response = joint.J_i.row(c).squaredNorm() + joint.J_j.row(c).squaredNorm();
+    if (response == 0.0) continue;
+    const double u = system.velocity(joint, y)[c];
+    Vec3 change = Vec3::Zero();
+    change[c] = std::clamp(r[c] - u / response, joint.box.lo[c], joint.box.hi[c]) - r[c];
+    r += change;
+    System::push(joint, change, y);
+  }
+}
+
 }  // namespace
 
 bool separable(const System& system) {
-  if (system.points().size() > kMostPoints || !system.torques().empty()) return false;
+  if (system.points().size() > kMostPoints || system.columns() > system.points().size()) return false;
   const Index bodies = static_cast<Index>(system.free().cols());
   std::vector<Index> group(bodies + 1);  // the last: all that impulses do not move
   std::iota(group.begin(), group.end(), 0);
@@ -55,8 +68,9 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
     W.push_back(point.J_i * point.J_i.transpose() + point.J_j * point.J_j.transpose());
   }
   Answer answer;
-  answer.r = Impulses::Zero(3, system.columns());
+  answer.r = system.noImpulses();
   Velocities y = system.free();
+  system.push(answer.r, y);
   while (answer.iterations < cap) {
     ++answer.iterations;
     system.spend(kSweepWork * static_cast<std::int64_t>(system.columns()));
@@ -71,6 +85,11 @@ Answer gaussSeidel(const System& system, double tolerance, int cap) {
       const Vec3 old = answer.r.col(points.size() + k);
       answer.r.col(points.size() + k) = improveTorque(torque, old, system.velocity(torque, y), answer.r);
       System::push(torque, answer.r.col(points.size() + k) - old, y);
+    }
+    for (std::size_t k = 0; k < system.joints().size(); ++k) {
+      Vec3 r = answer.r.col(system.firstJoint() + k);
+      solveJoint(system.joints()[k], r, y, system);
+      answer.r.col(system.firstJoint() + k) = r;
     }
     answer.residuals = system.residuals(answer.r);
     if (answer.within(tolerance) || (answer.iterations >= kLeastSweeps && system.isBudgetSpent())) break;

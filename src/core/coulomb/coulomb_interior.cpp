@@ -26,7 +26,7 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
   CentralPath path(system, matrix);
   CentralPath::Place predictor, corrector;
   Answer best;
-  best.r = Impulses::Zero(3, system.columns());
+  best.r = system.noImpulses();
   best.residuals = system.residuals(best.r);
   double reached = path.meanProduct();
   for (int since = 0; best.iterations < cap && since < kStepsOfHeadway && !system.isBudgetSpent();) {

@@ -19,7 +19,9 @@
 // ends in steps cut short has asked for too much, and from then on it grows with more care.
 //
 // A torque constraint's bounds are on the sum N of its points' next normal impulses, r_n + d_n: D has, beside its own
-// block, the column g of it by N, and N changes by -D_nn J_n of each of its points.
+// block, the column g of it by N, and N changes by -D_nn J_n of each of its points. The rows of a joint are
+//   r = P(r - rho u),
+// P being onto their bounds: D is rho within them, and 0 beyond.
 //
 // u_r is summed in long double. It is all that rho multiplies which is not itself as small as the error, so
 // that rho may be as large as it likes without its rounding in the answer.
@@ -75,6 +77,15 @@ class Round {
            stiffness / torques[c].response, d, state.D[k], state.g[c]);
       state.d.col(k) = d;
       System::push(torques[c], -d, state.F);
+    }
+    for (std::size_t c = 0; c < system_.joints().size(); ++c) {
+      const JointRows& joint = system_.joints()[c];
+      const std::size_t k = system_.firstJoint() + c;
+      const BoxSet::Step step =
+          joint.box.step(r_.col(k), System::changed(joint, u_r_.col(k), x), stiffness / joint.response);
+      state.d.col(k) = step.d;
+      state.D[k] = step.by_u.asDiagonal();
+      System::push(joint, -step.d, state.F);
     }
     state.norm = state.F.norm();
     return state;

@@ -39,9 +39,11 @@ constexpr int kFurtherBack = 3;
 
 Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, int cap) {
   CentralPath path(system, matrix);
+  if (!(path.meanProduct() > 0.0))
+    return interiorPoint(system, matrix, tolerance, cap);  // without a bound there is no path
   CentralPath::Place tangent, correction;
   Answer best;
-  best.r = Impulses::Zero(3, system.columns());
+  best.r = system.noImpulses();
   best.residuals = system.residuals(best.r);
 
   struct Mark {

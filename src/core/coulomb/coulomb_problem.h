@@ -14,6 +14,8 @@
 // angular impulse L that it puts on j, its length R, and the angular velocity w of j against i,
 //   |L_T| <= c R N,  against w_T;   |L_n| <= s R N,  against w_n
 // in the same sense: each does what ends the turning, or dissipates all it can.
+//
+// Rows of joints, of their limits and of what drives them have impulses within bounds (BoundedRows).
 #pragma once
 
 #include "base/algebra.h"
@@ -74,6 +76,23 @@ struct TorqueConstraint {
   Vec3 impulse{0.0, 0.0, 0.0};
 };
 
+/// Up to three rows of a joint, of its limits or of what drives it. Each has an impulse within bounds of its own, and
+///   u = 0 where lo < r < hi,   u >= 0 where r = lo,   u <= 0 where r = hi.
+/// Without bounds a row is bilateral; 0 and infinity make it unilateral; equal bounds prescribe its impulse, 0 in a row
+/// that is not used.
+struct BoundedRows {
+  using Jacobian = Eigen::Matrix<double, 3, 6>;
+
+  Index i, j;  ///< as in CoulombPoint
+  /// u = bias + J_i (v_i, w_i) + J_j (v_j, w_j), m/s: a row of turning is multiplied by a length. Not read for a side that is
+  /// kNone.
+  Jacobian J_i, J_j;
+  Vec3 bias{0.0, 0.0, 0.0};
+  Vec3 lo, hi;  ///< N s, lo <= hi; infinite: no bound
+  /// N s. In: a warm start. Out: the solution. It changes the momentum of a side by J^T impulse.
+  Vec3 impulse{0.0, 0.0, 0.0};
+};
+
 /// The moments about a centre of unit impulses along the columns of a frame, at r from that centre, m; `axis_W` as in
 /// CoulombPoint.
 inline Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis_W) {
@@ -90,6 +109,7 @@ struct CoulombProblem {
   double speed_unit;
   SolveBudget* budget = nullptr;  ///< null: the solvers end when they are done
   std::vector<TorqueConstraint> torques{};
+  std::vector<BoundedRows> joints{};
 };
 
 }  // namespace rbs

@@ -112,6 +112,29 @@ System::System(const CoulombProblem& problem) {
     torque.response = (torque.J_i.squaredNorm() + torque.J_j.squaredNorm()) / 3.0;
     torques_.push_back(torque);
   }
+  for (const BoundedRows& given : problem.joints) {
+    JointRows joint;
+    joint.i = given.i, joint.j = given.j;
+    joint.bias = given.bias;
+    const auto rowsOf = [&](Index body, const Mat36& J) -> Mat36 {
+      if (body == kNone) return Mat36::Zero();
+      const Mat3 linear = J.leftCols<3>(), angular = J.rightCols<3>();
+      Mat36 rows = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), linear.transpose(),
+                            angular.transpose(), total_mass);
+      if (!turns_[body]) {
+        joint.bias += angular * problem.bodies[body].w;
+        rows.rightCols<3>().setZero();
+      }
+      return rows;
+    };
+    joint.J_i = rowsOf(given.i, given.J_i);
+    joint.J_j = rowsOf(given.j, given.J_j);
+    joint.bias /= speed_;
+    joint.box = {given.lo / impulse_, given.hi / impulse_};
+    joint.response = (joint.J_i.squaredNorm() + joint.J_j.squaredNorm()) / 3.0;
+    if (joint.response == 0.0) joint.response = 1.0;  // it moves nothing
+    joints_.push_back(joint);
+  }
 }
 
 template <class Scalar>
@@ -146,7 +169,8 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 // Since response >= 1 (a body weighs no more than all of them), a residual in impulse is never larger than
 // the same in speed, and both are within what is returned. The third is zero where and only where friction
 // lies on the cone against sliding, or sliding is zero, given the second. A torque constraint has the last two, of its
-// rolling and of its spinning, whichever is worse.
+// rolling and of its spinning, whichever is worse. The rows of a joint have in place of the first
+//   |response r - P(response r - u)|, P onto response times their bounds.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
 // between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body
@@ -207,6 +231,12 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     const Vec3 target = nearest(torque, push - velocity.col(points_.size() + k), n);
     count(torque, push, 0.0, coulomb, (push - target).norm());
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const JointRows& joint = joints_[k];
+    const Impulses::ConstColXpr x = r.col(firstJoint() + k), u = velocity.col(firstJoint() + k);
+    const Vec3 target = joint.box.nearest(x - u / joint.response);
+    count(joint, joint.response * x, joint.response * (x - target).norm(), 0.0, 0.0);
+  }
   return worst;
 }
 
@@ -222,6 +252,17 @@ Impulses System::warmStart(const CoulombProblem& problem) const {
     r.col(points_.size() + k) =
         given.allFinite() ? nearest(torque, given, normalSum(torque, r)) : Vec3::Zero();
   }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const Vec3 given = problem.joints[k].impulse / impulse_;
+    r.col(firstJoint() + k) = joints_[k].box.nearest(given.allFinite() ? given : Vec3::Zero());
+  }
+  return r;
+}
+
+Impulses System::noImpulses() const {
+  Impulses r = Impulses::Zero(3, columns());
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    r.col(firstJoint() + k) = joints_[k].box.nearest(Vec3::Zero());
   return r;
 }
 
@@ -246,6 +287,18 @@ void System::store(const Impulses& r, CoulombProblem& problem) const {
     const Vec3 turn_W = torque.radius * (torque.frame * torque.impulse);
     if (torque.i != kNone && turns_[torque.i]) problem.bodies[torque.i].w -= roots_[torque.i].solve(turn_W);
     if (torque.j != kNone && turns_[torque.j]) problem.bodies[torque.j].w += roots_[torque.j].solve(turn_W);
+  }
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    BoundedRows& joint = problem.joints[k];
+    joint.impulse = impulse_ * r.col(firstJoint() + k);
+    const auto apply = [&](Index body, const Mat36& J) {
+      if (body == kNone) return;
+      problem.bodies[body].v += J.leftCols<3>().transpose() * joint.impulse / problem.bodies[body].mass;
+      if (turns_[body])
+        problem.bodies[body].w += roots_[body].solve(Vec3(J.rightCols<3>().transpose() * joint.impulse));
+    };
+    apply(joint.i, joint.J_i);
+    apply(joint.j, joint.J_j);
   }
 }
 

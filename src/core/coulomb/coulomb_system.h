@@ -7,6 +7,7 @@
 //   y = y_free + J^T r,   u = J y + bias.
 #pragma once
 
+#include "coulomb/box_set.h"
 #include "coulomb/coulomb_problem.h"
 #include "coulomb/friction_set.h"
 
@@ -20,11 +21,11 @@ using Vec2 = Eigen::Vector2d;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Mat36 = Eigen::Matrix<double, 3, 6>;
-using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point, then one a torque: two
-                                                              ///< tangents and the normal
+using Impulses = Eigen::Matrix<double, 3, Eigen::Dynamic>;    ///< r, a column a point: two tangents and the
+                                                              ///< normal; then one a torque, then one a joint
 using Velocities = Eigen::Matrix<double, 6, Eigen::Dynamic>;  ///< y, a column a body
 
-/// The rows of J of a point or a torque.
+/// The rows of J of a point, a torque or a joint.
 struct Rows {
   Index i, j;      ///< bodies; kNone: a side that impulses do not move
   Mat36 J_i, J_j;  ///< u changes by J_i y_i + J_j y_j; zero where there is no body
@@ -43,6 +44,10 @@ struct TorqueRows : Rows {
   FrictionSet<1> spinning;  ///< under the same sum
 };
 
+struct JointRows : Rows {
+  BoxSet box;
+};
+
 /// How far impulses are from the law; the greatest over the points. See CoulombResult.
 struct Residuals {
   double signorini = 0.0, coulomb = 0.0, dissipation = 0.0;
@@ -57,10 +62,14 @@ class System {
 
   const std::vector<Point>& points() const { return points_; }
   const std::vector<TorqueRows>& torques() const { return torques_; }
-  const Velocities& free() const { return free_; }                          ///< y_free
-  std::size_t columns() const { return points_.size() + torques_.size(); }  ///< of impulses
-  const Rows& rows(std::size_t k) const {                                   ///< of a column of impulses
-    return k < points_.size() ? static_cast<const Rows&>(points_[k]) : torques_[k - points_.size()];
+  const std::vector<JointRows>& joints() const { return joints_; }
+  const Velocities& free() const { return free_; }                             ///< y_free
+  std::size_t columns() const { return firstJoint() + joints_.size(); }        ///< of impulses
+  std::size_t firstJoint() const { return points_.size() + torques_.size(); }  ///< its column
+  const Rows& rows(std::size_t k) const {                                      ///< of a column of impulses
+    if (k < points_.size()) return points_[k];
+    return k < firstJoint() ? static_cast<const Rows&>(torques_[k - points_.size()])
+                            : joints_[k - firstJoint()];
   }
 
   /// u + J dy.
@@ -70,7 +79,7 @@ class System {
     return u;
   }
   Vec3 velocity(const Rows& rows, const Velocities& y) const { return changed(rows, rows.bias, y); }
-  /// Adds J^T r of one point or torque.
+  /// Adds J^T r of one column.
   static void push(const Rows& rows, const Vec3& r, Velocities& y) {
     if (rows.i != kNone) y.col(rows.i).noalias() += rows.J_i.transpose() * r;
     if (rows.j != kNone) y.col(rows.j).noalias() += rows.J_j.transpose() * r;
@@ -97,6 +106,13 @@ class System {
     nearest << torque.rolling.nearest(x.head<2>(), n), torque.spinning.nearest(x.tail<1>(), n);
     return nearest;
   }
+  /// The impulse of a column that is nearest to x; of a torque, under the normal impulses in r.
+  Vec3 nearest(std::size_t k, const Vec3& x, const Impulses& r) const {
+    if (k < points_.size()) return nearestOnCone(points_[k].sliding, x);
+    if (k >= firstJoint()) return joints_[k - firstJoint()].box.nearest(x);
+    const TorqueRows& torque = torques_[k - points_.size()];
+    return nearest(torque, x, normalSum(torque, r));
+  }
 
   /// Whether the solvers are to end.
   bool isBudgetSpent() const { return budget_ && budget_->isSpent(); }
@@ -106,6 +122,8 @@ class System {
   }
 
   Impulses warmStart(const CoulombProblem& problem) const;
+  /// The smallest that the bounds of joints allow, else zero.
+  Impulses noImpulses() const;
   /// Writes impulses, and the velocities they make, with units.
   void store(const Impulses& r, CoulombProblem& problem) const;
 
@@ -118,6 +136,7 @@ class System {
   std::vector<bool> turns_;              // by body
   std::vector<Point> points_;
   std::vector<TorqueRows> torques_;
+  std::vector<JointRows> joints_;
   Velocities free_;
   SolveBudget* budget_;
 };
