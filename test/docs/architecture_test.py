@@ -29,6 +29,30 @@ def comment(path, first, last):
     return ''.join(line[2:] + '\n' for line in lines[begin:end + 1])
 
 
+def arrows_of_diagram():
+    """The arrows of the comment in pair_state.h, as (from, to)."""
+    text = comment('state/pair_state.h', 'Candidate ', 'restart.h')
+    states = set(re.findall(r'^(\w+) +--|-> (\w+)', text, re.MULTILINE))
+    states = {name for pair in states for name in pair if name}
+    arrows = set(re.findall(r'^(\w+) +--\w+\(\)-+> *(\w+)', text, re.MULTILINE))
+    (exception, everywhere), = re.findall(r'^any but (\w+) --\w+\(\)-+> *(\w+)', text, re.MULTILINE)
+    return arrows | {(name, everywhere) for name in states - {exception, everywhere}}
+
+
+def arrows_of_code():
+    """Those that PairState::hasArrow() allows."""
+    text = (CORE / 'state/pair_state.h').read_text()
+    states = re.search(r'enum class At : char \{([^}]*)\}', text).group(1).replace(' ', '').split(',')
+    body = text[text.index('static constexpr bool hasArrow'):text.index('void go(At to)')]
+    arrows = set()
+    for name, value in re.findall(r'case At::(\w+):\s+return ([^;]*);', body):
+        if value.startswith('to !='):
+            arrows |= {(name, other) for other in states if other != name}
+        else:
+            arrows |= {(name, other) for other in re.findall(r'At::(\w+)', value)}
+    return arrows
+
+
 BLOCKS = {
     'stages': stages,
     'inner step': lambda: comment('solver/inner_step.h', 'row ', 'store '),
@@ -51,6 +75,10 @@ class ArchitectureTest(unittest.TestCase):
         text = PAGE.read_text()
         self.assertEqual(stages().count('\n'), (CORE / 'step/pipeline.cpp').read_text().count('    Stage{"'))
         self.assertEqual(text, with_blocks(text), 'run test/docs/architecture_test.py --write')
+
+    def test_the_states_of_a_pair_go_where_the_diagram_says(self):
+        self.assertEqual(sorted(arrows_of_code()), sorted(arrows_of_diagram()))
+        self.assertIn(('Touching', 'Missed'), arrows_of_code())
 
 
 if __name__ == '__main__':

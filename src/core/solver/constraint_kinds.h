@@ -11,7 +11,9 @@
 //   void solve(SolverContacts&, Pass, const Softness&, double h);          one pass over its rows, Pass::Soft or Pass::Last
 //   void store(Context&);                 after the last sub-step: its impulses, and how far its islands are from its law
 //
-// The bodies of edges are in SolverContacts::bodies, by SolverContacts::slotOf().
+// The bodies of edges are in SolverContacts::bodies, by SolverContacts::slotOf(). Where such a body may meet no other, the kind
+// is an effect that it feels (effects/effects.h), or the body counts as ballistic. A body of an edge is supported: no impact is
+// predicted as if it were in free flight.
 #pragma once
 
 #include "effects_built.h"

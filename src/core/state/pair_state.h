@@ -46,21 +46,33 @@ class PairState {
   void open() { go(At::Candidate); }
   void touch() { go(At::Touching); }
   void awaitImpact() { go(At::AwaitingImpact); }
-  void separate() {
-    assert(at_ != At::Touching);
-    go(At::Separated);
-  }
-  void depenetrate() {
-    assert(at_ == At::Candidate);
-    go(At::Depenetrating);
-  }
+  void separate() { go(At::Separated); }
+  void depenetrate() { go(At::Depenetrating); }
   void miss() { go(At::Missed); }
 
  private:
   enum class At : char { Candidate, Touching, AwaitingImpact, Separated, Depenetrating, Missed };
+  // The arrows of the diagram. A state may also stay as it is.
+  static constexpr bool hasArrow(At from, At to) {
+    switch (from) {
+      case At::Candidate:
+        return to != At::Candidate;
+      case At::Touching:
+        return to == At::AwaitingImpact || to == At::Missed;
+      case At::AwaitingImpact:
+        return to == At::Touching || to == At::Candidate || to == At::Separated || to == At::Missed;
+      case At::Separated:
+        return to == At::AwaitingImpact || to == At::Candidate || to == At::Touching || to == At::Missed;
+      case At::Depenetrating:
+      case At::Missed:
+        break;
+    }
+    return false;
+  }
   void go(At to) {
-    assert(at_ != At::Depenetrating);
-    if (at_ != At::Missed) at_ = to;
+    if (at_ == At::Missed) return;
+    assert(to == at_ || hasArrow(at_, to));
+    at_ = to;
   }
   At at_ = At::Candidate;
 };

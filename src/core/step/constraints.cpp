@@ -19,6 +19,12 @@ Edge edgeOf(const Contacts& contacts, Index k) {
   return {ConstraintKind::Contact, k, {contacts.active[k].i, contacts.active[k].j, kNone, kNone}};
 }
 
+std::vector<Edge> otherEdges(const SceneStore& scene) {
+  std::vector<Edge> found;
+  addEdgesOf(OtherKinds(), scene, found);
+  return found;
+}
+
 std::vector<Edge> edges(const SceneStore& scene) {
   std::vector<Edge> found;
   const Contacts& contacts = scene.contacts;

@@ -11,6 +11,9 @@ namespace rbs::constraints {
 /// The edge of contact k.
 Edge edgeOf(const Contacts& contacts, Index k);
 
+/// Those of the other kinds, kind by kind, each in canonical order.
+std::vector<Edge> otherEdges(const SceneStore& scene);
+
 /// The constraints that take part in this step as it stands: kind by kind, each in canonical order. Costs all constraints.
 std::vector<Edge> edges(const SceneStore& scene);
 

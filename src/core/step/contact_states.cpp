@@ -4,6 +4,7 @@
 #include "base/tolerances.h"
 #include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
+#include "step/constraints.h"
 
 #include <vector>
 
@@ -36,11 +37,12 @@ bool rests(const Context& context, Index i) {
 }
 
 // Whether two that rest stay apart in this step, if what carries them goes on to do so. Where it does not, the search after
-// the step finds them in each other (missed_contacts.h).
-bool stayApart(const Context& context, const Contact& contact) {
+// the step finds them in each other (missed_contacts.h). What another body may drag along does not count as at rest.
+bool stayApart(const Context& context, const Contact& contact, const std::vector<char>& tied) {
   const Bodies& bodies = context.scene.bodies;
   const Index i = contact.i, j = contact.j;
   if (!rests(context, i) || !rests(context, j)) return false;
+  if (!tied.empty() && (tied[i] || tied[j])) return false;
   const Traits &a = bodies.traits[i], &b = bodies.traits[j];
   const Pose &X_i = bodies.pose[i], &X_j = bodies.pose[j];
   const double h = context.step.h();
@@ -62,11 +64,17 @@ void classify(Context& context) {
     contact.state.touch();
     for (const Index i : {contact.i, contact.j}) context.step.supported[i] = isMoved(context, i);
   }
+  std::vector<char> tied;  // by body, by constraints of other kinds; empty: none is
+  for (const Edge& edge : constraints::otherEdges(context.scene)) {
+    tied.resize(context.scene.bodies.size(), 0);
+    for (const Index i : edge.bodies)
+      if (i != kNone) tied[i] = context.step.supported[i] = isMoved(context, i);
+  }
   if (context.step.solver.exact) return;
   context.step.workers->share(contacts.size(), kPairsOfAPart, [&](auto, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
       PairState& state = contacts[k].state;
-      if (!state.isTouching() && !state.isDepenetrating() && stayApart(context, contacts[k]))
+      if (!state.isTouching() && !state.isDepenetrating() && stayApart(context, contacts[k], tied))
         state.separate();
     }
   });
