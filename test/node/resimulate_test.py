@@ -23,7 +23,7 @@ from rigid_body_sim.msg import BodyChange, BodySpec, Command
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from simulator import SMALL, StatusListener, body, call, wait  # noqa: E402
+from simulator import SMALL, Listener, StatusListener, body, call, wait  # noqa: E402
 
 COMMANDS, STATUS = '/sim/commands', '/sim/status'
 TOPICS = [COMMANDS, STATUS]
@@ -86,12 +86,14 @@ def play():
     call('apply_impulse', name='thrown', impulse=Vector3(20, 5, 30))
     call('spawn_body', shape='sphere', name='alone', pose=Pose(Point(30, 30, 2), Quaternion(0, 0, 0, 1)))
     call('apply_impulse', name='alone', impulse=Vector3(7, 0, 0))
+    commands = Listener(COMMANDS, Command)
     status.fresh()
     drag('thrown', status)
     steer('thrown', status)
     call('enable_wind', data=True)
     call('set_wind', velocity=Vector3(3, 1, 0), gust=1.0)
     status.fresh()
+    wait(lambda: any(entry.kind == 'checkpoint' for entry in commands.all()), 'a checkpoint follows the first commands')
     call('set_gravity', gravity=Vector3(0, 0, -3.7))
     call('set_effects', force_on=['sleeping'])
     call('tune_fidelity', preset='interactive', divisions=2)

@@ -29,8 +29,7 @@ constexpr double kAtTheEnd = 1e-6;
 
 }  // namespace
 
-// What comes down first if the bodies go on for `tau`: of these points, and of others that a contact without a loaded point
-// comes to have.
+// What comes down first if the bodies go on for `tau`: of these points, and of those that the contacts come to have elsewhere.
 Stepper::Landing Stepper::landingAfter(double tau, const std::vector<TouchingPoint>& open) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies at_start = island_.bodies();
@@ -38,23 +37,22 @@ Stepper::Landing Stepper::landingAfter(double tau, const std::vector<TouchingPoi
   Segment trial;
   solveAndDrift(kick, at_start, tau, trial);
   const CoulombBodies drifted = island_.bodies();
+  const std::vector<BodyMotion> end = island_.save();
   island_.restore(start);
-  const auto mayLand = [&](const TouchingPoint& point) {
-    const auto isIt = [&](const TouchingPoint& other) {
+  const auto isOpen = [&](const TouchingPoint& point) {
+    return std::any_of(open.begin(), open.end(), [&](const TouchingPoint& other) {
       return other.contact == point.contact && other.feature == point.feature;
-    };
-    const auto loads = [&](const TouchingPoint& other) {
-      return other.contact == point.contact && !other.force_W.isZero(0.0);
-    };
-    const std::vector<TouchingPoint>& kept = touching_.points;
-    return std::any_of(open.begin(), open.end(), isIt) ||
-           (touching_.matching(point) == kNone && std::none_of(kept.begin(), kept.end(), loads));
+    });
   };
   Landing first;
   for (std::size_t k = 0; k < trial.touching.points.size(); ++k) {
     const TouchingPoint& point = trial.touching.points[k];
-    if (!mayLand(point) || point.gap / point.length > first.share) continue;
-    first = {point.gap / point.length, velocityAt(drifted, trial.touching.law[k])[2]};
+    const CoulombPoint& law = trial.touching.law[k];
+    if (point.gap / point.length > first.share) continue;
+    if (!isOpen(point) && knownAt(point, law, start, end, tau) != kNone) continue;
+    const auto [p_i, p_j] = takenBack(point, law, start, end, tau);
+    first = {point.gap / point.length, velocityAt(drifted, law)[2],
+             law.frame.col(2).dot(p_j - p_i) / point.length};
   }
   return first;
 }
@@ -72,7 +70,9 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
     share_now = std::min(share_now, open.back().gap / open.back().length);
   }
   const Landing whole = landingAfter(tau, open);
-  const bool lands = whole.share < -kLanded && whole.speed < -kGentle * island_.loadSpeed();
+  if (open.empty()) share_now = whole.before;
+  const bool lands =
+      share_now > kLanded && whole.share < -kLanded && whole.speed < -kGentle * island_.loadSpeed();
   Bracket landing(0.0, share_now, tau, whole.share);
   double at = tau, share = whole.share;
   for (int k = 0; lands && k < kTrials && std::abs(share) > kLanded; ++k) {

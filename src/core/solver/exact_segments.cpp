@@ -92,7 +92,8 @@ void Stepper::findSegment() {
     const std::size_t stops = stops_.size(), losses = losses_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
-    if (apart_ && !segment_.landing.empty() && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
+    const bool lands = apart_ && (!segment_.landing.empty() || withUnforeseen(segment_, tau_));
+    if (lands && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
       cuts_ -= points;
       if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * points;
     }

@@ -94,6 +94,7 @@ class Stepper : public InnerRows {
     double share =
         std::numeric_limits<double>::infinity();  // of its gap in the smaller length; infinite: there is none
     double speed = 0.0;                           // along the normal, m/s; negative: it closes
+    double before = 0.0;                          // the share at the start of the segment
   };
   enum class Friction { Free, KeepsDirection };
   // What the second kick does with points that were not among those of the start.
@@ -109,12 +110,15 @@ class Stepper : public InnerRows {
   Segment trySegment(double tau, Friction friction, Landed landed = Landed::Stops);
   CoulombProblem firstKick(const Slip& slip, double tau, Friction friction) const;
   void solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau, Segment& segment);
-  void solveSecondKick(const Slip& slip, double tau, Friction friction, Landed landed, Segment& segment);
+  void solveSecondKick(const Slip& slip, const std::vector<BodyMotion>& start, double tau, Friction friction,
+                       Landed landed, Segment& segment);
   // Points that a segment met and that were not known when it began.
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
+  Index knownAt(const TouchingPoint& point, const CoulombPoint& law, const std::vector<BodyMotion>& start,
+                const std::vector<BodyMotion>& end, double tau) const;
   std::optional<TouchingPoints> withUnforeseen(const Segment& segment, double tau) const;
   void addUnforeseen();
   void giveUp(Outcome why);
