@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 namespace rbs {
@@ -204,6 +205,34 @@ TEST(BoxBox, MeetsCornerToCorner) {
   EXPECT_NEAR(manifold.points[0].separation, 0.01, 1e-14);
   EXPECT_TRUE(manifold.n_W.isApprox(diagonal, 1e-10));
   EXPECT_EQ(collide(cube, Pose(), cube, at(Vec3::Ones() + 0.03 * diagonal), 0.02).size, 0);
+}
+
+// A corner of the one, a corner of the other, or an edge of each: whichever of the two is first, and has the reference face.
+TEST(BoxBox, PointsAreNamedByWhatTheyAreMadeOf) {
+  const auto swapped = [](std::uint32_t name) -> std::uint32_t {
+    if (name < 64) return name < 32 ? name + 32 : name - 32;
+    const std::uint32_t edges = name - 64;
+    return 64 + 27 * (edges % 27) + edges / 27;
+  };
+  std::array<int, 3> seen{};  // corners of the first, of the second, and crossings
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    Random random(seed);
+    const Box a{random.inCube(0.5) + Vec3::Constant(1.0)}, b{random.inCube(0.5) + Vec3::Constant(1.0)};
+    const Vec3 lean = random.inCube(1e-3);
+    const Quat q(Eigen::AngleAxisd(random.uniform(-3.0, 3.0), Vec3::UnitZ()) *
+                 Eigen::AngleAxisd(lean.norm(), lean.normalized()));
+    const Vec3 aside = random.inCube(0.6);
+    const Pose X_WA, X_WB{Vec3(aside.x(), aside.y(), 0.5 * (a.size.z() + b.size.z()) + 1e-3), q};
+    const Manifold one = collide(a, X_WA, b, X_WB, 0.02), other = collide(b, X_WB, a, X_WA, 0.02);
+    std::set<std::uint32_t> names, swapped_back;
+    for (int k = 0; k < one.size; ++k) {
+      names.insert(one.points[k].feature);
+      ++seen[one.points[k].feature < 32 ? 0 : one.points[k].feature < 64 ? 1 : 2];
+    }
+    for (int k = 0; k < other.size; ++k) swapped_back.insert(swapped(other.points[k].feature));
+    ASSERT_EQ(names, swapped_back) << "seed " << seed;
+  }
+  for (const int kind : seen) EXPECT_GT(kind, 100);
 }
 
 // The features stay while a cube on another wavers by less than it takes to lift a corner.

@@ -3,11 +3,14 @@
 #include "core/narrowphase_oracles.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/convex.h"
+#include "rigid_body_sim/polyhedron.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace rbs {
 namespace {
@@ -245,6 +248,70 @@ TEST(Patch, DoesNotDependOnTheUnit) {
       for (int p = 0; p < here.size; ++p)
         ASSERT_NEAR(there.points[p].separation / unit, here.points[p].separation, 1e-12);
     }
+}
+
+// A box as it is, or as a hull, with its pose.
+std::pair<Shape, Pose> boxAs(bool hull, const Vec3& size, const Pose& X_WB) {
+  if (!hull) return {Box{size}, X_WB};
+  std::vector<Vec3> corners;
+  for (const double x : {-0.5, 0.5})
+    for (const double y : {-0.5, 0.5})
+      for (const double z : {-0.5, 0.5}) corners.push_back(Vec3(x, y, z).cwiseProduct(size));
+  const PlacedHull placed = makeHull(corners, "box");
+  return {placed.hull, placed.poseOfB(X_WB)};
+}
+
+// A small box leans over a floor of any size: the points are below its corners, whichever of the two comes first.
+TEST(Patch, CornersAreWhereTheyAre) {
+  const std::uint64_t seed = 75;
+  Random random(seed);
+  int points = 0;
+  for (const double extent : {4.0, 400.0})
+    for (const bool hull : {false, true})
+      for (const bool floor_is_hull : {false, true})
+        for (int k = 0; k < 100; ++k) {
+          const Vec3 size = Vec3::Constant(0.3) + random.inCube(0.1);
+          const Quat q = turned(random.uniform(0, 3), Vec3::UnitZ()) *
+                         turned(random.uniform(0, 0.7), random.direction());
+          const Vec3 reach = 0.5 * q.toRotationMatrix().cwiseAbs() * size;
+          const Pose X_WB =
+              at({random.uniform(-1, 1), random.uniform(-1, 1), reach.z() + random.uniform(-1e-4, 1e-4)}, q);
+          const auto [floor, X_WF] = boxAs(floor_is_hull, {extent, extent, 0.5}, at({0, 0, -0.25}));
+          const auto [box, X_WH] = boxAs(hull, size, X_WB);
+          for (const bool floor_first : {false, true}) {
+            const Manifold manifold =
+                floor_first ? collide(floor, X_WF, box, X_WH, 0.1) : collide(box, X_WH, floor, X_WF, 0.1);
+            ASSERT_GT(manifold.size, 0);
+            for (int p = 0; p < manifold.size; ++p) {
+              const ManifoldPoint& point = manifold.points[p];
+              const Vec3 corner_W = point.p_W + 0.5 * point.separation * Vec3::UnitZ();
+              const Vec3 corner = (X_WB.q_WB.conjugate() * (corner_W - X_WB.p_WB)).cwiseAbs() - 0.5 * size;
+              // Of two boxes, what is open lies along the normal of the reference face, at most 2.6 degrees off.
+              const double lean = hull || floor_is_hull ? 0.0 : 0.046 * std::abs(point.separation);
+              EXPECT_LE(corner.cwiseAbs().maxCoeff(), 1e-12 * extent + lean)
+                  << extent << hull << floor_is_hull << floor_first;
+              ++points;
+            }
+          }
+        }
+  EXPECT_GT(points, 3000);
+}
+
+// How far a corner may hang over the edge of a face goes by the smaller of the two: a floor of a kilometre has no shelf.
+TEST(Patch, NothingStandsBesideAHugeFace) {
+  for (const double extent : {1.0, 1e3})
+    for (const bool hull : {false, true})
+      for (const bool floor_is_hull : {false, true})
+        for (const bool floor_first : {false, true}) {
+          const auto [floor, X_WF] = boxAs(floor_is_hull, {extent, extent, 0.5}, at({0, 0, -0.25}));
+          const auto [box, X_WB] = boxAs(hull, Vec3::Constant(0.1), at({0.5 * extent + 0.048, 0, 0.05}));
+          const Manifold manifold =
+              floor_first ? collide(floor, X_WF, box, X_WB, 1e-4) : collide(box, X_WB, floor, X_WF, 1e-4);
+          ASSERT_GT(manifold.size, 0);
+          for (int k = 0; k < manifold.size; ++k)
+            EXPECT_LE(manifold.points[k].p_W.x(), 0.5 * extent + 2e-6)
+                << extent << hull << floor_is_hull << floor_first;
+        }
 }
 
 TEST(Patch, ReducesToFourPointsOfTheLargestArea) {

@@ -123,6 +123,45 @@ TEST_P(Landing, APrismRollsOverItsEdges) {
   }
 }
 
+// A box that tumbles comes down with edges of several faces. A large box below it is the same floor as a plane, whichever of the
+// two bodies is the older.
+TEST(LandingExact, ABoxTumblesOnABoxAsOnAPlane) {
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference}) {
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      std::mt19937 random(seed);
+      const auto uniform = [&](double from, double to) {
+        return from + (to - from) * (random() / 4294967296.0);
+      };
+      const auto vector = [&](double from, double to) {
+        return Vec3(uniform(from, to), uniform(from, to), uniform(from, to));
+      };
+      BodyDef tumbling = box("box", vector(0.1, 0.5), {0.0, 0.0, uniform(0.3, 0.6)});
+      tumbling.pose.q_WB =
+          Quat(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0)).normalized();
+      tumbling.twist = {vector(-0.5, 0.5), vector(-8.0, 8.0)};
+      const double step = 1.0 / (10.0 * (1 + seed % 6)), friction = 0.4 * (seed % 3);
+      tumbling.material.friction = friction;
+      BodyDef slab = box("floor", {6.0, 6.0, 0.2}, {0.0, 0.0, -0.1});
+      slab.kind = BodyKind::Static, slab.material.friction = friction;
+      SceneDef on_plane = onFloor(step, friction), on_slab = on_plane;
+      on_slab.bodies = {slab, tumbling};
+      on_plane.bodies.push_back(tumbling);
+      std::vector<Twist> ends;
+      for (SceneDef scene : {on_plane, on_slab, inBothOrders(on_slab)[1]}) {
+        scene.fidelity = fidelity;
+        World world(scene);
+        advance(world, 0.4);
+        ends.push_back(stateOf(world, "box").twist);
+      }
+      const double fastest = 1.0 + tumbling.twist.w_WB.norm();
+      for (const std::size_t k : {1, 2}) {
+        EXPECT_LE((ends[k].v_WB - ends[0].v_WB).norm(), 2e-3 * fastest) << "seed " << seed << ", order " << k;
+        EXPECT_LE((ends[k].w_WB - ends[0].w_WB).norm(), 2e-3 * fastest) << "seed " << seed << ", order " << k;
+      }
+    }
+  }
+}
+
 // A tetrahedron that falls on a floor comes down with several corners in a step. It does not end in the ground, to be lifted
 // for nothing by the next step.
 TEST(LandingFast, ATetrahedronThatFallsGainsNothing) {

@@ -5,14 +5,16 @@
 // degrees, that face is the reference: the face of the other box turned most against it is clipped by the
 // sides of the reference, and each corner of what remains is a point. Otherwise two edges cross in one point.
 // The reference is A's face unless B's is clearly better aligned, so that boxes lying flat on each other keep
-// their points, with the same features, while the axis wavers by rounding.
+// their points while the axis wavers by rounding.
 #include "narrowphase/box_axes.h"
 #include "narrowphase/convex.h"
 #include "narrowphase/pairs.h"
 #include "narrowphase/tolerances.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 namespace rbs {
@@ -81,10 +83,6 @@ Face faceAlong(const Vec3& direction) {
   return {axis, direction[axis] < 0.0 ? -1.0 : 1.0, cosines[axis]};
 }
 
-std::uint32_t faceNumber(const Face& face) {
-  return 2u * face.axis + (face.sign > 0.0 ? 1u : 0u);
-}
-
 // A corner or an edge of a box: by axis, the end at which it lies; an edge lies at neither end of the axis along which it runs.
 using Ends = std::array<int, 3>;
 
@@ -108,15 +106,33 @@ Ends edgeOf(const Face& face, std::uint32_t edge) {
   return ends;
 }
 
-// What a point of the incident face is, with the edges on its two sides: a corner of it, one of its edges on a side of the reference
-// face, or a corner of that over the face. A box that tips over one of its edges goes from one incident face to the next, and the
-// edge that both share keeps its points.
-std::uint32_t pointNumber(const Face& incident, std::uint32_t edge_in, std::uint32_t edge_out) {
-  if (edge_in < 4 && edge_out < 4) return numberOf(cornerOf(incident, edge_out));
-  if (edge_in < 4) return 32u + 4u * numberOf(edgeOf(incident, edge_in)) + (edge_out - 4);
-  if (edge_out < 4) return 32u + 4u * numberOf(edgeOf(incident, edge_out)) + (edge_in - 4);
-  return 160u + 16u * faceNumber(incident) + 4u * (edge_in - 4) + (edge_out - 4);
+// The corner, or edge, of the reference face at which its sides number `side` (4 to 7, as in clip()) lie.
+Ends endsAtSides(const Face& reference, std::initializer_list<std::uint32_t> sides) {
+  Ends ends{};
+  ends[reference.axis] = reference.sign > 0.0 ? 1 : -1;
+  for (const std::uint32_t side : sides)
+    ends[(reference.axis + (side < 6 ? 1 : 2)) % 3] = side % 2 == 0 ? 1 : -1;
+  return ends;
 }
+
+// Names a point by what it is made of: a corner of A, a corner of B, or an edge of each that cross. So it does not matter which
+// of the two has the reference face, nor which of its faces that is: a box that tips over one of its edges keeps the points of
+// that edge, and one that comes to lie flat those that bore it before.
+struct Naming {
+  const Face &reference, &incident;
+  bool reference_is_b;
+
+  std::uint32_t operator()(std::uint32_t edge_in, std::uint32_t edge_out) const {
+    const auto corner = [](bool of_b, const Ends& ends) { return (of_b ? 32u : 0u) + numberOf(ends); };
+    if (edge_in < 4 && edge_out < 4) return corner(!reference_is_b, cornerOf(incident, edge_out));
+    if (edge_in >= 4 && edge_out >= 4)
+      return corner(reference_is_b, endsAtSides(reference, {edge_in, edge_out}));
+    const auto [edge, side] = std::minmax(edge_in, edge_out);
+    const std::uint32_t of_incident = numberOf(edgeOf(incident, edge)),
+                        of_reference = numberOf(endsAtSides(reference, {side}));
+    return 64u + (reference_is_b ? 27u * of_incident + of_reference : 27u * of_reference + of_incident);
+  }
+};
 
 struct PlacedBox {
   Vec3 half;
@@ -142,7 +158,9 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
     const Vec3 q = centre + sk * edge_k + sl * edge_l;
     polygon.add({q[u], q[v], reference.sign * q[reference.axis] - x.half[reference.axis], corner});
   }
-  const double limit_u = (1.0 + kOverhang) * x.half[u], limit_v = (1.0 + kOverhang) * x.half[v];
+  const double overhang =
+      kOverhang * std::min(std::max(x.half[u], x.half[v]), std::max(y.half[k], y.half[l]));
+  const double limit_u = x.half[u] + overhang, limit_v = x.half[v] + overhang;
   clip<&Corner::u>(polygon, 1.0, limit_u, 4);
   clip<&Corner::u>(polygon, -1.0, limit_u, 5);
   clip<&Corner::v>(polygon, 1.0, limit_v, 6);
@@ -150,16 +168,24 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
 
   const Mat3 R_WX = x.X_W.q_WB.toRotationMatrix();
   const double cosine = reference.sign * n_X[reference.axis];
-  const std::uint32_t on_face = ((reference_is_b ? 6u : 0u) + faceNumber(reference)) * 256u;
+  const Naming name{reference, incident, reference_is_b};
+  const Vec3 outward = R_XY.col(incident.axis);
   for (int c = 0; c < polygon.size; ++c) {
-    const Corner& corner = polygon.corners[c];
+    Corner corner = polygon.corners[c];
+    const std::uint32_t edge_in = polygon.corners[c == 0 ? polygon.size - 1 : c - 1].edge;
+    if (edge_in >= 4 && corner.edge >= 4) {
+      // The sides were moved out by the overhang; a corner of the reference face is where it is.
+      const Ends ends = endsAtSides(reference, {edge_in, corner.edge});
+      const Vec3 q = Vec3(ends[0], ends[1], ends[2]).cwiseProduct(x.half);
+      corner.u = q[u], corner.v = q[v];
+      corner.height = outward.dot(centre - q) / (reference.sign * outward[reference.axis]);
+    }
     const double separation = corner.height * cosine;
     if (separation > margin) continue;
     Vec3 q;
     q[u] = corner.u, q[v] = corner.v;
     q[reference.axis] = reference.sign * (x.half[reference.axis] + 0.5 * corner.height);
-    const std::uint32_t edge_in = polygon.corners[c == 0 ? polygon.size - 1 : c - 1].edge;
-    manifold.add(x.X_W.p_WB + R_WX * q, separation, on_face + pointNumber(incident, edge_in, corner.edge));
+    manifold.add(x.X_W.p_WB + R_WX * q, separation, name(edge_in, corner.edge));
   }
 }
 

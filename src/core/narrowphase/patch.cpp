@@ -65,9 +65,12 @@ std::uint32_t nameOfCrossing(const Edge& e, const Edge& f) {
   return e.owner == kOfA ? nameOf(ends(e) << 32 | ends(f)) : nameOf(ends(f) << 32 | ends(e));
 }
 
+bool meetInCorner(const Edge& entering, const Edge& leaving) {
+  return entering.owner == leaving.owner && entering.to == leaving.from;
+}
+
 std::uint32_t nameOfMeeting(const Edge& entering, const Edge& leaving) {
-  if (entering.owner == leaving.owner && entering.to == leaving.from)
-    return nameOfCorner(entering.owner, entering.to);
+  if (meetInCorner(entering, leaving)) return nameOfCorner(entering.owner, entering.to);
   return nameOfCrossing(entering, leaving);
 }
 
@@ -106,6 +109,9 @@ struct Shadow {
   }
 
   double height(const Vec2& at) const { return h0 + slope.dot(at); }
+  const Vec2& cornerOf(std::uint32_t id) const {
+    return x[static_cast<std::size_t>(std::find(ids.begin(), ids.begin() + size, id) - ids.begin())];
+  }
   Edge edge(int k) const { return {owner, ids[k], ids[k + 1 == size ? 0 : k + 1]}; }
 };
 
@@ -162,14 +168,21 @@ void clip(Polygon& polygon, const Vec2& p, const Vec2& u, double overhang, const
   }
 }
 
+double sizeOf(const Facet& facet) {
+  double size = 0.0;
+  for (int k = 1; k < facet.size; ++k)
+    size = std::max(size, (facet.corners[k] - facet.corners[0]).cwiseAbs().maxCoeff());
+  return size;
+}
+
 class Patch {
  public:
   Patch(const FacingFacets& facing, double margin) : facing_(facing), margin_(margin) {
     const auto [t1, t2] = tangents(facing.n);
     R_.col(0) = t1, R_.col(1) = t2, R_.col(2) = facing.n;
-    for (const Facet* facet : {&facing.a, &facing.b})
-      for (int k = 1; k < facet->size; ++k)
-        size_ = std::max(size_, (facet->corners[k] - facet->corners[0]).cwiseAbs().maxCoeff());
+    const double size_a = sizeOf(facing.a), size_b = sizeOf(facing.b);
+    size_ = std::max(size_a, size_b);
+    overhang_ = kOverhang * std::min(size_a, size_b);
   }
 
   Manifold find() {
@@ -203,12 +216,15 @@ class Patch {
     for (int k = 0; k < on_a.size; ++k) {
       const Vec2 along = on_a.x[k + 1 == on_a.size ? 0 : k + 1] - on_a.x[k];
       const double length = along.norm();
-      if (length > 0.0) clip(polygon, on_a.x[k], along / length, kOverhang * size_, on_a.edge(k));
+      if (length > 0.0) clip(polygon, on_a.x[k], along / length, overhang_, on_a.edge(k));
     }
     for (int k = 0; k < polygon.size; ++k) {
       const Corner& corner = polygon.corners[k];
       const Edge& entering = polygon.corners[k == 0 ? polygon.size - 1 : k - 1].leaving;
-      add(corner.x, on_a, on_b, nameOfMeeting(entering, corner.leaving));
+      // A's edges were moved out by the overhang; its corners are where they are.
+      const bool is_of_a = meetInCorner(entering, corner.leaving) && entering.owner == kOfA;
+      add(is_of_a ? on_a.cornerOf(entering.to) : corner.x, on_a, on_b,
+          nameOfMeeting(entering, corner.leaving));
     }
   }
 
@@ -224,7 +240,7 @@ class Patch {
       const double length = u.norm();
       if (length == 0.0) continue;
       u *= turn / length;
-      const double height = cross(u, p - face.x[k]) + kOverhang * size_, climb = cross(u, along);
+      const double height = cross(u, p - face.x[k]) + overhang_, climb = cross(u, along);
       if (height < 0.0 && height + climb < 0.0) return;
       if (height < 0.0 && -height > from * climb)
         from = -height / climb, from_name = nameOfCrossing(segment.edge(0), face.edge(k));
@@ -274,7 +290,7 @@ class Patch {
     const double along_n = facing_.n.dot(on_b - on_a);
     const Vec3 aside = on_b - on_a - along_n * facing_.n;
     const double round = radius_a + round_a + radius_b + round_b;
-    if (aside.norm() > kOverhang * size_ + kAside * round) return;
+    if (aside.norm() > overhang_ + kAside * round) return;
     const double share = round > 0.0 ? (radius_a + round_a) / round : 0.5;
     const double apart = round > 0.0 ? 0.5 * aside.squaredNorm() / round : 0.0;
     keep(on_a + share * aside + 0.5 * (along_n + radius_a - radius_b) * facing_.n,
@@ -295,8 +311,9 @@ class Patch {
 
   const FacingFacets& facing_;
   double margin_;
-  Mat3 R_;  // columns: two tangents and n, in A's frame
-  double size_ = 0.0;
+  Mat3 R_;           // columns: two tangents and n, in A's frame
+  double size_;      // of the larger facet, m
+  double overhang_;  // by which a corner may lie beside the other facet and still be over it, m
   double deepest_ = std::numeric_limits<double>::infinity();
   Manifold manifold_;
 };
