@@ -19,6 +19,7 @@
 #include <QInputDialog>
 #include <QKeyEvent>
 #include <QLabel>
+#include <QRegularExpression>
 #include <QSplitter>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -30,6 +31,14 @@ namespace rbs {
 namespace {
 
 const QString kAllBodies = "All bodies";
+constexpr int kReadIn = 10000;  // ms
+
+// "changes[0] ('box_1').name: 'a b' (allowed: ...)" is about the name of box_1.
+QString bodyFirst(const QString& refusal) {
+  static const QRegularExpression place(R"(^changes\[\d+\] \(('[^']*')\)\.?)");
+  const QRegularExpressionMatch match = place.match(refusal);
+  return match.hasMatch() ? match.captured(1) + ", " + refusal.mid(match.capturedEnd()) : refusal;
+}
 
 QString bodyCount(int n) {
   return n == 1 ? QString("1 body") : QString("%1 bodies").arg(n);
@@ -45,7 +54,7 @@ BodiesPanel::BodiesPanel()
       list_(new QTableView),
       count_(new QLabel),
       properties_(new BodyProperties(simulator_)),
-      answer_(new ElidedText(1)),
+      answer_(new ElidedText(2)),
       node_(new NodeBox) {
   node_->setNode("sim");
   // Before the list learns of it: rows that a filter hides stay selected.
@@ -55,9 +64,7 @@ BodiesPanel::BodiesPanel()
   addActions();
   showGroups(kAllBodies);
 
-  constexpr int kReadIn = 10000;  // ms
   done_.setSingleShot(true);
-  done_.setInterval(kReadIn);
   connect(&done_, &QTimer::timeout, this, [this] { showMessage({}, false); });
   connect(&simulator_, &BodiesClient::reported, this, &BodiesPanel::showMessage);
   connect(properties_, &BodyProperties::entered, this, [this] { showMessage({}, false); });
@@ -74,11 +81,11 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodiesPanel::enableActions);
-  connect(&simulator_, &BodiesClient::heardChanged, this,
-          [this](bool is_heard) { showMessage(is_heard ? QString() : simulator_.silence(), true); });
+  connect(&simulator_, &BodiesClient::heardChanged, this, [this] { showMessage({}, false); });
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
   connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRenames);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
+  connect(list_, &QTableView::clicked, this, &BodiesPanel::sendSelection);  // it may drop what is not listed
   connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
     if (index.column() != BodyTable::Name) focus();
   });
@@ -119,6 +126,7 @@ void BodiesPanel::layOut() {
   list_->setEditTriggers(QAbstractItemView::DoubleClicked | QAbstractItemView::EditKeyPressed);
   list_->setContextMenuPolicy(Qt::ActionsContextMenu);
   list_->installEventFilter(this);
+  list_->viewport()->installEventFilter(this);
   list_->setSortingEnabled(true);
   list_->sortByColumn(-1, Qt::AscendingOrder);  // the order of creation
   list_->setShowGrid(false);
@@ -184,6 +192,8 @@ QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, v
 
 // Letters and digits look for a name, as in any list, and are no commands, but for those of the list itself.
 bool BodiesPanel::eventFilter(QObject* watched, QEvent* event) {
+  if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::KeyPress)
+    extends_ = static_cast<QInputEvent*>(event)->modifiers() & (Qt::ControlModifier | Qt::ShiftModifier);
   if (watched != list_ || event->type() != QEvent::ShortcutOverride)
     return rviz::Panel::eventFilter(watched, event);
   const auto* const key = static_cast<QKeyEvent*>(event);
@@ -236,8 +246,8 @@ void BodiesPanel::follow(const QString& node) {
     hidden_.clear();
   }
   node_->setNode(node);
-  showMessage({}, false);
   simulator_.follow(node);
+  showMessage({}, false);
 }
 
 // Rows that are side by side are selected as one range: thousands of ranges would take seconds.
@@ -260,7 +270,8 @@ void BodiesPanel::showSelection() {
   showCount();
 }
 
-// Those that the filter hides stay selected, and what is selected last comes last.
+// What is selected last comes last. What the filter hides stays selected while a selection is extended; else an edit would
+// change what nobody sees.
 void BodiesPanel::sendSelection() {
   if (shows_selection_ || filters_) return;
   QSet<QString> listed, chosen;
@@ -274,12 +285,13 @@ void BodiesPanel::sendSelection() {
   QStringList names;
   QSet<QString> kept;
   for (const QString& name : simulator_.selection()) {
-    if (listed.contains(name) && !chosen.contains(name)) continue;
+    if (listed.contains(name) ? !chosen.contains(name) : !extends_) continue;
     names.append(name);
     kept.insert(name);
   }
   for (const QString& name : rows)
     if (!kept.contains(name)) names.append(name);
+  if (names == simulator_.selection()) return;
   showMessage({}, false);
   simulator_.select(names);
 }
@@ -292,13 +304,15 @@ void BodiesPanel::showCount() {
   count_->setText(text);
 }
 
+// While nothing is heard, that is what there is to say. Else it is over after a while, trouble a little later.
 void BodiesPanel::showMessage(const QString& text, bool is_trouble) {
-  answer_->setText(text);
-  showTrouble(*answer_, is_trouble);
-  if (text.isEmpty() || is_trouble)
+  const bool is_heard = simulator_.isHeard();
+  answer_->setText(is_heard ? bodyFirst(text) : simulator_.silence());
+  showTrouble(*answer_, is_trouble || !is_heard);
+  if (text.isEmpty() || !is_heard)
     done_.stop();
   else
-    done_.start();
+    done_.start(is_trouble ? 3 * kReadIn : kReadIn);
 }
 
 void BodiesPanel::rename(const QString& name, const QString& new_name) {

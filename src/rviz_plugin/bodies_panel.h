@@ -80,6 +80,7 @@ class BodiesPanel : public rviz::Panel {
   QSet<QString> hidden_;                          ///< names of bodies that the view does not draw
   QPointer<rviz::VisualizationManager> manager_;  ///< it may go before the panel
   bool filters_ = false;                          ///< the filter is taking rows away
+  bool extends_ = false;                          ///< the last click or key extends the selection
   bool shows_selection_ = false;                  ///< the list is being brought in line with the simulator
 };
 

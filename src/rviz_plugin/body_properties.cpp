@@ -272,7 +272,11 @@ void BodyProperties::enterNumber(const BodyField& field, Row& row, int part, con
     if (!refusal.isEmpty()) note(row, refusal);
   };
   const std::optional<double> value = fromText(field, text);
-  const auto refuse = [&](const char* allowed) { answer(QString("%1 (allowed: %2)").arg(text, allowed)); };
+  const auto refuse = [&](const char* allowed) {
+    constexpr int kShown = 40;  // letters
+    const QString shown = text.size() > kShown ? text.left(kShown) + "…" : text;
+    answer(QString("%1 (allowed: %2)").arg(shown, allowed));
+  };
   if (!value)
     return refuse(field.is_mask ? "a whole number, 0 to 0xffffffff" : "a number such as 1000 or 1.5");
   if (field.above_zero && *value == 0.0) return refuse("a number above 0");

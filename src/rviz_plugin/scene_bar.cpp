@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_bar.h"
 
+#include "drop_edits.h"
 #include "hinted_box.h"
 #include "scene_list.h"
 #include "wheel_guard.h"
@@ -17,6 +18,11 @@ namespace {
 constexpr int kMostRecent = 8;
 constexpr int kSettling = 1000;  // ms from the answer to a load until every status is of its world
 const QString kState = "state:";
+
+// A recent file as people read it.
+QString nameOf(const QString& recent) {
+  return recent.startsWith(kState) ? recent.mid(kState.size()) + " (state)" : recent;
+}
 
 }  // namespace
 
@@ -36,8 +42,10 @@ SceneBar::SceneBar(SimulatorClient& simulator) : simulator_(simulator), scenes_(
   row->addWidget(scenes_, 1);
   row->addWidget(files);
 
-  connect(scenes_, qOverload<int>(&QComboBox::activated), this,
-          [this](int index) { simulator_.loadScene(scenes_->itemText(index)); });
+  connect(scenes_, qOverload<int>(&QComboBox::activated), this, [this](int index) {
+    const QString name = scenes_->itemText(index);
+    load(name, [this, name] { simulator_.loadScene(name); });
+  });
   connect(&menu_, &QMenu::aboutToShow, this, &SceneBar::fillMenu);
   connect(&simulator_, &SimulatorClient::scenesListed, this, &SceneBar::listScenes);
   connect(&simulator_, &SimulatorClient::sceneFileUsed, this, &SceneBar::useScene);
@@ -70,8 +78,19 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   scene_ = scene;
   const bool is_replay = !status.recording.empty();  // which has no catalogue
   if (is_replay && scenes_->findText(scene) < 0) scenes_->addItem(scene);
-  scenes_->setPlaceholderText(scene);  // of a scene that is not in the catalogue
-  scenes_->setCurrentIndex(scenes_->findText(scene));
+  is_unsaved_ = status.unsaved && !is_replay;
+  showScene();
+}
+
+void SceneBar::showScene() {
+  scenes_->setPlaceholderText(scene_);  // of a scene that is not in the catalogue
+  scenes_->setCurrentIndex(scenes_->findText(scene_));
+}
+
+void SceneBar::load(const QString& name, const std::function<void()>& act) {
+  if (!is_unsaved_) return act();
+  askToDropEdits(*this, "Load", QString("Load '%1'?").arg(name), QMessageBox::Open, act,
+                 [this] { showScene(); });
 }
 
 void SceneBar::useScene(const QString& file) {
@@ -94,11 +113,9 @@ void SceneBar::keep(const QString& file) {
 }
 
 void SceneBar::openRecent(const QString& file) {
-  if (file.startsWith(kState)) {
-    simulator_.loadState(file.mid(kState.size()));
-  } else {
-    simulator_.loadScene(file);
-  }
+  load(nameOf(file), [this, file] {
+    file.startsWith(kState) ? simulator_.loadState(file.mid(kState.size())) : simulator_.loadScene(file);
+  });
 }
 
 void SceneBar::fillMenu() {
@@ -107,7 +124,8 @@ void SceneBar::fillMenu() {
   menu_.addAction("Open state…", this, [this] { askFile("Open state", false, &SimulatorClient::loadState); });
   QMenu* const recent = menu_.addMenu("Recent");
   recent->setEnabled(!recent_.isEmpty());
-  for (const QString& file : recent_) recent->addAction(file, this, [this, file] { openRecent(file); });
+  for (const QString& file : recent_)
+    recent->addAction(nameOf(file), this, [this, file] { openRecent(file); });
   menu_.addAction("Load again with a seed…", this, &SceneBar::askSeed)->setEnabled(!scene_.isEmpty());
   menu_.addSeparator();
   const QString save = file_.isEmpty() ? "Save scene" : "Save scene to " + QFileInfo(file_).fileName();
@@ -126,7 +144,10 @@ void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient:
   dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
   dialog->setFileMode(QFileDialog::AnyFile);
   dialog->setDefaultSuffix("yaml");
-  connect(dialog, &QFileDialog::fileSelected, &simulator_, act);
+  connect(dialog, &QFileDialog::fileSelected, this, [this, is_new, act](const QString& file) {
+    const auto send = [this, act, file] { (simulator_.*act)(file); };
+    is_new ? send() : load(QFileInfo(file).fileName(), send);
+  });
   dialog->open();
 }
 
@@ -140,7 +161,7 @@ void SceneBar::askSeed() {
     const qulonglong seed = text.trimmed().toULongLong(&is_number);
     const QString scene = file_.isEmpty() ? scene_ : file_;
     if (is_number) {
-      simulator_.loadSceneWithSeed(scene, seed);
+      load(scene_, [this, scene, seed] { simulator_.loadSceneWithSeed(scene, seed); });
     } else {
       Q_EMIT simulator_.reported(
           QString("'%1' is no seed: a whole number from 0 to 18446744073709551615").arg(text.left(64)), true);

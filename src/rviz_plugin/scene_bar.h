@@ -11,6 +11,8 @@
 #include <QToolButton>
 #include <QWidget>
 
+#include <functional>
+
 namespace rbs {
 
 /// Files are those of the machine on which the simulator runs. Save writes the file that was opened or saved
@@ -40,6 +42,9 @@ class SceneBar : public QWidget {
   /// Asks for a file, without holding anything up meanwhile.
   void askFile(const QString& title, bool is_new, void (SimulatorClient::*act)(const QString&));
   void openRecent(const QString& file);
+  /// Asks first where that drops edits.
+  void load(const QString& name, const std::function<void()>& act);
+  void showScene();
   void askSeed();
 
   SimulatorClient& simulator_;
@@ -49,6 +54,7 @@ class SceneBar : public QWidget {
   QElapsedTimer since_file_;             ///< since `file_` was loaded or saved
   std::uint64_t world_ = 0, steps_ = 0;  ///< of the last status
   std::string redo_;                     ///< edit that a redo would have made at the last status
+  bool is_unsaved_ = false;              ///< no file holds the edits
   QStringList recent_;
 };
 

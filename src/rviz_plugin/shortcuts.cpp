@@ -28,7 +28,8 @@ constexpr Shortcut kInView[] = {
     {"Delete", "delete the selected bodies"},
     {"Home", "the view of the scene"},
     {"Escape, click on nothing", "select nothing"}};
-constexpr Shortcut kInList[] = {{"F2", "rename"},
+constexpr Shortcut kInList[] = {{"Letters, digits", "look for a name, and are no commands"},
+                                {"F2", "rename"},
                                 {"Delete", "delete"},
                                 {"Ctrl+D", "duplicate"},
                                 {"Ctrl+G", "make a group"},

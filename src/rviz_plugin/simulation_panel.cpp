@@ -22,6 +22,7 @@
 #include <pluginlib/class_list_macros.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -108,6 +109,7 @@ void SimulationPanel::connectWidgets() {
   connect(wind_, &QCheckBox::clicked, &simulator_, &SimulatorClient::enableWind);
   connect(node_, &NodeBox::chosen, this, [this](const QString& node) {
     if (node == simulator_.node()) return;
+    keeps_view_ = true;
     follow(node);
     Q_EMIT configChanged();
   });
@@ -208,13 +210,15 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   warnings_->show(status);
   scenes_->show(status);
   wind_->setChecked(status.wind);
-  showUnsaved(status.unsaved);
+  is_unsaved_ = status.unsaved;
+  showTitle();
   enableEdits(status.recording.empty());
 }
 
-void SimulationPanel::showUnsaved(bool is_unsaved) {
+void SimulationPanel::showTitle() {
   if (auto* const dock = qobject_cast<rviz::PanelDockWidget*>(parentWidget()))
-    dock->setWindowTitle(getName() + (is_unsaved ? " *" : ""));
+    dock->setWindowTitle(getName() + (is_unsaved_ ? " *" : "") +
+                         (transport_->isRecording() ? " ● recording" : ""));
 }
 
 void SimulationPanel::countWarnings(int count) {
@@ -228,9 +232,10 @@ void SimulationPanel::look(const rigid_body_sim::Status& status) {
   eye_ = status.view_eye;
   target_ = status.view_target;
   const QString scene = QString::fromStdString(status.scene);
+  const bool keeps_view = std::exchange(keeps_view_, false);
   if (scene == scene_) return;
   scene_ = scene;
-  look();
+  if (!keeps_view) look();
 }
 
 // As the scene asks, in the fixed frame: the worlds of two simulators may stand beside each other.
@@ -255,15 +260,22 @@ void SimulationPanel::look() {
 
 void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
+  is_unsaved_ = is_unsaved_ && is_heard;
   enableControls();
   if (!is_heard)
     scenes_->forgetFile(), warnings_->clear();  // who answers next may be another simulator of this name
   showMessage({}, false);
 }
 
-// A recording can be ended also when nothing is heard any more.
+// A recording can be ended also when nothing is heard any more, and is seen when another page covers this one.
 void SimulationPanel::enableControls() {
-  controls_->setEnabled(is_heard_ || transport_->isRecording());
+  const bool is_recording = transport_->isRecording();
+  controls_->setEnabled(is_heard_ || is_recording);
+  transport_->setHeard(is_heard_);
+  for (QWidget* const widget : std::initializer_list<QWidget*>{status_, pages_})
+    widget->setEnabled(is_heard_);
+  if (!is_heard_) enableEdits(false);  // the next status enables what it allows
+  showTitle();
 }
 
 // Nothing but the time of a replay can be steered.

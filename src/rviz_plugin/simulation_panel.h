@@ -77,7 +77,7 @@ class SimulationPanel : public rviz::Panel {
   /// A key of the window, or of the widget that has the focus.
   void addKey(const QKeySequence& keys, const std::function<void()>& act, QWidget* focus = nullptr);
   bool hasKeys() const { return !keys_.isEmpty() && keys_.front() && keys_.front()->isEnabled(); }
-  void showUnsaved(bool is_unsaved);
+  void showTitle();
   QList<SimulationPanel*> panels() const;
 
   SimulatorClient simulator_;
@@ -86,6 +86,8 @@ class SimulationPanel : public rviz::Panel {
   std::string frame_;                  ///< of the world
   geometry_msgs::Point eye_, target_;  ///< of its view, in that frame
   bool is_heard_ = false;
+  bool is_unsaved_ = false;  ///< no file holds the edits
+  bool keeps_view_ = false;  ///< the user has chosen another node: the camera stays where it is
   QWidget* controls_;
   TransportBar* transport_;
   SceneBar* scenes_;

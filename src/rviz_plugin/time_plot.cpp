@@ -171,13 +171,16 @@ QVector<QPointF> TimePlot::pointsOf(const Trace& trace, const View& view, double
   return points;
 }
 
+// The scale is that of the run that goes on: the one before may be of another scene.
 void TimePlot::drawLines(const History& history, const View& view, Range& seen) {
+  Range before = seen;
   for (std::size_t k = 0; k < curves_.size(); ++k) {
     const double zero = shift(history, view, curves_[k].name);
     present_[k]->setBrush(Qt::NoBrush);
     present_[k]->setSamples(pointsOf(history.present(curves_[k].name), view, zero, seen));
-    before_[k]->setSamples(pointsOf(history.before(curves_[k].name), view, zero, seen));
+    before_[k]->setSamples(pointsOf(history.before(curves_[k].name), view, zero, before));
   }
+  if (seen.low > seen.high) seen = before;
 }
 
 // Each curve is drawn as the sum of itself and all below it, filled, the highest first.

@@ -2,6 +2,7 @@
 #include "transport_bar.h"
 
 #include "colors.h"
+#include "drop_edits.h"
 #include "icons.h"
 #include "node_box.h"
 #include "wheel_guard.h"
@@ -133,19 +134,10 @@ QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
   return button;
 }
 
-// The simulation goes on while the question stands.
 void TransportBar::askToReset() {
   if (!is_unsaved_) return simulator_.reset();
-  auto* const question = new QMessageBox(QMessageBox::Question, "Reset",
-                                         "No file holds your edits. Go back to the scene as it was loaded?",
-                                         QMessageBox::Reset | QMessageBox::Cancel, this);
-  question->setAttribute(Qt::WA_DeleteOnClose);
-  question->setInformativeText("Undo brings the edits back.");
-  question->setDefaultButton(QMessageBox::Cancel);
-  connect(question, &QMessageBox::buttonClicked, this, [this, question](QAbstractButton* button) {
-    if (question->standardButton(button) == QMessageBox::Reset) simulator_.reset();
-  });
-  question->open();
+  askToDropEdits(*this, "Reset", "Go back to the scene as it was loaded?", QMessageBox::Reset,
+                 [this] { simulator_.reset(); });
 }
 
 void TransportBar::askFolder() {
@@ -175,6 +167,12 @@ void TransportBar::showRecording() {
       : is_recording ? QString("End the recording (R)")
                      : QString("Record into a bag in %1 (R); a right click chooses the folder").arg(folder_));
   Q_EMIT recordingChanged();
+}
+
+void TransportBar::setHeard(bool is_heard) {
+  for (QWidget* const widget : std::initializer_list<QWidget*>{play_, reset_, step_, steps_, undo_, redo_,
+                                                               slider_, speed_, seek_bar_})
+    widget->setEnabled(is_heard);
 }
 
 void TransportBar::note(const QString& text, bool is_trouble) {

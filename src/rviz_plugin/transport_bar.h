@@ -28,6 +28,8 @@ class TransportBar : public QWidget {
   void step();
   void goFaster() { scaleSpeed(2.0); }
   void goSlower() { scaleSpeed(0.5); }
+  /// Without a simulator nothing but a recording can be ended.
+  void setHeard(bool is_heard);
   /// Begins to record, or ends it.
   void record();
 

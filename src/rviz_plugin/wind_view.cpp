@@ -86,8 +86,10 @@ WindView::WindView(SimulatorClient& simulator)
 void WindView::send() {
   const double angle = qDegreesToRadians(direction_->value());
   geometry_msgs::Vector3 velocity;
-  velocity.x = speed_->value() * std::cos(angle);
-  velocity.y = speed_->value() * std::sin(angle);
+  // What rounding leaves across a quarter turn is no wind.
+  const auto part = [this](double share) { return std::abs(share) < 1e-12 ? 0.0 : speed_->value() * share; };
+  velocity.x = part(std::cos(angle));
+  velocity.y = part(std::sin(angle));
   velocity.z = vertical_->value();
   simulator_.setWind(velocity, gust_->value());
 }

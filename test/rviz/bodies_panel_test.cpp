@@ -226,6 +226,19 @@ TEST_F(BodiesPanelTest, FindsBodiesByEveryWord) {
   EXPECT_TRUE(waitFor([&] { return selectedRows() == QStringList{"floor"}; }));
 }
 
+// Else Delete would take along what nobody sees.
+TEST_F(BodiesPanelTest, AClickSelectsNoBodyThatIsNotListed) {
+  select({"floor"});
+  search().setText("crate");
+  ASSERT_TRUE(waitFor([&] { return rows() == QStringList{"crate"}; }));
+  click("crate", Qt::ControlModifier);
+  EXPECT_TRUE(waitFor([this] { return count().contains("2 selected"); })) << count().toStdString();
+  click("crate");
+  EXPECT_TRUE(waitFor([this] { return count().contains("1 selected"); })) << count().toStdString();
+  search().clear();
+  EXPECT_TRUE(waitFor([&] { return selectedRows() == QStringList{"crate"}; }));
+}
+
 TEST_F(BodiesPanelTest, ChangesEveryNumberOfABody) {
   select({"crate"});
   ASSERT_TRUE(shows("Position z", "0.25"));

@@ -25,6 +25,7 @@
 #include <QImage>
 #include <QLineEdit>
 #include <QMenu>
+#include <QMessageBox>
 #include <QPainter>
 #include <QShortcut>
 #include <QTemporaryDir>
@@ -217,6 +218,33 @@ TEST_F(SimulationPanelTest, SavesNoOtherSceneOverAFile) {
   simulator_.undo();
   ASSERT_TRUE(waitFor([&] { return status_.redo.substr(0, 6) == "loaded"; }));
   EXPECT_EQ(save(), "");
+}
+
+TEST_F(SimulationPanelTest, AsksBeforeALoadDropsEdits) {
+  SceneBar bar(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &SceneBar::show);
+  QComboBox& scenes = child<QComboBox>(bar);
+  ASSERT_TRUE(waitFor([&] { return scenes.findText("marbles") >= 0; }));
+  const auto choose = [&](const char* scene) {
+    scenes.setCurrentText(scene);
+    Q_EMIT scenes.activated(scenes.currentIndex());
+    return bar.findChild<QMessageBox*>();
+  };
+  EXPECT_EQ(choose("marbles"), nullptr) << "nothing is lost";
+  ASSERT_TRUE(waitFor([this] { return status_.scene == "marbles"; }));
+  const std::string loaded = status_.scene;
+  simulator_.enableWind(true);
+  ASSERT_TRUE(waitFor([this] { return status_.unsaved && status_.wind; }));
+  QMessageBox* question = choose("pyramid");
+  ASSERT_TRUE(question);
+  question->button(QMessageBox::Cancel)->click();
+  EXPECT_EQ(scenes.currentText(), "marbles");
+  EXPECT_TRUE(waitFor([&] { return !bar.findChild<QMessageBox*>(); }));
+  EXPECT_EQ(status_.scene, loaded);
+  question = choose("pyramid");
+  ASSERT_TRUE(question);
+  question->button(QMessageBox::Open)->click();
+  EXPECT_TRUE(waitFor([this] { return status_.scene == "pyramid"; }));
 }
 
 // The dialog has asked about the name as it was typed; the simulator adds the suffix.

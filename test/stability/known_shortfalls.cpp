@@ -38,10 +38,6 @@ const std::vector<Shortfall>& knownShortfalls() {
        "soft contacts of a tall structure are still settling"},
       {"A76", "interactive", "rms speed at rest: jenga", "0.0028 m/s",
        "soft contacts of a tall structure are still settling"},
-      {"A79", "accurate", "bodies made in the opposite order: places", "1.9e-05 m",
-       "the order of the bodies decides the order of rounding, and a box that tips multiplies it"},
-      {"A79", "reference", "bodies made in the opposite order: places", "2.1e-05 m",
-       "the order of the bodies decides the order of rounding, and a box that tips multiplies it"},
   };
   return list;
 }
