@@ -9,6 +9,7 @@
 #include <QApplication>
 #include <QColorDialog>
 #include <QRegularExpression>
+#include <QTimer>
 #include <QVBoxLayout>
 
 #include <algorithm>
@@ -262,6 +263,9 @@ void BodyProperties::note(const Row& row, const QString& refusal) {
   row.note->setText(withoutPlace(refusal));
   row.note->setToolTip(refusal);
   row.note->setVisible(!refusal.isEmpty());
+  if (refusal.isEmpty()) return;
+  // Once it has its place: it may be below what is seen.
+  QTimer::singleShot(0, row.note, [this, note = row.note] { ensureWidgetVisible(note); });
 }
 
 void BodyProperties::enterNumber(const BodyField& field, Row& row, int part, const QString& text) {

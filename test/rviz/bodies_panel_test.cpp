@@ -323,6 +323,22 @@ TEST_F(BodiesPanelTest, SaysBesideTheFieldWhyItWasRefused) {
   EXPECT_TRUE(shows("Friction", "0.6"));
 }
 
+// Mask is the last field of a panel that is too low for all of them.
+TEST_F(BodiesPanelTest, ShowsARefusalWholeAndShort) {
+  panel_.resize(400, 420);
+  select({"crate"});
+  ASSERT_TRUE(shows("Mass", "125"));
+  enter("Mask", QString(6000, 'z'));
+  ASSERT_TRUE(waitFor([this] { return note().contains("whole number"); })) << note().toStdString();
+  EXPECT_LT(note().size(), 120);
+  const auto isWhole = [this] {
+    for (const QLabel* const label : panel_.findChildren<QLabel*>("note"))
+      if (label->isVisible()) return label->visibleRegion().boundingRect().height() >= label->height();
+    return false;
+  };
+  EXPECT_TRUE(waitFor(isWhole));
+}
+
 TEST_F(BodiesPanelTest, KeepsWhatIsTypedWhileTheSceneChanges) {
   select({"crate"});
   ASSERT_TRUE(shows("Position x", "0"));
