@@ -52,8 +52,8 @@ class BodiesClient : public QObject {
   std::optional<BodyMotion> motion(std::size_t index) const;
   /// Names in the order in which they were selected.
   const QStringList& selection() const { return selection_; }
-  /// That no simulator answers, in words.
   bool isHeard() const { return hearing_.isHeard(); }
+  /// That no simulator answers, in words.
   QString silence() const { return QString("No simulator answers at '%1'.").arg(node_); }
   /// Whether a recording is replayed, of which nothing can be changed.
   bool isReplay() const { return is_replay_; }

@@ -35,9 +35,10 @@ constexpr int kReadIn = 10000;  // ms
 
 // "changes[0] ('box_1').name: 'a b' (allowed: ...)" is about the name of box_1.
 QString bodyFirst(const QString& refusal) {
-  static const QRegularExpression place(R"(^changes\[\d+\] \(('[^']*')\)\.?)");
+  static const QRegularExpression place(R"(^changes\[\d+\] \(('[^']*')\)(\.|: ))");
   const QRegularExpressionMatch match = place.match(refusal);
-  return match.hasMatch() ? match.captured(1) + ", " + refusal.mid(match.capturedEnd()) : refusal;
+  if (!match.hasMatch()) return refusal;
+  return match.captured(1) + (match.captured(2) == "." ? ", " : ": ") + refusal.mid(match.capturedEnd());
 }
 
 QString bodyCount(int n) {
@@ -85,7 +86,6 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
   connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRenames);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);
-  connect(list_, &QTableView::clicked, this, &BodiesPanel::sendSelection);  // it may drop what is not listed
   connect(list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) {
     if (index.column() != BodyTable::Name) focus();
   });
@@ -192,8 +192,20 @@ QAction* BodiesPanel::addAction(const QString& text, const QKeySequence& keys, v
 
 // Letters and digits look for a name, as in any list, and are no commands, but for those of the list itself.
 bool BodiesPanel::eventFilter(QObject* watched, QEvent* event) {
-  if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::KeyPress)
-    extends_ = static_cast<QInputEvent*>(event)->modifiers() & (Qt::ControlModifier | Qt::ShiftModifier);
+  const auto isExtending = [](const QInputEvent& input) {
+    return (input.modifiers() & (Qt::ControlModifier | Qt::ShiftModifier)) != Qt::NoModifier;
+  };
+  if (event->type() == QEvent::MouseButtonPress) {
+    extends_ = isExtending(*static_cast<QInputEvent*>(event));
+    // Once the list has had it: a press on what is selected, or on nothing, may still drop what is not listed.
+    if (!extends_) QTimer::singleShot(0, this, &BodiesPanel::sendSelection);
+  } else if (event->type() == QEvent::KeyPress) {
+    const auto& key = *static_cast<QKeyEvent*>(event);
+    const bool moves =
+        key.key() == Qt::Key_Space || (Qt::Key_Home <= key.key() && key.key() <= Qt::Key_PageDown);
+    extends_ = key.matches(QKeySequence::SelectAll) ||
+               (moves && isExtending(key));  // a capital letter looks for a name
+  }
   if (watched != list_ || event->type() != QEvent::ShortcutOverride)
     return rviz::Panel::eventFilter(watched, event);
   const auto* const key = static_cast<QKeyEvent*>(event);
@@ -246,8 +258,9 @@ void BodiesPanel::follow(const QString& node) {
     hidden_.clear();
   }
   node_->setNode(node);
+  answer_->setText({});
   simulator_.follow(node);
-  showMessage({}, false);
+  if (answer_->text().isEmpty()) showMessage({}, false);
 }
 
 // Rows that are side by side are selected as one range: thousands of ranges would take seconds.
@@ -307,7 +320,7 @@ void BodiesPanel::showCount() {
 // While nothing is heard, that is what there is to say. Else it is over after a while, trouble a little later.
 void BodiesPanel::showMessage(const QString& text, bool is_trouble) {
   const bool is_heard = simulator_.isHeard();
-  answer_->setText(is_heard ? bodyFirst(text) : simulator_.silence());
+  answer_->setText(is_heard || !text.isEmpty() ? bodyFirst(text) : simulator_.silence());
   showTrouble(*answer_, is_trouble || !is_heard);
   if (text.isEmpty() || !is_heard)
     done_.stop();

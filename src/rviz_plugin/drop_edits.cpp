@@ -7,7 +7,7 @@ void askToDropEdits(QWidget& parent, const QString& title, const QString& questi
                     QMessageBox::StandardButton yes, const std::function<void()>& act,
                     const std::function<void()>& stay) {
   auto* const box = new QMessageBox(QMessageBox::Question, title, "No file holds your edits. " + question,
-                                    yes | QMessageBox::Cancel, &parent);
+                                    yes | QMessageBox::Cancel, parent.window());  // which stays enabled
   box->setAttribute(Qt::WA_DeleteOnClose);
   box->setInformativeText("Undo brings the edits back.");
   box->setDefaultButton(QMessageBox::Cancel);

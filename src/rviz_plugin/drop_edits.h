@@ -10,7 +10,8 @@
 
 namespace rbs {
 
-/// Asks `question`, with a button `yes` that does `act`; else `stay` is done. The simulation goes on while the question stands.
+/// Asks `question`, with a button `yes` that does `act`; else `stay` is done. Neither is done once `parent` is gone. The simulation
+/// goes on while the question stands.
 void askToDropEdits(QWidget& parent, const QString& title, const QString& question,
                     QMessageBox::StandardButton yes, const std::function<void()>& act,
                     const std::function<void()>& stay = {});

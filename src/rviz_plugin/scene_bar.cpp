@@ -89,8 +89,9 @@ void SceneBar::showScene() {
 
 void SceneBar::load(const QString& name, const std::function<void()>& act) {
   if (!is_unsaved_) return act();
-  askToDropEdits(*this, "Load", QString("Load '%1'?").arg(name), QMessageBox::Open, act,
-                 [this] { showScene(); });
+  askToDropEdits(
+      *this, "Load", QString("Load '%1'?").arg(name), QMessageBox::Open,
+      [this, act] { isEnabled() ? act() : showScene(); }, [this] { showScene(); });
 }
 
 void SceneBar::useScene(const QString& file) {
@@ -144,10 +145,11 @@ void SceneBar::askFile(const QString& title, bool is_new, void (SimulatorClient:
   dialog->setAcceptMode(is_new ? QFileDialog::AcceptSave : QFileDialog::AcceptOpen);
   dialog->setFileMode(QFileDialog::AnyFile);
   dialog->setDefaultSuffix("yaml");
-  connect(dialog, &QFileDialog::fileSelected, this, [this, is_new, act](const QString& file) {
+  const auto use = [this, is_new, act](const QString& file) {
     const auto send = [this, act, file] { (simulator_.*act)(file); };
     is_new ? send() : load(QFileInfo(file).fileName(), send);
-  });
+  };
+  connect(dialog, &QFileDialog::fileSelected, this, use, Qt::QueuedConnection);  // once this dialog is gone
   dialog->open();
 }
 

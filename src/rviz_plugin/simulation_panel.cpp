@@ -167,6 +167,7 @@ void SimulationPanel::addKey(const QKeySequence& keys, const std::function<void(
 
 void SimulationPanel::load(const rviz::Config& config) {
   rviz::Panel::load(config);
+  keeps_view_ = false;
   QString node;
   if (config.mapGetString("Node", &node)) follow(node);
   config.mapGetString("Scene", &scene_);
@@ -232,7 +233,7 @@ void SimulationPanel::look(const rigid_body_sim::Status& status) {
   eye_ = status.view_eye;
   target_ = status.view_target;
   const QString scene = QString::fromStdString(status.scene);
-  const bool keeps_view = std::exchange(keeps_view_, false);
+  const bool keeps_view = !scene.isEmpty() && std::exchange(keeps_view_, false);
   if (scene == scene_) return;
   scene_ = scene;
   if (!keeps_view) look();
@@ -261,6 +262,7 @@ void SimulationPanel::look() {
 void SimulationPanel::showHeard(bool is_heard) {
   is_heard_ = is_heard;
   is_unsaved_ = is_unsaved_ && is_heard;
+  transport_->setHeard(is_heard);
   enableControls();
   if (!is_heard)
     scenes_->forgetFile(), warnings_->clear();  // who answers next may be another simulator of this name
@@ -271,7 +273,6 @@ void SimulationPanel::showHeard(bool is_heard) {
 void SimulationPanel::enableControls() {
   const bool is_recording = transport_->isRecording();
   controls_->setEnabled(is_heard_ || is_recording);
-  transport_->setHeard(is_heard_);
   for (QWidget* const widget : std::initializer_list<QWidget*>{status_, pages_})
     widget->setEnabled(is_heard_);
   if (!is_heard_) enableEdits(false);  // the next status enables what it allows

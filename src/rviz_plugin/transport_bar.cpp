@@ -136,8 +136,9 @@ QToolButton* TransportBar::addButton(const QIcon& icon, const QString& tip) {
 
 void TransportBar::askToReset() {
   if (!is_unsaved_) return simulator_.reset();
-  askToDropEdits(*this, "Reset", "Go back to the scene as it was loaded?", QMessageBox::Reset,
-                 [this] { simulator_.reset(); });
+  askToDropEdits(*this, "Reset", "Go back to the scene as it was loaded?", QMessageBox::Reset, [this] {
+    if (reset_->isEnabled()) simulator_.reset();
+  });
 }
 
 void TransportBar::askFolder() {

@@ -156,7 +156,12 @@ class BoxBarrier {
  private:
   static constexpr double kFree = 1e7;  // D of a row without bounds, in units of 1/response
 
-  bool isFixed(int c) const { return set_.lo[c] == set_.hi[c]; }
+  // Also where no number lies between the two.
+  bool isFixed(int c) const {
+    const double room = set_.hi[c] - set_.lo[c];
+    return room == 0.0 ||
+           (std::isfinite(room) && room <= 1e-15 * (std::abs(set_.lo[c]) + std::abs(set_.hi[c])));
+  }
   bool hasLo(int c) const { return std::isfinite(set_.lo[c]) && !isFixed(c); }
   bool hasHi(int c) const { return std::isfinite(set_.hi[c]) && !isFixed(c); }
   double loProduct(const BoxPairs& pairs, int c) const {

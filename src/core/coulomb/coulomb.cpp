@@ -49,9 +49,9 @@ struct Case {
   BodyBlocks& matrix;
   double tolerance, wanted, needed;
   Answer best;
-  bool is_warm = !best.r.isZero(0.0);  // the warm start tells something
-  bool slips = false;                  // somewhere the direction is prescribed
-  std::size_t size = system.points().size();
+  bool is_warm = best.r != system.noImpulses();  // the warm start tells something
+  bool slips = false;                            // somewhere the direction is prescribed
+  std::size_t size = system.columns() - system.torques().size();
   bool is_large = size > 4000;
   bool wants_every_digit = tolerance < 1e-9;
   // A little more than asked, so that the same impulses pass as the warm start of the next step.
@@ -124,7 +124,7 @@ constexpr Attempt kAttempts[] = {
     // Heaps in motion, torques and joints: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,
      [](const Case& at) {
-       return !at.slips && (at.best.within(kNearlySolved) || at.system.columns() > at.size);
+       return !at.slips && (at.best.within(kNearlySolved) || at.system.columns() > at.system.points().size());
      },
      &Case::needed, &Case::target, 400, 0},
     // The central path may turn back where the interior point gets stuck.

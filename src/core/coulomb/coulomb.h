@@ -11,7 +11,7 @@ enum class CoulombSolver { WarmStart, GaussSeidel, Newton, InteriorPoint, Admm }
 struct CoulombResult {
   CoulombSolver solver;  ///< whose impulses these are
   int iterations;  ///< sweeps, or factorisations, or steps of ADMM, of all solvers tried; 0: the warm start passed
-  /// How far the answer is from the laws of coulomb_problem.h, the worst over points and torques, in impulse
+  /// How far the answer is from the laws of coulomb_problem.h, the worst over points, torques and joints, in impulse
   /// and in velocity, as a fraction of their units. Measured on the impulses alone: velocities are recomputed
   /// from them.
   double signorini, coulomb, dissipation;

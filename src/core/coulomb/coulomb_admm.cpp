@@ -86,7 +86,8 @@ Answer admm(const System& system, BodyBlocks& matrix, const Impulses& start, dou
     if (step < kFirstRhos || step % kRhosEvery != 0) continue;
     const double ratio = std::sqrt(primal / dual);
     if (!(ratio > kUneven || ratio < 1.0 / kUneven) || !std::isfinite(ratio)) continue;
-    rho = std::min(rho * std::sqrt(ratio), kMostRho);
+    rho *= std::sqrt(ratio);
+    if (!system.joints().empty()) rho = std::min(rho, kMostRho);
     if (!factor()) break;
   }
   return best;

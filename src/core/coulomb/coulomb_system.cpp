@@ -170,7 +170,8 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 // the same in speed, and both are within what is returned. The third is zero where and only where friction
 // lies on the cone against sliding, or sliding is zero, given the second. A torque constraint has the last two, of its
 // rolling and of its spinning, whichever is worse. The rows of a joint have in place of the first
-//   |response r - P(response r - u)|, P onto response times their bounds.
+//   |response r - P(response r - u)|, P onto response times their bounds,
+// with the response that their scale gives.
 //
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
 // between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body

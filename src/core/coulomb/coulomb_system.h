@@ -48,7 +48,7 @@ struct JointRows : Rows {
   BoxSet box;
 };
 
-/// How far impulses are from the law; the greatest over the points. See CoulombResult.
+/// How far impulses are from the law; the greatest over points, torques and joints. See CoulombResult.
 struct Residuals {
   double signorini = 0.0, coulomb = 0.0, dissipation = 0.0;
   /// The largest of the three, where each point is forgiven what the rounding of its own velocity amounts to.

@@ -158,9 +158,9 @@ void addFacePoints(Manifold& manifold, const PlacedBox& x, const PlacedBox& y, c
     const Vec3 q = centre + sk * edge_k + sl * edge_l;
     polygon.add({q[u], q[v], reference.sign * q[reference.axis] - x.half[reference.axis], corner});
   }
-  const double overhang =
-      kOverhang * std::min(std::max(x.half[u], x.half[v]), std::max(y.half[k], y.half[l]));
-  const double limit_u = x.half[u] + overhang, limit_v = x.half[v] + overhang;
+  const double size_y = std::max(y.half[k], y.half[l]);
+  const double limit_u = x.half[u] + kOverhang * std::min(x.half[u], size_y),
+               limit_v = x.half[v] + kOverhang * std::min(x.half[v], size_y);
   clip<&Corner::u>(polygon, 1.0, limit_u, 4);
   clip<&Corner::u>(polygon, -1.0, limit_u, 5);
   clip<&Corner::v>(polygon, 1.0, limit_v, 6);

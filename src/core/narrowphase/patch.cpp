@@ -17,6 +17,7 @@
 #include "narrowphase/tolerances.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -110,7 +111,9 @@ struct Shadow {
 
   double height(const Vec2& at) const { return h0 + slope.dot(at); }
   const Vec2& cornerOf(std::uint32_t id) const {
-    return x[static_cast<std::size_t>(std::find(ids.begin(), ids.begin() + size, id) - ids.begin())];
+    const auto place = std::find(ids.begin(), ids.begin() + size, id);
+    assert(place != ids.begin() + size);
+    return x[static_cast<std::size_t>(place - ids.begin())];
   }
   Edge edge(int k) const { return {owner, ids[k], ids[k + 1 == size ? 0 : k + 1]}; }
 };

@@ -30,7 +30,7 @@ constexpr double kAtTheEnd = 1e-6;
 }  // namespace
 
 // What comes down first if the bodies go on for `tau`: of these points, and of those that the contacts come to have elsewhere.
-Stepper::Landing Stepper::landingAfter(double tau, const std::vector<TouchingPoint>& open) {
+Stepper::Landing Stepper::landingAfter(double tau, const Open& open) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies at_start = island_.bodies();
   CoulombProblem kick = firstKick(slipNow(), tau, Friction::Free);
@@ -39,17 +39,12 @@ Stepper::Landing Stepper::landingAfter(double tau, const std::vector<TouchingPoi
   const CoulombBodies drifted = island_.bodies();
   const std::vector<BodyMotion> end = island_.save();
   island_.restore(start);
-  const auto isOpen = [&](const TouchingPoint& point) {
-    return std::any_of(open.begin(), open.end(), [&](const TouchingPoint& other) {
-      return other.contact == point.contact && other.feature == point.feature;
-    });
-  };
   Landing first;
   for (std::size_t k = 0; k < trial.touching.points.size(); ++k) {
     const TouchingPoint& point = trial.touching.points[k];
     const CoulombPoint& law = trial.touching.law[k];
     if (point.gap / point.length > first.share) continue;
-    if (!isOpen(point) && knownAt(point, law, start, end, tau) != kNone) continue;
+    if (!comesDown(point, law, open, start, end, tau)) continue;
     const auto [p_i, p_j] = takenBack(point, law, start, end, tau);
     first = {point.gap / point.length, velocityAt(drifted, law)[2],
              law.frame.col(2).dot(p_j - p_i) / point.length};
@@ -63,7 +58,7 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
   constexpr double kLanded = 0.5 * kTouch;
   TouchingPoints all = touching_.without(segment.landing);
   std::swap(all, touching_);
-  std::vector<TouchingPoint> open;
+  Open open;
   double share_now = std::numeric_limits<double>::infinity();
   for (const Index k : segment.landing) {
     open.push_back(all.points[k]);
@@ -88,7 +83,7 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
   }
   const std::vector<Index> landed = segment.landing;
   tau = at;
-  segment = trySegment(tau, Friction::Free, Landed::GoesOn);
+  segment = trySegment(tau, Friction::Free, &open);
   std::swap(all, touching_);
   // A point that lands again has pushed before in this step.
   for (const Index k : landed) {

@@ -65,7 +65,7 @@ constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same.
 constexpr double kJump = 0.5;
 // Share of the smaller length of a pair within which two points are at one place.
-constexpr double kSamePlace = 0.05;
+constexpr double kSamePlace = 0.01;
 // A gain beyond this share comes of a solve that is far from one, or of points that were not where they were expected, as of a
 // small ball that is squeezed out between two bodies.
 constexpr double kRunsAway = 0.1;
@@ -179,25 +179,23 @@ bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint
   return std::min((back.first - known.p_W).norm(), (back.second - known.p_W).norm()) > jump;
 }
 
-// The point of now that a point after a drift is: the one of its feature, where it is not elsewhere on the bodies, or else the
-// nearest of its contact, where that is at one place with it: a corner has another feature on each of its faces. kNone: there is
-// none.
-Index Stepper::knownAt(const TouchingPoint& point, const CoulombPoint& law,
-                       const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
-                       double tau) const {
+// Whether a point after a drift has come down in it: it is one of those that are open, or at no place of a point of now. A corner
+// has another feature on each face that it is looked at from, so places decide.
+bool Stepper::comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
+                        const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
+                        double tau) const {
+  const auto isIt = [&](const TouchingPoint& other) {
+    return other.contact == point.contact && other.feature == point.feature;
+  };
+  if (std::any_of(open.begin(), open.end(), isIt)) return true;
   const auto back = takenBack(point, law, start, end, tau);
   const Index known = touching_.matching(point);
-  if (known != kNone && !isElsewhere(back, touching_.points[known])) return known;
-  const Vec3 middle_W = 0.5 * (back.first + back.second);
-  Index nearest = kNone;
-  double least = kSamePlace * point.length;
-  for (std::size_t k = 0; k < touching_.points.size(); ++k) {
-    const TouchingPoint& other = touching_.points[k];
-    if (other.contact != point.contact) continue;
-    const double distance = (other.p_W - middle_W).norm();
-    if (distance < least) nearest = static_cast<Index>(k), least = distance;
-  }
-  return nearest;
+  if (known != kNone && !isElsewhere(back, touching_.points[known])) return false;
+  const auto isThere = [&](const TouchingPoint& other) {
+    const double distance = std::min((back.first - other.p_W).norm(), (back.second - other.p_W).norm());
+    return other.contact == point.contact && distance < kSamePlace * point.length;
+  };
+  return std::none_of(touching_.points.begin(), touching_.points.end(), isThere);
 }
 
 // The deepest overlap, as a share of the smaller length of its pair, but for what is squeezed; 0 for none.
@@ -263,7 +261,7 @@ std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
-Stepper::Segment Stepper::trySegment(double tau, Friction friction, Landed landed) {
+Stepper::Segment Stepper::trySegment(double tau, Friction friction, const Open* open) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies at_start = island_.bodies();
   const Slip slip = slipNow();
@@ -276,7 +274,7 @@ Stepper::Segment Stepper::trySegment(double tau, Friction friction, Landed lande
   const double lasting =
       lastingShare(segment.first, touching_, kick.points, 0.5 * tau, at_start, kick.bodies);
   expectSecondKick(kick, lasting, tau, friction, segment);
-  solveSecondKick(slip, start, tau, friction, landed, segment);
+  solveSecondKick(slip, start, tau, friction, open, segment);
   segment.end = island_.save();
   island_.restore(start);
   return segment;
@@ -341,16 +339,16 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
 
 // The other half of the load, and impulses at the points that touch after the drift.
 void Stepper::solveSecondKick(const Slip& slip, const std::vector<BodyMotion>& start, double tau,
-                              Friction friction, Landed landed, Segment& segment) {
+                              Friction friction, const Open* open, Segment& segment) {
   TouchingPoints& later = segment.touching;
   const CoulombBodies drifted = island_.bodies();
   CoulombBodies after = drifted;
   island_.addLoad(after, 0.5 * tau);
   TouchingPoints aimed = later;
-  if (landed == Landed::GoesOn) {
+  if (open) {
     const std::vector<BodyMotion> end = island_.save();
     for (std::size_t k = 0; k < aimed.points.size(); ++k)
-      if (knownAt(aimed.points[k], aimed.law[k], start, end, tau) == kNone)
+      if (comesDown(aimed.points[k], aimed.law[k], *open, start, end, tau))
         aimed.points[k].gap = std::numeric_limits<double>::infinity();
   }
   segment.second = kickAtInstant(aimed, after, 0.5 * tau, friction);

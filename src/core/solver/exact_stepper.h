@@ -97,8 +97,8 @@ class Stepper : public InnerRows {
     double before = 0.0;                          // the share at the start of the segment
   };
   enum class Friction { Free, KeepsDirection };
-  // What the second kick does with points that were not among those of the start.
-  enum class Landed { Stops, GoesOn };
+  // Points that come down in a segment, and go on until the next one.
+  using Open = std::vector<TouchingPoint>;
 
   // A segment (exact_step.cpp). solve() corrects overlaps, makes the velocities of now obey the law, and finds a segment;
   // integrate() goes to its end.
@@ -107,18 +107,18 @@ class Stepper : public InnerRows {
   bool hasMissedContact(const TouchingPoints& later) const;
   double deepestShare(const TouchingPoints& touching) const;
   std::vector<char> heldPoints(const CoulombBodies& bodies) const;
-  Segment trySegment(double tau, Friction friction, Landed landed = Landed::Stops);
+  Segment trySegment(double tau, Friction friction, const Open* open = nullptr);
   CoulombProblem firstKick(const Slip& slip, double tau, Friction friction) const;
   void solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau, Segment& segment);
   void solveSecondKick(const Slip& slip, const std::vector<BodyMotion>& start, double tau, Friction friction,
-                       Landed landed, Segment& segment);
+                       const Open* open, Segment& segment);
   // Points that a segment met and that were not known when it began.
   std::pair<Vec3, Vec3> takenBack(const TouchingPoint& point, const CoulombPoint& law,
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
-  Index knownAt(const TouchingPoint& point, const CoulombPoint& law, const std::vector<BodyMotion>& start,
-                const std::vector<BodyMotion>& end, double tau) const;
+  bool comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
+                 const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end, double tau) const;
   std::optional<TouchingPoints> withUnforeseen(const Segment& segment, double tau) const;
   void addUnforeseen();
   void giveUp(Outcome why);
@@ -157,7 +157,7 @@ class Stepper : public InnerRows {
   void giveAngularMomentumBack(const CoulombProblem& displaced);
 
   // Where a velocity jumps, a segment ends (exact_landings.cpp): a point that was open comes down.
-  Landing landingAfter(double tau, const std::vector<TouchingPoint>& open);
+  Landing landingAfter(double tau, const Open& open);
   bool cutAtLanding(double& tau, Segment& segment);
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
