@@ -26,8 +26,29 @@ constexpr double kGentle = 0.05;
 constexpr int kTrials = 12;
 // A landing in this last part of a step is one at its end.
 constexpr double kAtTheEnd = 1e-6;
+// Share of the smaller length of a pair within which two points are at one place.
+constexpr double kSamePlace = 0.01;
 
 }  // namespace
+
+// Whether a point after a drift has come down in it: it is one of those that are open, or at no place of a point of now. A corner
+// has another feature on each face that it is looked at from, so places decide.
+bool Stepper::comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
+                        const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
+                        double tau) const {
+  const auto isIt = [&](const TouchingPoint& other) {
+    return other.contact == point.contact && other.feature == point.feature;
+  };
+  if (std::any_of(open.begin(), open.end(), isIt)) return true;
+  const auto back = takenBack(point, law, start, end, tau);
+  const Index known = touching_.matching(point);
+  if (known != kNone && !isElsewhere(back, touching_.points[known])) return false;
+  const auto isThere = [&](const TouchingPoint& other) {
+    const double distance = std::min((back.first - other.p_W).norm(), (back.second - other.p_W).norm());
+    return other.contact == point.contact && distance < kSamePlace * point.length;
+  };
+  return std::none_of(touching_.points.begin(), touching_.points.end(), isThere);
+}
 
 // What comes down first if the bodies go on for `tau`: of these points, and of those that the contacts come to have elsewhere.
 Stepper::Landing Stepper::landingAfter(double tau, const Open& open) {

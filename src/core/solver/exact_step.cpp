@@ -64,8 +64,6 @@ constexpr int kMostCorrections = 6;
 constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same.
 constexpr double kJump = 0.5;
-// Share of the smaller length of a pair within which two points are at one place.
-constexpr double kSamePlace = 0.01;
 // A gain beyond this share comes of a solve that is far from one, or of points that were not where they were expected, as of a
 // small ball that is squeezed out between two bodies.
 constexpr double kRunsAway = 0.1;
@@ -177,25 +175,6 @@ bool Stepper::isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint
   if (traits[contact.i].round || traits[contact.j].round) return false;
   const double jump = kJump * std::min(traits[contact.i].bounding_radius, traits[contact.j].bounding_radius);
   return std::min((back.first - known.p_W).norm(), (back.second - known.p_W).norm()) > jump;
-}
-
-// Whether a point after a drift has come down in it: it is one of those that are open, or at no place of a point of now. A corner
-// has another feature on each face that it is looked at from, so places decide.
-bool Stepper::comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
-                        const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
-                        double tau) const {
-  const auto isIt = [&](const TouchingPoint& other) {
-    return other.contact == point.contact && other.feature == point.feature;
-  };
-  if (std::any_of(open.begin(), open.end(), isIt)) return true;
-  const auto back = takenBack(point, law, start, end, tau);
-  const Index known = touching_.matching(point);
-  if (known != kNone && !isElsewhere(back, touching_.points[known])) return false;
-  const auto isThere = [&](const TouchingPoint& other) {
-    const double distance = std::min((back.first - other.p_W).norm(), (back.second - other.p_W).norm());
-    return other.contact == point.contact && distance < kSamePlace * point.length;
-  };
-  return std::none_of(touching_.points.begin(), touching_.points.end(), isThere);
 }
 
 // The deepest overlap, as a share of the smaller length of its pair, but for what is squeezed; 0 for none.

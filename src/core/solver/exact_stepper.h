@@ -117,8 +117,6 @@ class Stepper : public InnerRows {
                                   const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end,
                                   double tau) const;
   bool isElsewhere(const std::pair<Vec3, Vec3>& back, const TouchingPoint& known) const;
-  bool comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
-                 const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end, double tau) const;
   std::optional<TouchingPoints> withUnforeseen(const Segment& segment, double tau) const;
   void addUnforeseen();
   void giveUp(Outcome why);
@@ -157,6 +155,8 @@ class Stepper : public InnerRows {
   void giveAngularMomentumBack(const CoulombProblem& displaced);
 
   // Where a velocity jumps, a segment ends (exact_landings.cpp): a point that was open comes down.
+  bool comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
+                 const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end, double tau) const;
   Landing landingAfter(double tau, const Open& open);
   bool cutAtLanding(double& tau, Segment& segment);
 
