@@ -95,6 +95,19 @@ TEST(BodyBlocks, SolveAsADenseMatrixDoes) {
   expectDense(cardHouse(3), 0.3);
 }
 
+TEST(BodyBlocks, AreSmallerWhereNothingTurns) {
+  for (const int bodies : {1, 2, 7, 40}) {
+    Scene scene = heap(bodies);
+    for (CoulombBody& body : scene.problem.bodies) body.turns = false;
+    EXPECT_FALSE(System(scene.problem).turns());
+    for (const double skew : {0.0, 0.3}) expectDense(scene, skew);
+    if (bodies == 1) continue;
+    scene.problem.bodies.front().turns = true;
+    EXPECT_TRUE(System(scene.problem).turns());
+    expectDense(scene, 0.3);
+  }
+}
+
 TEST(BodyBlocks, HaveTheBlocksOfTorques) {
   Scene scene = heap(8);
   for (std::size_t k = 0; k < scene.problem.points.size(); k += 2) {

@@ -20,7 +20,7 @@ constexpr std::int64_t kPointWork = 2000;
 // matrices, and costs many times as much. The order of the sums is the same: rows are solved for in groups of four
 // and two.
 RBS_INLINE Mat6 inverseOf(Mat6 A) {
-  using block::Column;
+  using Column = block::Column<6>;
   const Mat6 identity = Mat6::Identity();
   Column X[6];  // rows
   for (int k = 0; k < 6; ++k) block::load(identity.col(k).data(), X[k]);
@@ -57,20 +57,43 @@ RBS_INLINE Mat6 inverseOf(Mat6 A) {
   return inverse;
 }
 
+RBS_INLINE block::Block<3> inverseOf(block::Block<3> A) {
+  block::Block<3> X = block::Block<3>::Identity();
+  for (int k = 0; k < 3; ++k) {
+    int pivot = k;
+    for (int row = k + 1; row < 3; ++row)
+      if (std::abs(A(row, k)) > std::abs(A(pivot, k))) pivot = row;
+    if (pivot != k) A.row(k).swap(A.row(pivot)), X.row(k).swap(X.row(pivot));
+    const double scale = 1.0 / A(k, k);
+    A.row(k) *= scale, X.row(k) *= scale;
+    for (int row = 0; row < 3; ++row) {
+      if (row == k) continue;
+      const double factor = A(row, k);
+      A.row(row) -= factor * A.row(k), X.row(row) -= factor * X.row(k);
+    }
+  }
+  return X;
+}
+
 }  // namespace
 
 BodyBlocks::BodyBlocks(const System& system) : system_(system) {
   order();
-  diagonal_.resize(order_.size());
-  lower_.resize(rows_.size());
-  upper_.resize(rows_.size());
+  if (system.turns()) blocks_.emplace<Blocks<6>>();
+  std::visit(
+      [this](auto& blocks) {
+        blocks.diagonal.resize(order_.size());
+        blocks.lower.resize(rows_.size());
+        blocks.upper.resize(rows_.size());
+      },
+      blocks_);
   for (const Point& point : system_.points()) slot_.push_back(slotOf(point));
   for (const JointRows& joint : system_.joints()) slot_.push_back(slotOf(joint));
-  constexpr std::int64_t kBlock = 6 * 6 * 6, kColumn = 6 * 6;
+  const std::int64_t n = system.turns() ? 6 : 3;
   for (std::size_t k = 0; k < order_.size(); ++k) {
     const std::int64_t later = begin_[k + 1] - begin_[k];
-    factor_work_ += kBlock * (1 + later + later * later);
-    solve_work_ += kColumn * (1 + 2 * later);
+    factor_work_ += n * n * n * (1 + later + later * later);
+    solve_work_ += n * n * (1 + 2 * later);
   }
   factor_work_ += kPointWork * static_cast<std::int64_t>(system.columns());
 }
@@ -127,24 +150,27 @@ void BodyBlocks::order() {
   }
 }
 
+template <int n>
 RBS_INLINE void BodyBlocks::addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j,
-                                      std::uint32_t slot) {
+                                      std::uint32_t slot, Blocks<n>& blocks) const {
   using block::addTransposed;
-  if (rows.i != kNone) addTransposed(rows.J_i, DJ_i, diagonal_[place_[rows.i]]);
-  if (rows.j != kNone) addTransposed(rows.J_j, DJ_j, diagonal_[place_[rows.j]]);
+  if (rows.i != kNone) addTransposed(rows.J_i, DJ_i, blocks.diagonal[place_[rows.i]]);
+  if (rows.j != kNone) addTransposed(rows.J_j, DJ_j, blocks.diagonal[place_[rows.j]]);
   if (rows.i == kNone || rows.j == kNone) return;
   const bool i_first = place_[rows.i] < place_[rows.j];
-  addTransposed(rows.J_j, DJ_i, i_first ? lower_[slot] : upper_[slot]);
-  addTransposed(rows.J_i, DJ_j, i_first ? upper_[slot] : lower_[slot]);
+  addTransposed(rows.J_j, DJ_i, i_first ? blocks.lower[slot] : blocks.upper[slot]);
+  addTransposed(rows.J_i, DJ_j, i_first ? blocks.upper[slot] : blocks.lower[slot]);
 }
 
-RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
-  for (Mat6& block : diagonal_) block.setIdentity();
-  for (Mat6& block : lower_) block.setZero();
-  for (Mat6& block : upper_) block.setZero();
+template <int n>
+RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g,
+                                   Blocks<n>& blocks) const {
+  for (auto& block : blocks.diagonal) block.setIdentity();
+  for (auto& block : blocks.lower) block.setZero();
+  for (auto& block : blocks.upper) block.setZero();
   const std::vector<Point>& points = system_.points();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    addBlocks(points[k], D[k] * points[k].J_i, D[k] * points[k].J_j, slot_[k]);
+    addBlocks(points[k], D[k] * points[k].J_i, D[k] * points[k].J_j, slot_[k], blocks);
   }
   for (std::size_t k = 0; k < g.size(); ++k) {
     const TorqueRows& torque = system_.torques()[k];
@@ -156,70 +182,87 @@ RBS_WIDE void BodyBlocks::assemble(const std::vector<Mat3>& D, const std::vector
     Mat36 DJ_i = g[k] * n_i.transpose(), DJ_j = g[k] * n_j.transpose();
     DJ_i.rightCols<3>() += D[points.size() + k] * torque.J_i.rightCols<3>();
     DJ_j.rightCols<3>() += D[points.size() + k] * torque.J_j.rightCols<3>();
-    addBlocks(torque, DJ_i, DJ_j, slot_[torque.first]);
+    addBlocks(torque, DJ_i, DJ_j, slot_[torque.first], blocks);
   }
   for (std::size_t k = 0; k < system_.joints().size(); ++k) {
     const JointRows& joint = system_.joints()[k];
     const Mat3& D_k = D[system_.firstJoint() + k];
-    addBlocks(joint, D_k * joint.J_i, D_k * joint.J_j, slot_[points.size() + k]);
+    addBlocks(joint, D_k * joint.J_i, D_k * joint.J_j, slot_[points.size() + k], blocks);
   }
 }
 
-RBS_WIDE bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
-  system_.spend(factor_work_);
-  assemble(D, g);
-  for (std::size_t k = 0; k < diagonal_.size(); ++k) {
-    const Mat6 inverse = inverseOf(diagonal_[k]);
+template <int n>
+RBS_WIDE bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g,
+                                 Blocks<n>& blocks) const {
+  auto& [diagonal, lower, upper] = blocks;
+  assemble(D, g, blocks);
+  for (std::size_t k = 0; k < diagonal.size(); ++k) {
+    const block::Block<n> inverse = inverseOf(diagonal[k]);
     if (!inverse.allFinite()) return false;
-    diagonal_[k] = inverse;
+    diagonal[k] = inverse;
     const std::uint32_t begin = begin_[k], end = begin_[k + 1];
-    for (std::uint32_t a = begin; a < end; ++a) block::multiply(lower_[a], inverse);
+    for (std::uint32_t a = begin; a < end; ++a) block::multiply<n>(lower[a], inverse);
     for (std::uint32_t a = begin; a < end; ++a) {
       const Index row = rows_[a];
-      block::Columns T_a, T_b;
-      block::load(lower_[a], T_a);
-      block::subtract(T_a, upper_[a], diagonal_[row]);
+      block::Columns<n> T_a, T_b;
+      block::load<n>(lower[a], T_a);
+      block::subtract<n>(T_a, upper[a], diagonal[row]);
       std::uint32_t target = begin_[row];
       for (std::uint32_t b = a + 1; b < end; ++b) {
         while (rows_[target] != rows_[b]) ++target;
-        block::load(lower_[b], T_b);
-        block::subtract(T_b, upper_[a], lower_[target]);
-        block::subtract(T_a, upper_[b], upper_[target]);
+        block::load<n>(lower[b], T_b);
+        block::subtract<n>(T_b, upper[a], lower[target]);
+        block::subtract<n>(T_a, upper[b], upper[target]);
       }
     }
   }
   return true;
 }
 
-// With x by place.
-RBS_WIDE void BodyBlocks::substitute(Velocities& x) const {
-  block::Columns columns;
+bool BodyBlocks::factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g) {
+  system_.spend(factor_work_);
+  return std::visit([&](auto& blocks) { return factor(D, g, blocks); }, blocks_);
+}
+
+// With x by place, a column of a block each.
+template <int n>
+RBS_WIDE void BodyBlocks::substitute(const Blocks<n>& blocks, double* x) const {
+  constexpr int kStride = block::kStride<n>;
+  block::Columns<n> columns;
   for (std::size_t k = 0; k < order_.size(); ++k) {
     for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) {
-      block::load(lower_[a], columns);
-      block::subtract(columns, x.col(k).data(), x.col(rows_[a]).data());
+      block::load<n>(blocks.lower[a], columns);
+      block::subtract(columns, x + kStride * k, x + kStride * rows_[a]);
     }
   }
   for (std::size_t k = order_.size(); k-- > 0;) {
     for (std::uint32_t a = begin_[k]; a < begin_[k + 1]; ++a) {
-      block::load(upper_[a], columns);
-      block::subtract(columns, x.col(rows_[a]).data(), x.col(k).data());
+      block::load<n>(blocks.upper[a], columns);
+      block::subtract(columns, x + kStride * rows_[a], x + kStride * k);
     }
-    block::Column product;
-    block::load(diagonal_[k], columns);
-    block::times(columns, x.col(k).data(), product);
-    block::store(product, x.col(k).data());
+    block::Column<n> product;
+    block::load<n>(blocks.diagonal[k], columns);
+    block::times(columns, x + kStride * k, product);
+    block::store(product, x + kStride * k);
   }
+}
+
+template <int n>
+Velocities BodyBlocks::solve(const Velocities& y, const Blocks<n>& blocks) const {
+  constexpr int kStride = block::kStride<n>;
+  Eigen::Matrix<double, kStride, Eigen::Dynamic> x(kStride, y.cols());
+  if (kStride > n) x.bottomRows(kStride - n).setZero();
+  for (std::size_t k = 0; k < order_.size(); ++k) x.col(k).template head<n>() = y.col(order_[k]).head<n>();
+  substitute(blocks, x.data());
+  Velocities result = y;  // nothing couples what does not turn
+  for (std::size_t k = 0; k < order_.size(); ++k)
+    result.col(order_[k]).head<n>() = x.col(k).template head<n>();
+  return result;
 }
 
 Velocities BodyBlocks::solve(const Velocities& y) const {
   system_.spend(solve_work_);
-  Velocities x(6, y.cols());
-  for (std::size_t k = 0; k < order_.size(); ++k) x.col(k) = y.col(order_[k]);
-  substitute(x);
-  Velocities result(6, y.cols());
-  for (std::size_t k = 0; k < order_.size(); ++k) result.col(order_[k]) = x.col(k);
-  return result;
+  return std::visit([&](const auto& blocks) { return solve(y, blocks); }, blocks_);
 }
 
 }  // namespace rbs::coulomb

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors.
+// The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors. Blocks are 3x3 where no
+// body turns, as balls without friction do not.
 //
 // D has a 3x3 block a point and a joint, so that blocks stand on the diagonal and where two bodies touch or are joined. A
 // torque constraint has one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand
@@ -16,9 +17,11 @@
 // nearly.
 #pragma once
 
+#include "coulomb/block_products.h"
 #include "coulomb/coulomb_system.h"
 
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 namespace rbs::coulomb {
@@ -37,10 +40,23 @@ class BodyBlocks {
   void order();
   /// Where the pair of bodies is in rows_; 0 where one of the two is none.
   std::uint32_t slotOf(const Rows& rows) const;
-  void assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g);
-  void substitute(Velocities& x) const;
+  template <int n>
+  struct Blocks {
+    std::vector<block::Block<n>> diagonal;      // A_kk, then its inverse
+    std::vector<block::Block<n>> lower, upper;  // A_ak, then T_a; and A_ka
+  };
+  template <int n>
+  void assemble(const std::vector<Mat3>& D, const std::vector<Vec3>& g, Blocks<n>& blocks) const;
+  template <int n>
+  bool factor(const std::vector<Mat3>& D, const std::vector<Vec3>& g, Blocks<n>& blocks) const;
+  template <int n>
+  Velocities solve(const Velocities& y, const Blocks<n>& blocks) const;
+  template <int n>
+  void substitute(const Blocks<n>& blocks, double* x) const;
   /// Adds J^T DJ.
-  void addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot);
+  template <int n>
+  void addBlocks(const Rows& rows, const Mat36& DJ_i, const Mat36& DJ_j, std::uint32_t slot,
+                 Blocks<n>& blocks) const;
 
   const System& system_;
   std::vector<Index> order_, place_;               // body by place in the order, and the inverse
@@ -48,8 +64,7 @@ class BodyBlocks {
   std::vector<Index> rows_;                        // places of the later neighbours, ascending
   std::vector<std::uint32_t> slot_;                // by point, then by joint: where its pair is in rows_
   std::int64_t factor_work_ = 0, solve_work_ = 0;  // multiplications
-  std::vector<Mat6> diagonal_;                     // A_kk, then its inverse
-  std::vector<Mat6> lower_, upper_;                // A_ak, then T_a; and A_ka
+  std::variant<Blocks<3>, Blocks<6>> blocks_;
 };
 
 }  // namespace rbs::coulomb

@@ -51,6 +51,7 @@ struct Case {
   Answer best;
   bool is_warm = best.r != system.noImpulses();  // the warm start tells something
   bool slips = false;                            // somewhere the direction is prescribed
+  bool is_frictionless = isFrictionless(system);
   std::size_t size = system.columns() - system.torques().size();
   bool is_large = size > 4000;
   bool wants_every_digit = tolerance < 1e-9;
@@ -75,14 +76,20 @@ struct Attempt {
   int rounds = 1;
 };
 
+// Newton's method from here, with the stiffness of a point at the start; without friction the one that cannot get stuck.
+Answer newtonFrom(const Answer& start, double stiffness, const Case& at, double tolerance, int cap) {
+  return at.is_frictionless ? quadratic(at.system, at.matrix, start, tolerance, cap, at.tolerance)
+                            : newton(at.system, at.matrix, start, stiffness, tolerance, cap, at.tolerance);
+}
+
 Answer newtonFromGuess(const Case& at, double tolerance, int cap) {
-  return newton(at.system, at.matrix, at.best, 1e5, tolerance, cap, at.tolerance);
+  return newtonFrom(at.best, 1e5, at, tolerance, cap);
 }
 Answer newtonFromRest(const Case& at, double tolerance, int cap) {
-  return newton(at.system, at.matrix, at.cold(), 100.0, tolerance, cap, at.tolerance);
+  return newtonFrom(at.cold(), 100.0, at, tolerance, cap);
 }
 Answer newtonFromBest(const Case& at, double tolerance, int cap) {
-  return newton(at.system, at.matrix, at.best, 10.0, tolerance, cap, at.tolerance);
+  return newtonFrom(at.best, 10.0, at, tolerance, cap);
 }
 Answer sweeps(const Case& at, double tolerance, int cap) {
   return gaussSeidel(at.system, tolerance, cap);
@@ -104,9 +111,16 @@ Answer admmFromBest(const Case& at, double tolerance, int cap) {
 // prescribes one can do without: then the last resorts are left out, and the interior point as well unless
 // every digit is asked.
 constexpr Attempt kAttempts[] = {
+    // A convex problem. Where many redundant points close at once, the interior point finds out sooner which of them push.
+    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_frictionless && at.is_warm; },
+     &Case::wanted, &Case::target, 50, 0},
+    {CoulombSolver::Newton, newtonFromGuess, [](const Case& at) { return at.is_frictionless && !at.is_warm; },
+     &Case::wanted, &Case::target, 10, 0},
     // Loads that changed in size only.
     {CoulombSolver::Newton, newtonFromGuess,
-     [](const Case& at) { return at.is_warm && (at.size <= kFewPoints || at.best.within(kWorthATry)); },
+     [](const Case& at) {
+       return !at.is_frictionless && at.is_warm && (at.size <= kFewPoints || at.best.within(kWorthATry));
+     },
      &Case::wanted, &Case::target, 8, 0},
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return separable(at.system); }, &Case::wanted,
      &Case::target, 100, 10},
@@ -181,7 +195,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wan
         const Answer answer = attempt.solve(at, at.*attempt.tolerance, attempt.cap);
         consider(attempt.solver, answer);
         if (attempt.finish > 0 && !at.best.within(wanted))
-          consider(attempt.solver, newton(system, matrix, answer, 1e3, at.target, attempt.finish, tolerance));
+          consider(attempt.solver, newtonFrom(answer, 1e3, at, at.target, attempt.finish));
       }
     }
     best = std::move(at.best);

@@ -33,6 +33,14 @@ Answer gaussSeidel(const System& system, double tolerance, int cap);
 Answer newton(const System& system, BodyBlocks& matrix, const Answer& start, double stiffness,
               double tolerance, int cap, double enough = 0.0);
 
+/// Whether there is neither friction nor what resists turning, so that `quadratic` may answer.
+bool isFrictionless(const System& system);
+
+/// Augmented Lagrangian of a problem without friction. Iterations are factorisations.
+/// @param enough as in newton()
+Answer quadratic(const System& system, BodyBlocks& matrix, const Answer& start, double tolerance, int cap,
+                 double enough = 0.0);
+
 /// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton` is to
 /// finish.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);

@@ -56,6 +56,7 @@ System::System(const CoulombProblem& problem) {
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
     turns_.push_back(body.turns);
+    body_turns_ = body_turns_ || body.turns;
     const Mat3 L = roots_.emplace_back(body.turns ? body.inertia_W : Mat3::Identity()).matrixL();
     free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
         L.transpose() * body.w / (std::sqrt(total_mass) * speed_);

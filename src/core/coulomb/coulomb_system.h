@@ -64,6 +64,7 @@ class System {
   const std::vector<TorqueRows>& torques() const { return torques_; }
   const std::vector<JointRows>& joints() const { return joints_; }
   const Velocities& free() const { return free_; }                             ///< y_free
+  bool turns() const { return body_turns_; }                                   ///< impulses turn a body
   std::size_t columns() const { return firstJoint() + joints_.size(); }        ///< of impulses
   std::size_t firstJoint() const { return points_.size() + torques_.size(); }  ///< its column
   const Rows& rows(std::size_t k) const {                                      ///< of a column of impulses
@@ -134,6 +135,7 @@ class System {
   double speed_, impulse_;               // the units, m/s and N s
   std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
   std::vector<bool> turns_;              // by body
+  bool body_turns_ = false;              // one of them
   std::vector<Point> points_;
   std::vector<TorqueRows> torques_;
   std::vector<JointRows> joints_;
