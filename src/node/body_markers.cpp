@@ -96,7 +96,8 @@ Vec3 faceNormal(int face) {
   return (face % 2 == 0 ? 1.0 : -1.0) * Vec3::Unit(face / 2);
 }
 
-InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, const View& view) {
+InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, const View& view,
+                              std::size_t count) {
   InteractiveMarkerControl control;
   control.name = "body";
   control.interaction_mode = InteractiveMarkerControl::MOVE_3D;
@@ -105,7 +106,7 @@ InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, con
 
   InteractiveMarker marker = markerAt(body.name, pose, scaleOf(body.shape, view));
   marker.controls.push_back(control);
-  marker.menu_entries = menuEntries(body);
+  marker.menu_entries = menuEntries(body, count);
   return marker;
 }
 

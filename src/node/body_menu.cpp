@@ -2,6 +2,7 @@
 #include "body_menu.h"
 
 #include "duplicate.h"
+#include "words.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,17 +23,23 @@ Vec3 pushVelocity(const BodyDescription& body, const Pose& pose, const std::opti
   return 2.0 * std::sqrt(kStandardGravity * size) * direction.normalized();
 }
 
-void setKind(World& world, BodyId id, BodyKind kind) {
+void setKind(World& world, const std::vector<BodyDescription>& bodies, BodyKind kind) {
   BodyEdit edit;
   edit.kind = kind;
-  world.editBody(id, edit);
+  for (const BodyDescription& body : bodies) world.editBody(body.id, edit);
+}
+
+std::vector<std::string> namesOf(const std::vector<BodyDescription>& bodies) {
+  std::vector<std::string> names;
+  for (const BodyDescription& body : bodies) names.push_back(body.name);
+  return names;
 }
 
 }  // namespace
 
-std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body) {
+std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, std::size_t count) {
   std::vector<visualization_msgs::MenuEntry> entries;
-  for (const auto& [action, title] : menuTitles(shapeName(body.shape), kindName(body.kind))) {
+  for (const auto& [action, title] : menuTitles(shapeName(body.shape), kindName(body.kind), count)) {
     visualization_msgs::MenuEntry entry;
     entry.id = static_cast<std::uint32_t>(action);
     entry.title = title;
@@ -42,23 +49,29 @@ std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& bo
   return entries;
 }
 
-const char* runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
+std::string runMenuAction(World& world, MenuAction action, const std::vector<BodyDescription>& bodies,
                           const std::optional<Vec3>& hit_W) {
+  const BodyDescription& body = bodies.back();
+  const std::string all = bodies.size() == 1 ? body.name : bodyCount(bodies.size());
   switch (action) {
     case MenuAction::Delete:
-      return world.removeBody(body.id), "deleted";
+      for (const BodyDescription& each : bodies) world.removeBody(each.id);
+      return all + ": deleted";
     case MenuAction::Duplicate:
-      return duplicate(world, {body.name}, 1, Vec3::Zero()), "duplicated";
+      return duplicate(world, namesOf(bodies), 1, Vec3::Zero()), all + ": duplicated";
     case MenuAction::MakeStatic:
-      return setKind(world, body.id, BodyKind::Static), "static now";
+      return setKind(world, bodies, BodyKind::Static), all + ": static now";
     case MenuAction::MakeDynamic:
-      return setKind(world, body.id, BodyKind::Dynamic), "dynamic now";
-    case MenuAction::Push:
-      return world.applyImpulse(body.id, body.mass * pushVelocity(body, pose, hit_W), pose.p_WB), "pushed";
+      return setKind(world, bodies, BodyKind::Dynamic), all + ": dynamic now";
+    case MenuAction::Push: {
+      const Pose pose = world.pose(body.id);
+      world.applyImpulse(body.id, body.mass * pushVelocity(body, pose, hit_W), pose.p_WB);
+      return body.name + ": pushed";
+    }
     case MenuAction::Resize:
       break;
   }
-  return "";
+  return body.name + ": ";
 }
 
 }  // namespace rbs

@@ -5,6 +5,7 @@
 #include <visualization_msgs/MenuEntry.h>
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "menu_titles.h"
@@ -12,12 +13,13 @@
 
 namespace rbs {
 
-/// What the menu of this body offers.
-std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body);
+/// What the menu of this body offers. `count`: as of menuTitles().
+std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, std::size_t count);
 
-/// Does what an entry says and says so ("deleted"), save for Resize, which is the view's affair. Nothing, for
-/// what is no entry. `hit_W` is where the mouse met the body. Throws InvalidInput.
-const char* runMenuAction(World& world, MenuAction action, const BodyDescription& body, const Pose& pose,
+/// Does what an entry says, and says so ("crate: deleted"), save for Resize, which is the view's affair. Nothing, for
+/// what is no entry. The last of `bodies` is the one at which the mouse was, and `hit_W` where it met that body. Throws
+/// InvalidInput.
+std::string runMenuAction(World& world, MenuAction action, const std::vector<BodyDescription>& bodies,
                           const std::optional<Vec3>& hit_W);
 
 }  // namespace rbs

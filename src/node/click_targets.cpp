@@ -20,16 +20,16 @@ bool isTarget(const BodyDescription& body, BodyId selected) {
 
 }  // namespace
 
-void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, BodyId selected) {
+void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, const std::vector<BodyId>& selection) {
   constexpr std::chrono::seconds kRevision(1);  // how often moving bodies change who is nearest
   const auto now = std::chrono::steady_clock::now();
   const bool is_large = snapshot.states.size() > kMostTargets;
-  const bool moved_on = focus != focus_ || selected != selected_ || now - chosen_at_ > kRevision;
-  const bool show = snapshot.bodies != described_ || (is_large && moved_on);
+  const bool moved_on = focus != focus_ || now - chosen_at_ > kRevision;
+  const bool show = snapshot.bodies != described_ || selection != selection_ || (is_large && moved_on);
   if (show) {
-    choose(snapshot, focus, selected);
+    choose(snapshot, focus, selection.empty() ? BodyId{} : selection.back());
     focus_ = focus;
-    selected_ = selected;
+    selection_ = selection;
     chosen_at_ = now;
     described_ = snapshot.bodies;
   }
@@ -37,7 +37,8 @@ void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, BodyId se
     const BodyDescription& body = (*snapshot.bodies)[i];
     const Pose& pose = snapshot.states[i].pose;
     if (show) {
-      board_.show(clickTarget(body, pose, snapshot.view));
+      const bool is_selected = std::find(selection.begin(), selection.end(), body.id) != selection.end();
+      board_.show(clickTarget(body, pose, snapshot.view, is_selected ? selection.size() : 1));
     } else {
       board_.move(body.name, toMsg(pose));
     }

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <set>
+#include <vector>
 
 #include "marker_board.h"
 #include "rigid_body_sim/snapshot.h"
@@ -16,8 +17,8 @@ class ClickTargets {
  public:
   explicit ClickTargets(MarkerBoard& board) : board_(board) {}
 
-  /// Brings the targets to where the bodies are. `selected` is always among them.
-  void update(const Snapshot& snapshot, const Vec3& focus, BodyId selected);
+  /// Brings the targets to where the bodies are. The last of `selection` is always among them.
+  void update(const Snapshot& snapshot, const Vec3& focus, const std::vector<BodyId>& selection);
 
   /// Shows every look again in the next update, where it is not what it should be.
   void refresh() { described_.reset(); }
@@ -29,7 +30,7 @@ class ClickTargets {
   std::vector<int> chosen_;  ///< places in the snapshot
   std::set<std::string> names_;
   Vec3 focus_ = Vec3::Zero();
-  BodyId selected_;
+  std::vector<BodyId> selection_;
   std::chrono::steady_clock::time_point chosen_at_;
   std::shared_ptr<const std::vector<BodyDescription>> described_;
 };

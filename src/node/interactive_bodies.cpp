@@ -168,17 +168,18 @@ void InteractiveBodies::followMouse(const MouseEvent& event) {
 void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapshot, int body) {
   const BodyDescription& description = (*snapshot.bodies)[body];
   const std::optional<Vec3> hit_W = hitPoint(feedback);
-  const Pose& pose = snapshot.states[body].pose;
   const auto action = static_cast<MenuAction>(feedback.menu_entry_id);
   const bool resized_before = resizes_ && selected() == description.id;
-  select(description.id, hit_W.value_or(pose.p_WB));
+  select(description.id, hit_W.value_or(snapshot.states[body].pose.p_WB));
   if (action == MenuAction::Resize) {
     resizes_ = !resized_before;
     return;
   }
+  std::vector<BodyDescription> bodies;  // this one comes last
+  for (const BodyId id : selection_)
+    if (const int i = snapshot.find(id); i >= 0) bodies.push_back((*snapshot.bodies)[i]);
   attempt("run the menu entry", true, [&](World& world) {
-    const std::string done = words(
-        description.name, ": ", runMenuAction(world, action, description, world.pose(description.id), hit_W));
+    const std::string done = runMenuAction(world, action, bodies, hit_W);
     answer(done);
     return done;
   });
@@ -306,7 +307,7 @@ void InteractiveBodies::showMarkers(const Snapshot& snapshot) {
   constexpr std::chrono::milliseconds kPeriod(66);
   if (Clock::now() - shown_ < kPeriod) return;
   shown_ = Clock::now();
-  targets_.update(snapshot, focus_W_.value_or(snapshot.view.target), selected());
+  targets_.update(snapshot, focus_W_.value_or(snapshot.view.target), selection_);
   showSelection(snapshot);
   board_.publish();
 }

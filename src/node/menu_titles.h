@@ -11,16 +11,20 @@ namespace rbs {
 /// Values of `menu_entry_id`. 0 is no entry.
 enum class MenuAction { Delete = 1, Duplicate, MakeStatic, MakeDynamic, Push, Resize };
 
-/// The entries for a body of this shape and kind, as BodyDescription.msg names them, in order.
-inline std::vector<std::pair<MenuAction, const char*>> menuTitles(const std::string& shape,
-                                                                  const std::string& kind) {
-  std::vector<std::pair<MenuAction, const char*>> titles = {{MenuAction::Delete, "Delete"}};
+/// The entries for a body of this shape and kind, as BodyDescription.msg names them, in order. `count`: the bodies that are
+/// selected, where it is one of them, else 1. Push and Resize begin at the body itself, and are for it alone.
+inline std::vector<std::pair<MenuAction, std::string>> menuTitles(const std::string& shape,
+                                                                  const std::string& kind,
+                                                                  std::size_t count) {
+  const std::string all = count > 1 ? " " + std::to_string(count) + " bodies" : "";
+  const std::string one = count > 1 ? " this body" : "";
+  std::vector<std::pair<MenuAction, std::string>> titles = {{MenuAction::Delete, "Delete" + all}};
   if (shape == "plane") return titles;
-  titles.push_back({MenuAction::Duplicate, "Duplicate"});
-  titles.push_back({MenuAction::Resize, "Resize"});
-  if (kind == "dynamic") titles.push_back({MenuAction::Push, "Push"});
-  if (kind != "static") titles.push_back({MenuAction::MakeStatic, "Make static"});
-  if (kind != "dynamic") titles.push_back({MenuAction::MakeDynamic, "Make dynamic"});
+  titles.push_back({MenuAction::Duplicate, "Duplicate" + all});
+  titles.push_back({MenuAction::Resize, "Resize" + one});
+  if (kind == "dynamic") titles.push_back({MenuAction::Push, "Push" + one});
+  if (kind != "static") titles.push_back({MenuAction::MakeStatic, "Make" + all + " static"});
+  if (kind != "dynamic") titles.push_back({MenuAction::MakeDynamic, "Make" + all + " dynamic"});
   return titles;
 }
 

@@ -186,10 +186,12 @@ void BodyMouse::showMenu(rviz::ViewportMouseEvent& event) {
 
 void BodyMouse::fillMenu(const Target& target, const Hit& hit) {
   menu_.reset(new QMenu);
-  for (const auto& [action, title] : menuTitles(target.body.shape, target.body.kind)) {
-    menu_->addAction(title, [this, target, hit, id = static_cast<std::uint32_t>(action)] {
-      send(target, Feedback::MENU_SELECT, hit, id);
-    });
+  const std::size_t count = target.simulator->selectedWith(target.body.name);
+  for (const auto& [action, title] : menuTitles(target.body.shape, target.body.kind, count)) {
+    menu_->addAction(QString::fromStdString(title),
+                     [this, target, hit, id = static_cast<std::uint32_t>(action)] {
+                       send(target, Feedback::MENU_SELECT, hit, id);
+                     });
   }
 }
 

@@ -39,7 +39,11 @@ SimulatorBodies::SimulatorBodies(const std::string& node) : node_(node) {
       1.0);  // a node that starts later is not to find what nobody saw happen
   const boost::function<void(const rigid_body_sim::BodyDescriptionsConstPtr&)> keep =
       [this](const rigid_body_sim::BodyDescriptionsConstPtr& message) { descriptions_ = *message; };
-  subscriber_ = ros_.subscribe<rigid_body_sim::BodyDescriptions>(node + "/body_descriptions", 1, keep);
+  descriptions_topic_ =
+      ros_.subscribe<rigid_body_sim::BodyDescriptions>(node + "/body_descriptions", 1, keep);
+  const boost::function<void(const rigid_body_sim::BodyNamesConstPtr&)> keep_selection =
+      [this](const rigid_body_sim::BodyNamesConstPtr& message) { selection_ = *message; };
+  selection_topic_ = ros_.subscribe<rigid_body_sim::BodyNames>(node + "/selected_bodies", 1, keep_selection);
   publisher_ = ros_.advertise<Feedback>(node + "/interactive_bodies/mouse", kQueue,
                                         [this](const ros::SingleSubscriberPublisher& newcomer) {
                                           const ros::WallTime oldest = ros::WallTime::now() - kKept;
@@ -55,6 +59,11 @@ const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_i
   const auto it = std::find_if(bodies.begin(), bodies.end(),
                                [&](const auto& body) { return (body.id & kLow) == low_id; });
   return it == bodies.end() ? nullptr : &*it;
+}
+
+std::size_t SimulatorBodies::selectedWith(const std::string& body) const {
+  const std::vector<std::string>& names = selection_.names;
+  return std::find(names.begin(), names.end(), body) == names.end() ? 1 : names.size();
 }
 
 // A call of a service has no time-out, so it is made on a thread of its own, which owns all that it needs.

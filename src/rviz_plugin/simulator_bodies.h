@@ -3,6 +3,7 @@
 #pragma once
 
 #include <rigid_body_sim/BodyDescriptions.h>
+#include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/BodyState.h>
 #include <ros/ros.h>
 #include <visualization_msgs/InteractiveMarkerFeedback.h>
@@ -30,6 +31,8 @@ class SimulatorBodies {
 
   /// The body whose id has these lower 31 bits; null for an unknown one, or while no description has come.
   const rigid_body_sim::BodyDescription* find(std::uint64_t low_id) const;
+  /// How many bodies are selected, where this one is among them; else 1.
+  std::size_t selectedWith(const std::string& body) const;
   /// What a ray meets: the body as it is now, and the point of its surface, in frame().
   struct Met {
     rigid_body_sim::BodyState body;
@@ -59,9 +62,10 @@ class SimulatorBodies {
   const std::string node_;
   ros::NodeHandle ros_;
   rigid_body_sim::BodyDescriptions descriptions_;
+  rigid_body_sim::BodyNames selection_;
   std::vector<std::pair<ros::WallTime, Feedback>> unheard_;
   QObject answers_;  // the timers that wait for answers of the simulator are its children
-  ros::Subscriber subscriber_;
+  ros::Subscriber descriptions_topic_, selection_topic_;
   ros::Publisher publisher_;
 };
 

@@ -372,6 +372,30 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.assertNotIn("ball", call("list_bodies", ListBodies).names)
         selection.wait_for("")
 
+    def test_the_menu_is_for_all_selected_bodies_where_its_own_is_one_of_them(self):
+        publisher, selected = rospy.Publisher("/sim/select_bodies", BodyNames, queue_size=1, latch=True), SelectedBodies()
+        self.addCleanup(publisher.unregister)
+        publisher.publish(names=["crate", "ball"])
+        wait(lambda: "Make 2 bodies static" in self.client.titles("crate"), "the menu says how many")
+        self.assertIn("Push this body", self.client.titles("ball"))
+        self.client.choose("crate", "Make 2 bodies static")
+        wait(lambda: body("ball").description.kind == body("crate").description.kind == "static", "both are static")
+        call("undo", Trigger)  # of both
+        self.assertEqual([body("ball").description.kind, body("crate").description.kind], ["dynamic", "dynamic"])
+        wait(lambda: "Push this body" in self.client.titles("crate"), "it can be pushed again")
+        self.client.choose("crate", "Push this body", position("crate"))
+        wait(lambda: body("crate").twist.linear.z > 0.0, "it is pushed")
+        self.assertEqual(body("ball").twist.linear.z, 0.0)
+        before = set(call("list_bodies", ListBodies).names)
+        self.client.choose("crate", "Duplicate 2 bodies")
+        wait(lambda: len(call("list_bodies", ListBodies).names) == len(before) + 2, "there is a copy of each")
+        publisher.publish(names=["ball"])
+        selected.wait_for("ball")
+        wait(lambda: "Delete" in self.client.titles("crate"), "it is for one again")
+        self.client.choose("crate", "Delete")
+        self.client.wait_without("crate")
+        self.assertIn("ball", call("list_bodies", ListBodies).names)
+
     def test_a_mouse_at_a_body_that_is_gone_is_told(self):
         mouse = Mouse("mouse")
         self.addCleanup(mouse.close)

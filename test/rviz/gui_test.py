@@ -268,6 +268,16 @@ class GuiTest(unittest.TestCase):
         wait_until(lambda: 'middle' not in call('list_bodies', ListBodies).names, 'the middle box is deleted')
         self.assertIn('left', call('list_bodies', ListBodies).names)
 
+    def test_the_menu_of_a_selected_body_is_for_all_that_are_selected(self):
+        self.addCleanup(call, 'reset', Trigger)
+        left, middle = (self.rviz.pixel_of(position(name)) for name in ('left', 'middle'))
+        self.rviz.click(left)
+        self.wait_for_selection('left')
+        self.rviz.click(middle, 'ctrl')
+        self.wait_for_selection('middle')
+        self.screen.xdotool('mousemove', *left, 'sleep', 0.5, 'click', 3, 'sleep', 0.5, 'key', 'Down', 'key', 'Return')
+        wait_until(lambda: call('list_bodies', ListBodies).names == ['floor', 'right'], 'both are deleted')
+
     def test_bodies_are_added_and_thrown_by_the_mouse(self):
         self.addCleanup(self.rviz.key, 'i')
         before = set(call('list_bodies', ListBodies).names)
