@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "number_box.h"
 
+#include "colors.h"
+
 #include <QKeyEvent>
 #include <QLocale>
+
+#include <algorithm>
 
 namespace rbs {
 namespace {
@@ -25,7 +29,16 @@ bool leaveToShortcuts(QEvent* event, bool is_typing) {
 
 }  // namespace
 
-NumberBox::NumberBox() {
+NumberBox::NumberBox() : refusal_(new QLabel(this, Qt::ToolTip)), read_(new QTimer(this)) {
+  constexpr int kMargin = 4, kReadIn = 10000;  // pixels; ms
+  refusal_->setTextFormat(Qt::PlainText);
+  refusal_->setFrameStyle(QFrame::Box);
+  refusal_->setMargin(kMargin);
+  showTrouble(*refusal_, true);
+  read_->setSingleShot(true);
+  read_->setInterval(kReadIn);
+  connect(read_, &QTimer::timeout, refusal_, &QWidget::hide);
+  connect(lineEdit(), &QLineEdit::textEdited, refusal_, &QWidget::hide);
   QLocale locale = QLocale::c();
   locale.setNumberOptions(QLocale::OmitGroupSeparator | QLocale::RejectGroupSeparator);
   setLocale(locale);
@@ -39,6 +52,7 @@ bool NumberBox::eventFilter(QObject* object, QEvent* event) {
 }
 
 bool NumberBox::event(QEvent* event) {
+  if (event->type() == QEvent::Hide || event->type() == QEvent::WindowDeactivate) refusal_->hide();
   return leaveToShortcuts(event, lineEdit()->isModified()) || QDoubleSpinBox::event(event);
 }
 
@@ -46,15 +60,41 @@ QValidator::State NumberBox::validate(QString& text, int& position) const {
   text.replace(',', '.');
   const QValidator::State state = QDoubleSpinBox::validate(text, position);
   if (state != QValidator::Invalid) return state;
-  // A digit too many is refused. A letter, or what makes a number too large, is not: the rest would be another number,
-  // 19 of 1e9. Enter then brings back what was there.
-  QString number = text;
-  if (number.endsWith(suffix())) number.chop(suffix().size());
+  // A decimal too many is left out. A letter, or what makes a number too large, is not: the rest would be another number,
+  // 19 of 1e9, and 25 of 2.5 where it has to be whole. Enter then brings back what was there.
+  const QString number = withoutSuffix(text);
   bool is_number = false;
   const double value = locale().toDouble(number, &is_number);
   const bool fits =
       is_number && !number.contains('e', Qt::CaseInsensitive) && value >= minimum() && value <= maximum();
-  return fits ? QValidator::Invalid : QValidator::Intermediate;
+  return fits && decimals() > 0 ? QValidator::Invalid : QValidator::Intermediate;
+}
+
+bool NumberBox::takeTyped() {
+  const bool is_taken = hasAcceptableInput() || cleanText().isEmpty();
+  interpretText();
+  return is_taken;
+}
+
+// The last number takes the place of this text. The refusal covers what is below: a row of its own would move the rest.
+void NumberBox::fixup(QString& text) const {
+  constexpr int kShown = 20;  // letters
+  const QString typed = withoutSuffix(text).trimmed();
+  if (typed.isEmpty()) return;
+  refusal_->setText(QString("%1 (allowed: %2, %3 to %4%5)")
+                        .arg(typed.size() > kShown ? typed.left(kShown) + "…" : typed,
+                             decimals() > 0 ? "a number such as 1.5" : "a whole number",
+                             textFromValue(minimum()), textFromValue(maximum()), suffix()));
+  refusal_->adjustSize();
+  const QPoint below = mapToGlobal(QPoint(width() - refusal_->width(), height()));
+  refusal_->move(std::max(below.x(), window()->geometry().left()), below.y());
+  refusal_->show();
+  read_->start();
+}
+
+QString NumberBox::withoutSuffix(QString text) const {
+  if (text.endsWith(suffix())) text.chop(suffix().size());
+  return text;
 }
 
 QString NumberBox::textFromValue(double value) const {

@@ -3,25 +3,37 @@
 #pragma once
 
 #include <QDoubleSpinBox>
+#include <QLabel>
 #include <QLineEdit>
+#include <QTimer>
 
 namespace rbs {
 
 /// Shows 1.5 everywhere, and takes 1,5 for it too. QDoubleSpinBox takes a comma for one between thousands, and
-/// reads 15.
+/// reads 15. What it does not take it replaces by the last number, and says below itself what that was and what is
+/// allowed.
 class NumberBox : public QDoubleSpinBox {
  public:
   NumberBox();
   /// Whether it has what has been typed and not entered yet.
   bool isTyping() const { return hasFocus() && lineEdit()->isModified(); }
+  /// Enters what has been typed. Whether it was taken, or nothing was typed.
+  bool takeTyped();
   /// Keys that are no part of a number are shortcuts of the window also while it has the focus.
   bool eventFilter(QObject* object, QEvent* event) override;
 
  protected:
   bool event(QEvent* event) override;
   QValidator::State validate(QString& text, int& position) const override;
+  void fixup(QString& text) const override;
   /// Without zeros at the end.
   QString textFromValue(double value) const override;
+
+ private:
+  QString withoutSuffix(QString text) const;
+
+  QLabel* refusal_;
+  QTimer* read_;  ///< until the refusal has been read
 };
 
 }  // namespace rbs

@@ -22,9 +22,11 @@
 namespace rbs {
 namespace {
 
-QSpinBox* makeSteps() {
-  auto* box = new QSpinBox;
-  box->setRange(1, 1000);
+NumberBox* makeSteps() {
+  auto* box = new NumberBox;
+  box->setDecimals(0);
+  box->setRange(1.0, 1000.0);
+  box->setKeyboardTracking(false);
   guardFromWheel(*box);
   box->setToolTip("Number of steps that the button beside it takes");
   return box;
@@ -183,7 +185,7 @@ void TransportBar::note(const QString& text, bool is_trouble) {
 }
 
 void TransportBar::step() {
-  simulator_.step(steps_->value());
+  if (steps_->takeTyped()) simulator_.step(static_cast<int>(steps_->value()));
 }
 
 void TransportBar::scaleSpeed(double factor) {

@@ -10,7 +10,6 @@
 
 #include <QHBoxLayout>
 #include <QSlider>
-#include <QSpinBox>
 #include <QToolButton>
 #include <QWidget>
 
@@ -57,7 +56,7 @@ class TransportBar : public QWidget {
   QHBoxLayout* row_;  ///< of the buttons
   QToolButton* play_;
   QToolButton* step_;
-  QSpinBox* steps_;
+  NumberBox* steps_;
   QSlider* slider_;  ///< logarithm of the requested speed
   NumberBox* speed_;
   QToolButton *undo_, *redo_;

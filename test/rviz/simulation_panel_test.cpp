@@ -62,6 +62,12 @@ class SimulationPanelTest : public testing::Test {
     return *parent.findChildren<Widget*>().at(k);
   }
   static QToolButton& recordButton(TransportBar& bar) { return *bar.findChild<QToolButton*>("record"); }
+  static QDoubleSpinBox& speedBox(TransportBar& bar) { return child<QDoubleSpinBox>(bar, 1); }
+  /// What the box says below itself; empty while it says nothing.
+  static QString refusal(QDoubleSpinBox& box) {
+    QLabel& label = child<QLabel>(box);
+    return label.isVisible() ? label.text() : QString();
+  }
   static void enter(QDoubleSpinBox& box, const char* text) {
     box.setFocus();
     box.selectAll();
@@ -373,19 +379,19 @@ TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
   EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 20.0; }));
   bar.goSlower();
   EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 10.0; }));
-  enter(child<QDoubleSpinBox>(bar), "1");
+  enter(speedBox(bar), "1");
   EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 1.0; }));
   EXPECT_TRUE(waitFor([&] { return slider.value() == 40; }));
   for (const auto& [text, speed] :
        {std::pair("0.005", 0.005), std::pair("150", 150.0), std::pair("1e9", 150.0), std::pair("0", 0.0),
         std::pair("2,5", 2.5), std::pair("-3", 2.5), std::pair("10000000", 2.5), std::pair("0.1", 0.1)}) {
-    enter(child<QDoubleSpinBox>(bar), text);
+    enter(speedBox(bar), text);
     EXPECT_TRUE(waitFor([&, speed = speed] { return status_.requested_speed == speed; }))
         << text << ": " << status_.requested_speed;
   }
-  enter(child<QDoubleSpinBox>(bar), "0.004");
+  enter(speedBox(bar), "0.004");
   ASSERT_TRUE(waitFor([this] { return status_.requested_speed == 0.004; }));
-  EXPECT_EQ(child<QDoubleSpinBox>(bar).text(), QString::fromUtf8("0.004 ×"));
+  EXPECT_EQ(speedBox(bar).text(), QString::fromUtf8("0.004 ×"));
   bar.goSlower();
   bar.goFaster();
   EXPECT_TRUE(waitFor([this] { return status_.requested_speed == 0.008; })) << status_.requested_speed;
@@ -394,11 +400,42 @@ TEST_F(SimulationPanelTest, PacesBySliderNumberAndKeys) {
   EXPECT_TRUE(waitFor([&] { return status_.steps == before + 1; }));
 }
 
+TEST_F(SimulationPanelTest, SaysWhichNumbersAreNotTakenAndWhatIsAllowed) {
+  TransportBar bar(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &TransportBar::show);
+  bar.setVisible(true);
+  QDoubleSpinBox &steps = child<QDoubleSpinBox>(bar), &speed = speedBox(bar);
+  enter(speed, "1e9");
+  EXPECT_EQ(refusal(speed), QString::fromUtf8("1e9 (allowed: a number such as 1.5, 0 to 1000000 ×)"));
+  speed.setFocus();
+  QTest::keyClicks(&speed, "2");
+  EXPECT_EQ(refusal(speed), "") << "it is over with the next number";
+  QTest::keyClick(&speed, Qt::Key_Return);
+  EXPECT_EQ(refusal(speed), "");
+  const std::uint64_t before = status_.steps;
+  for (const char* const text : {"5000", "2.5"}) {
+    steps.selectAll();
+    QTest::keyClicks(&steps, text);
+    bar.step();
+    EXPECT_EQ(refusal(steps), QString("%1 (allowed: a whole number, 1 to 1000)").arg(text));
+    EXPECT_EQ(steps.text(), "1") << text;
+  }
+  enter(steps, "3");
+  bar.step();
+  EXPECT_TRUE(waitFor([&] { return status_.steps == before + 3; }))
+      << "and no others: " << status_.steps - before;
+  WindView view(simulator_);
+  view.setVisible(true);
+  QDoubleSpinBox& wind = child<QDoubleSpinBox>(view, 1);
+  enter(wind, "fast");
+  EXPECT_EQ(refusal(wind), "fast (allowed: a number such as 1.5, 0 to 10000 m/s)");
+}
+
 TEST_F(SimulationPanelTest, ASecondSpeedIsNoShortcut) {
   TransportBar bar(simulator_);
   bar.setVisible(true);
   QApplication::setActiveWindow(&bar);
-  auto& speed = child<QDoubleSpinBox>(bar);
+  auto& speed = speedBox(bar);
   int keys = 0;
   QShortcut wind(Qt::Key_1, &bar), run(Qt::Key_Space, &bar);
   QObject::connect(&wind, &QShortcut::activated, [&] { ++keys; });
