@@ -103,7 +103,7 @@ void WindView::show(const rigid_body_sim::Wind& wind) {
     const double speed = std::hypot(wind.velocity.x, wind.velocity.y, wind.velocity.z);
     now_->setText(QString("Now %1 m/s.").arg(speed, 0, 'f', 1));
   }
-  if (!wind.enabled || compass_->isSliderDown()) return;
+  if (compass_->isSliderDown()) return;
   const double speed = std::hypot(wind.mean.x, wind.mean.y);
   const double degrees = std::fmod(qRadiansToDegrees(std::atan2(wind.mean.y, wind.mean.x)) + 360.0, 360.0);
   showUnlessEdited(*speed_, speed);

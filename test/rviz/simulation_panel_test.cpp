@@ -104,6 +104,19 @@ TEST_F(SimulationPanelTest, SetsTheWindByDirectionSpeedAndGusts) {
   EXPECT_EQ(wind_.mean.z, -2.0);
 }
 
+TEST_F(SimulationPanelTest, ShowsNoWindOfTheSceneBefore) {
+  WindView view(simulator_);
+  view.setVisible(true);
+  const QList<QDoubleSpinBox*> boxes = view.findChildren<QDoubleSpinBox*>();
+  enter(*boxes[1], "8");
+  enter(*boxes[2], "-2");
+  enter(*boxes[3], "1.5");
+  ASSERT_TRUE(waitFor([this] { return wind_.enabled && wind_.gust == 1.5; }));
+  simulator_.loadScene(scene());
+  ASSERT_TRUE(waitFor([this] { return !wind_.enabled; }));
+  for (const int box : {1, 2, 3}) EXPECT_EQ(boxes[box]->value(), 0.0) << box;
+}
+
 TEST_F(SimulationPanelTest, TurnsTheWindByTheCompass) {
   WindView view(simulator_);
   view.resize(400, 200);
