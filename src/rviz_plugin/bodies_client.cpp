@@ -2,13 +2,11 @@
 #include "bodies_client.h"
 
 #include "body_names.h"
+#include "body_renames.h"
 
 #include <rigid_body_sim/DuplicateBodies.h>
 #include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/NamedBodies.h>
-
-#include <unordered_map>
-#include <unordered_set>
 
 namespace rbs {
 BodiesClient::BodiesClient() {
@@ -65,28 +63,11 @@ void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions)
   if (descriptions.version == descriptions_.version && descriptions.header.frame_id == frame() &&
       descriptions.bodies == bodies())
     return;  // sent again
-  const QHash<QString, QString> new_names = newNames(descriptions);
+  const QHash<QString, QString> new_names = renamesOf(descriptions_, descriptions);
   descriptions_ = descriptions;
   matchMotions();
   if (!new_names.isEmpty()) Q_EMIT renamed(new_names);
   Q_EMIT bodiesChanged();
-}
-
-// The same handle is the same body within a scene. A scene file that was edited and loaded again numbers its bodies
-// otherwise: there the last names are still to be found, or the new ones were there before.
-QHash<QString, QString> BodiesClient::newNames(const rigid_body_sim::BodyDescriptions& descriptions) const {
-  QHash<QString, QString> new_names;
-  if (descriptions.scene != descriptions_.scene) return new_names;
-  std::unordered_map<std::uint64_t, std::string> names;
-  std::unordered_set<std::string> before, now;
-  for (const auto& body : bodies()) names[body.id] = body.name, before.insert(body.name);
-  for (const auto& body : descriptions.bodies) now.insert(body.name);
-  for (const auto& body : descriptions.bodies) {
-    const auto known = names.find(body.id);
-    if (known == names.end() || now.count(known->second) > 0 || before.count(body.name) > 0) continue;
-    new_names.insert(QString::fromStdString(known->second), QString::fromStdString(body.name));
-  }
-  return new_names;
 }
 
 void BodiesClient::receiveStates(const rigid_body_sim::BodyStatesConstPtr& states) {

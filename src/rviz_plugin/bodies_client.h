@@ -81,7 +81,6 @@ class BodiesClient : public QObject {
  private:
   void receive(const rigid_body_sim::BodyDescriptions& descriptions);
   void receiveStates(const rigid_body_sim::BodyStatesConstPtr& states);
-  QHash<QString, QString> newNames(const rigid_body_sim::BodyDescriptions& descriptions) const;
   void matchMotions();
   void receiveSelection(const rigid_body_sim::BodyNames& selection);
   void receiveStatus(const rigid_body_sim::Status& status);

@@ -57,6 +57,11 @@ void History::forget(const std::string& curve) {
   before_.erase(curve);
 }
 
+void History::rename(const std::string& curve, const std::string& name) {
+  for (Traces* const traces : {&present_, &before_})
+    if (const auto trace = traces->extract(curve)) (*traces)[name] = trace.mapped();
+}
+
 const Trace& History::find(const Traces& traces, const std::string& curve) {
   static const Trace kNone;
   const auto it = traces.find(curve);

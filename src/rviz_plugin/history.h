@@ -27,6 +27,8 @@ class History {
   void beginRun();
   /// Forgets a curve.
   void forget(const std::string& curve);
+  /// Goes on with a curve under another name, in place of one that had it.
+  void rename(const std::string& curve, const std::string& name);
 
   /// The trace of a curve in this run; an empty one for a curve that is unknown.
   const Trace& present(const std::string& curve) const;

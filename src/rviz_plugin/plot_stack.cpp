@@ -34,6 +34,7 @@ PlotStack::PlotStack(Recorder& recorder)
     if (!held_) drawSoon();
   });
   connect(&recorder_, &Recorder::bodiesChanged, this, &PlotStack::drawSoon);
+  connect(&recorder_, &Recorder::renamed, this, &PlotStack::followRenames);
 }
 
 TimePlot* PlotStack::find(const Quantity& quantity) const {
@@ -78,6 +79,27 @@ void PlotStack::remove(TimePlot* plot) {
 
 void PlotStack::removeAll() {
   while (!plots_.empty()) remove(plots_.back());
+}
+
+void PlotStack::followRenames(const QHash<QString, QString>& new_names) {
+  bool is_changed = false;
+  for (TimePlot* const plot : plots_) {
+    QStringList bodies;
+    for (const QString& body : plot->bodies()) {
+      const QString name = new_names.value(body, body);
+      for (std::size_t k = 0; name != body && k < plot->quantity().curves.size(); ++k) {
+        const std::string last = curveName(plot->quantity(), k, body.toStdString());
+        const std::string now = curveName(plot->quantity(), k, name.toStdString());
+        if (held_) held_->rename(last, now);
+        if (baseline_) baseline_->rename(last, now);
+      }
+      if (!bodies.contains(name)) bodies.append(name);
+    }
+    if (bodies == plot->bodies()) continue;
+    plot->setBodies(bodies);
+    is_changed = true;
+  }
+  if (is_changed) reportWanted();
 }
 
 void PlotStack::reportWanted() {

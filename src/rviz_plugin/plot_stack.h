@@ -58,6 +58,7 @@ class PlotStack : public QScrollArea {
   void showEvent(QShowEvent* event) override;
 
  private:
+  void followRenames(const QHash<QString, QString>& new_names);
   void draw();
   void draw(TimePlot& plot);
   void drawSoon();

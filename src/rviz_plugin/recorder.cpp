@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "recorder.h"
 
+#include "body_renames.h"
+
 #include <algorithm>
 
 namespace rbs {
@@ -135,11 +137,29 @@ void Recorder::receiveEvent(const rigid_body_sim::Event& event) {
 void Recorder::receiveDescriptions(const rigid_body_sim::BodyDescriptionsConstPtr& descriptions) {
   const bool is_new = !described_ || described_->version != descriptions->version ||
                       described_->bodies.size() != descriptions->bodies.size();
+  const QHash<QString, QString> new_names =
+      described_ ? renamesOf(*described_, *descriptions) : QHash<QString, QString>();
   described_ = descriptions;
   places_.clear();
   for (std::size_t i = 0; i < descriptions->bodies.size(); ++i) places_[descriptions->bodies[i].name] = i;
+  if (!new_names.isEmpty()) followRenames(new_names);
   if (const auto states = std::exchange(waiting_, nullptr)) receiveStates(states);
   if (is_new) Q_EMIT bodiesChanged();
+}
+
+void Recorder::followRenames(const QHash<QString, QString>& new_names) {
+  const auto newName = [&](const std::string& body) {
+    const QString name = QString::fromStdString(body);
+    return new_names.value(name, name).toStdString();
+  };
+  for (Wanted& wanted : wanted_) {
+    const std::string body = newName(wanted.body);
+    for (std::size_t k = 0; body != wanted.body && k < wanted.quantity->curves.size(); ++k)
+      history_.rename(curveName(*wanted.quantity, k, wanted.body), curveName(*wanted.quantity, k, body));
+    wanted.body = body;
+  }
+  for (Pending& one : pending_) one.body = newName(one.body);
+  Q_EMIT renamed(new_names);
 }
 
 // States that come before the descriptions of their version wait for them: of those, the newest.

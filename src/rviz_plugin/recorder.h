@@ -14,6 +14,7 @@
 #include <rigid_body_sim/Status.h>
 #include <ros/ros.h>
 
+#include <QHash>
 #include <QObject>
 #include <QString>
 #include <QStringList>
@@ -61,6 +62,8 @@ class Recorder : public QObject {
  Q_SIGNALS:
   void recorded();
   void bodiesChanged();
+  /// Bodies have other names now: new names by the last ones. What is recorded and asked for follows.
+  void renamed(const QHash<QString, QString>& new_names);
   void heardChanged(bool is_heard);
   void reported(const QString& text);
 
@@ -84,6 +87,7 @@ class Recorder : public QObject {
   void receiveStates(const rigid_body_sim::BodyStatesConstPtr& states);
   void receiveContacts(const rigid_body_sim::Contacts& contacts);
   void read(const rigid_body_sim::BodyStates& states);
+  void followRenames(const QHash<QString, QString>& new_names);
   void dropAfter(double stamp);
   void flush(bool of_this_run);
   void record(const Quantity& quantity, const std::string& body, double time, const Quantity::Values& values);

@@ -5,6 +5,7 @@
 #include "plots_panel.h"
 #include "time_plot.h"
 
+#include <rigid_body_sim/EditBodies.h>
 #include <rigid_body_sim/MeasureAccuracy.h>
 #include <ros/package.h>
 #include <ros/ros.h>
@@ -78,6 +79,39 @@ TEST_F(PlotsPanelTest, KeepsThePageInTheLayout) {
   PlotsPanel other;
   other.load(layout);
   EXPECT_EQ(other.findChild<QTabWidget*>()->currentIndex(), 1);
+}
+
+TEST_F(PlotsPanelTest, FollowsABodyThatIsRenamed) {
+  rviz::Config layout;
+  rviz::Config plot = layout.mapMakeChild("Plots").listAppendNew();
+  plot.mapSetValue("Quantity", "height");
+  plot.mapMakeChild("Bodies").listAppendNew().setValue("ball");
+  layout.mapSetValue("Node", "/sim");
+  panel_.load(layout);
+  PlotStack& plots = *panel_.findChild<PlotStack*>();
+  const auto samples = [&](const char* body) {
+    return plots.history().present(std::string("height of ") + body).size();
+  };
+  ASSERT_TRUE(waitFor([&] { return samples("ball") >= 1; }));
+  simulator_.step(30);
+  ASSERT_TRUE(waitFor([&] { return samples("ball") >= 2; }));
+  const std::size_t before = samples("ball");
+  const auto rename = [](const char* name, const char* new_name) {
+    rigid_body_sim::EditBodies edit;
+    edit.request.changes.resize(1);
+    edit.request.changes[0].name = name;
+    edit.request.changes[0].new_name = new_name;
+    EXPECT_TRUE(ros::service::call("/sim/edit_bodies", edit) && edit.response.success)
+        << edit.response.message;
+  };
+  rename("ball", "globe");
+  EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == QStringList("globe"); }));
+  EXPECT_GE(samples("globe"), before) << "the curve goes on";
+  EXPECT_EQ(samples("ball"), 0u);
+  simulator_.step(30);
+  EXPECT_TRUE(waitFor([&] { return samples("globe") > before; }));
+  rename("globe", "ball");
+  EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == QStringList("ball"); }));
 }
 
 // A chart of another simulator would be taken for that of this one.

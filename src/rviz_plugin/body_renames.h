@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which bodies have other names than before.
+#pragma once
+
+#include <rigid_body_sim/BodyDescriptions.h>
+
+#include <QHash>
+#include <QString>
+
+namespace rbs {
+
+/// New names by the last ones, whoever gave them; empty for another scene.
+QHash<QString, QString> renamesOf(const rigid_body_sim::BodyDescriptions& before,
+                                  const rigid_body_sim::BodyDescriptions& now);
+
+}  // namespace rbs
