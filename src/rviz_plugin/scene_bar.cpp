@@ -82,9 +82,11 @@ void SceneBar::show(const rigid_body_sim::Status& status) {
   showScene();
 }
 
+// A file by its own name, which people look for: the name of the scene in it may be another one, or of the catalogue.
 void SceneBar::showScene() {
-  scenes_->setPlaceholderText(scene_);  // of a scene that is not in the catalogue
-  scenes_->setCurrentIndex(scenes_->findText(scene_));
+  const QString name = file_.isEmpty() ? scene_ : QFileInfo(file_).fileName();
+  scenes_->setPlaceholderText(name);  // of what is not in the catalogue
+  scenes_->setCurrentIndex(file_.isEmpty() ? scenes_->findText(scene_) : -1);
 }
 
 void SceneBar::load(const QString& name, const std::function<void()>& act) {
@@ -97,6 +99,7 @@ void SceneBar::load(const QString& name, const std::function<void()>& act) {
 void SceneBar::useScene(const QString& file) {
   file_ = file;
   since_file_.start();
+  showScene();
   if (!file.isEmpty()) keep(file);
 }
 

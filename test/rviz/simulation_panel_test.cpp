@@ -239,6 +239,25 @@ TEST_F(SimulationPanelTest, SavesNoOtherSceneOverAFile) {
   EXPECT_EQ(save(), "");
 }
 
+// The name in the file is that of a scene of the catalogue.
+TEST_F(SimulationPanelTest, ShowsAFileByItsOwnName) {
+  SceneBar bar(simulator_);
+  QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &SceneBar::show);
+  QComboBox& scenes = child<QComboBox>(bar);
+  const auto shown = [&] {
+    return scenes.currentIndex() < 0 ? scenes.placeholderText() : scenes.currentText();
+  };
+  simulator_.loadScene("marbles");
+  ASSERT_TRUE(waitFor([&] { return shown() == "marbles"; }));
+  const QTemporaryDir folder;
+  simulator_.saveScene(folder.filePath("kept.yaml"));
+  EXPECT_TRUE(waitFor([&] { return shown() == "kept.yaml"; })) << shown().toStdString();
+  simulator_.loadScene("marbles");
+  EXPECT_TRUE(waitFor([&] { return shown() == "marbles"; })) << shown().toStdString();
+  simulator_.loadScene(folder.filePath("kept.yaml"));
+  EXPECT_TRUE(waitFor([&] { return shown() == "kept.yaml"; })) << shown().toStdString();
+}
+
 TEST_F(SimulationPanelTest, AsksBeforeALoadDropsEdits) {
   SceneBar bar(simulator_);
   QObject::connect(&simulator_, &SimulatorClient::statusReceived, &bar, &SceneBar::show);
