@@ -38,7 +38,7 @@ SceneFile Session::loadScene(const std::string& name_or_file, const std::optiona
 
 SceneFile Session::loadState(const std::string& file) {
   SceneFile saved = readScene(file);
-  if (!saved.state) throw InvalidInput({{file, "", "holds a scene but no saved state: use load_scene"}});
+  if (!saved.state) throw InvalidInput({{file, "", "holds a scene but no saved state: open it as a scene"}});
   // Those of a checkpoint: the hand that held a body then holds it no longer.
   saved.state->grabs.clear();
   saved.state->holds.clear();

@@ -172,7 +172,7 @@ TEST_F(SimulationPanelTest, SavesAndOpensFilesAndOffersThemAgain) {
   simulator_.loadScene(file);
   ASSERT_TRUE(waitFor([&] { return bar.recent() == QStringList({file, "state:" + state}); }));
   simulator_.loadState(file);  // which holds no state
-  EXPECT_TRUE(waitFor([this] { return told_.contains("load_scene"); })) << told_.toStdString();
+  EXPECT_TRUE(waitFor([this] { return told_.contains("open it as a scene"); })) << told_.toStdString();
   EXPECT_EQ(bar.recent(), QStringList({file, "state:" + state}));
   simulator_.saveScene("/proc/no.yaml");
   EXPECT_TRUE(waitFor([this] { return told_.contains("/proc: "); })) << told_.toStdString();
