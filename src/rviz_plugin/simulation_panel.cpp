@@ -5,6 +5,7 @@
 #include "quiet_end.h"
 #include "scrolled.h"
 #include "shortcuts.h"
+#include "stale_markers.h"
 #include "view.h"
 
 #include <QAction>
@@ -213,7 +214,10 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   wind_->setChecked(status.wind);
   is_unsaved_ = status.unsaved;
   showTitle();
-  enableEdits(status.recording.empty());
+  const bool is_replay = !status.recording.empty();
+  if (is_replay && !is_replay_) dropMarkersOf(resolvedNode(simulator_.node()), *vis_manager_);
+  is_replay_ = is_replay;
+  enableEdits(!is_replay);
 }
 
 void SimulationPanel::showTitle() {
@@ -264,8 +268,12 @@ void SimulationPanel::showHeard(bool is_heard) {
   is_unsaved_ = is_unsaved_ && is_heard;
   transport_->setHeard(is_heard);
   enableControls();
-  if (!is_heard)
-    scenes_->forgetFile(), warnings_->clear();  // who answers next may be another simulator of this name
+  if (!is_heard) {  // who answers next may be another simulator of this name
+    scenes_->forgetFile();
+    warnings_->clear();
+    is_replay_ = false;
+    if (window_) dropMarkersOf(resolvedNode(simulator_.node()), *vis_manager_);
+  }
   showMessage({}, false);
 }
 

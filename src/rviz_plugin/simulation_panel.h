@@ -87,6 +87,7 @@ class SimulationPanel : public rviz::Panel {
   geometry_msgs::Point eye_, target_;  ///< of its view, in that frame
   bool is_heard_ = false;
   bool is_unsaved_ = false;  ///< no file holds the edits
+  bool is_replay_ = false;   ///< a recording is replayed
   bool keeps_view_ = false;  ///< the user has chosen another node: the camera stays where it is
   QWidget* controls_;
   TransportBar* transport_;

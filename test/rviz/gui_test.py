@@ -452,6 +452,32 @@ class GuiTest(unittest.TestCase):
             call(service, SetBool, False)
             wait_until(lambda: changed() == 0, 'the panel is as it was before %s' % service)
 
+    def test_the_gizmo_goes_when_a_replay_takes_the_place_of_the_simulator(self):
+        def gizmo():
+            """Number of pixels in the blue of its arrows and rings, which nothing else has."""
+            rgb = self.screen.picture(self.rviz.scene).rgb
+            return sum(blue > 150 and red < 90 and green < 90 for red, green, blue in zip(rgb[::3], rgb[1::3], rgb[2::3]))
+
+        self.rviz.click(self.rviz.pixel_of(position('middle')))
+        wait_until(lambda: gizmo() > 500, 'the gizmo is drawn')
+        replay = rospy.Publisher('/sim/status', Status, queue_size=1)
+        self.addCleanup(replay.unregister)
+        self.simulator.kill()
+        self.addCleanup(self.status.forget)
+
+        def is_gone():
+            replay.publish(recording=[0.0, 10.0])
+            return gizmo() == 0
+
+        wait_until(is_gone, 'the gizmo is gone', period=0.2)
+        self.simulator.start()
+
+        def is_back():
+            self.select.publish('middle')
+            return gizmo() > 500
+
+        wait_until(is_back, 'the next simulator has its gizmo drawn', period=0.2)
+
     def test_the_panel_survives_the_death_of_the_simulator(self):
         wait_until(lambda: self.rviz.find_color(PLAY_GREEN), 'the panel hears the simulator')
         self.simulator.kill()
