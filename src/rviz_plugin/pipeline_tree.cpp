@@ -44,10 +44,12 @@ void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, double
   row.setText(kMilliseconds, costOf(stage));
   row.setData(kMilliseconds, kShare, total > 0.0 ? stage.seconds / total : 0.0);
   row.setText(kReason, reason);
-  row.setToolTip(kReason, reason);
   row.setTextAlignment(kMilliseconds, Qt::AlignRight);
   const QBrush brush = palette.brush(stage.active ? QPalette::Active : QPalette::Disabled, QPalette::Text);
-  for (int column = 0; column < kStageColumns; ++column) row.setForeground(column, brush);
+  for (int column = 0; column < kStageColumns; ++column) {
+    row.setForeground(column, brush);
+    row.setToolTip(column, reason);
+  }
 }
 
 }  // namespace
@@ -56,6 +58,7 @@ PipelineTree::PipelineTree() {
   setColumnCount(kStageColumns);
   setHeaderLabels({"Stage", "ms", "Why"});
   setUniformRowHeights(true);
+  setTextElideMode(Qt::ElideMiddle);  // the tool tip has all of it
   setSelectionMode(QAbstractItemView::NoSelection);
   setFocusPolicy(Qt::NoFocus);
   setIndentation(indentation() / 2);

@@ -66,7 +66,7 @@ void StatusView::show(const rigid_body_sim::Status& status) {
   impacts_->setText(QString::number(status.impacts));
   deepest_->setText(QString::fromStdString(lengthText(status.deepest_penetration)));
   const QString slow = status.bottleneck.empty() ? "–" : QString::fromStdString(status.bottleneck);
-  slow_->setText(slow_->fontMetrics().elidedText(slow, Qt::ElideRight, slow_->width()));
+  slow_->setText(slow_->fontMetrics().elidedText(slow, Qt::ElideMiddle, slow_->width()));
   slow_->setToolTip(lossInWords(status));
   step_time_->setText(QString::number(1e3 * status.step_seconds, 'f', 3) + " ms");
 }

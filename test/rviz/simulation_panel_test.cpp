@@ -9,6 +9,7 @@
 #include "pipeline_tree.h"
 #include "scene_bar.h"
 #include "scene_list.h"
+#include "status_view.h"
 #include "transport_bar.h"
 #include "warnings_view.h"
 #include "wind_view.h"
@@ -33,6 +34,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace rbs;
@@ -601,10 +603,29 @@ TEST(Hearing, IsNotLostWhileNoMessagesAreTaken) {
       << "once messages are taken, and none is of the node";
 }
 
+TEST(StatusView, ShowsBothEndsOfALongReason) {
+  StatusView view;
+  view.resize(240, 150);
+  view.setVisible(true);
+  rigid_body_sim::Status status;
+  status.bottleneck =
+      "contacts.solve takes the most of a step, which is longer than the time that it simulates";
+  view.show(status);
+  const QList<QLabel*> labels = view.findChildren<QLabel*>();
+  EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [](const QLabel* label) {
+    return label->text().startsWith("con") && label->text().endsWith("ates") &&
+           label->toolTip().contains("takes the most of a step");
+  }));
+  SimulatorClient simulator;
+  EXPECT_EQ(PipelineTree().textElideMode(), Qt::ElideMiddle);
+  EXPECT_EQ(EffectsView(simulator).textElideMode(), Qt::ElideMiddle);
+}
+
 TEST(PipelineTree, PutsPartsBelowTheirStage) {
   PipelineTree tree;
   std::vector<rigid_body_sim::StageStatus> pipeline(3);
   pipeline[0].name = "forces.gravity";
+  pipeline[0].reason = "off";
   pipeline[1].name = "islands.advance";
   pipeline[1].active = true;
   pipeline[1].seconds = 0.002;
@@ -616,6 +637,8 @@ TEST(PipelineTree, PutsPartsBelowTheirStage) {
   EXPECT_EQ(tree.topLevelItem(1)->child(0)->text(0), "contacts.solve");
   EXPECT_EQ(tree.topLevelItem(1)->text(1), "2.000");
   EXPECT_EQ(tree.topLevelItem(0)->text(1), "off");
+  for (const int column : {0, 1, 2})
+    EXPECT_EQ(tree.topLevelItem(0)->toolTip(column), "off") << "the column is narrow";
 }
 
 }  // namespace
