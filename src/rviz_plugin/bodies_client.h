@@ -57,6 +57,8 @@ class BodiesClient : public QObject {
   QString silence() const { return QString("No simulator answers at '%1'.").arg(node_); }
   /// Whether a recording is replayed, of which nothing can be changed.
   bool isReplay() const { return is_replay_; }
+  /// Whether bodies can be changed now.
+  bool takesEdits() const { return isHeard() && !isReplay(); }
 
   void select(const QStringList& names);
   // What nobody sees happen is not to happen later, all at once: edits are refused while the simulator is silent.

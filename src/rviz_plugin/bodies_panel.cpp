@@ -82,7 +82,10 @@ BodiesPanel::BodiesPanel()
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::showSelection);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodiesPanel::enableActions);
-  connect(&simulator_, &BodiesClient::heardChanged, this, [this] { showMessage({}, false); });
+  connect(&simulator_, &BodiesClient::heardChanged, this, [this] {
+    showMessage({}, false);
+    enableActions();
+  });
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodiesPanel::applyHidden);
   connect(&simulator_, &BodiesClient::renamed, this, &BodiesPanel::followRenames);
   connect(list_->selectionModel(), &QItemSelectionModel::selectionChanged, this, &BodiesPanel::sendSelection);

@@ -102,6 +102,7 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodyProperties::follow);
+  connect(&simulator_, &BodiesClient::heardChanged, form_, &QWidget::setEnabled);
   refresh_.setSingleShot(true);
   connect(&refresh_, &QTimer::timeout, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::motionChanged, this, [this] {

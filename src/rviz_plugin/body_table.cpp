@@ -128,7 +128,7 @@ QVariant BodyTable::headerData(int section, Qt::Orientation orientation, int rol
 
 Qt::ItemFlags BodyTable::flags(const QModelIndex& index) const {
   const Qt::ItemFlags flags = QAbstractTableModel::flags(index);
-  return index.column() == Name && !client_.isReplay() ? flags | Qt::ItemIsEditable : flags;
+  return index.column() == Name && client_.takesEdits() ? flags | Qt::ItemIsEditable : flags;
 }
 
 bool BodyTable::setData(const QModelIndex& index, const QVariant& value, int role) {
