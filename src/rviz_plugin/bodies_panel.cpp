@@ -177,9 +177,9 @@ void BodiesPanel::addActions() {
 }
 
 void BodiesPanel::enableActions() {
+  const bool has_any = !chosen().isEmpty();
   for (QAction* const action : of_selection_)
-    action->setEnabled(!simulator_.selection().isEmpty() &&
-                       !(simulator_.isReplay() && edits_.contains(action)));
+    action->setEnabled(has_any && (simulator_.takesEdits() || !edits_.contains(action)));
   show_all_->setEnabled(!hidden_.isEmpty());
   ungroup_->setEnabled(in_group_.contains(groups_->currentText()));
 }
@@ -286,13 +286,27 @@ void BodiesPanel::showSelection() {
   showCount();
 }
 
+QSet<QString> BodiesPanel::listed() const {
+  QSet<QString> names;
+  for (int row = 0; row < filter_.rowCount(); ++row)
+    names.insert(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
+  return names;
+}
+
+QStringList BodiesPanel::chosen() const {
+  const QSet<QString> listed = this->listed();
+  QStringList names;
+  for (const QString& name : simulator_.selection())
+    if (listed.contains(name)) names.append(name);
+  return names;
+}
+
 // What is selected last comes last. What the filter hides stays selected while a selection is extended; else an edit would
 // change what nobody sees.
 void BodiesPanel::sendSelection() {
   if (shows_selection_ || filters_) return;
-  QSet<QString> listed, chosen;
-  for (int row = 0; row < filter_.rowCount(); ++row)
-    listed.insert(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
+  const QSet<QString> listed = this->listed();
+  QSet<QString> chosen;
   QStringList rows;
   for (const QModelIndex& index : list_->selectionModel()->selectedRows()) {
     rows.append(table_.name(filter_.mapToSource(index).row()));
@@ -314,9 +328,11 @@ void BodiesPanel::sendSelection() {
 
 void BodiesPanel::showCount() {
   const int all = table_.rowCount(), listed = filter_.rowCount(), selected = simulator_.selection().size();
+  const int unlisted = selected - chosen().size();
   QString text = bodyCount(all);
   if (listed < all) text = QString("%1 of ").arg(listed) + text;
   if (selected > 0) text += QString(", %1 selected").arg(selected);
+  if (unlisted > 0) text += QString(", %1 of them not listed").arg(unlisted);
   count_->setText(text);
 }
 
@@ -351,7 +367,7 @@ void BodiesPanel::followRenames(const QHash<QString, QString>& new_names) {
 
 // The view turns about the middle of the bodies' bounds.
 void BodiesPanel::focus() {
-  const QSet<QString> names = toSet(simulator_.selection());
+  const QSet<QString> names = toSet(chosen());
   Ogre::AxisAlignedBox bounds;
   for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) {
     const std::optional<BodyMotion> motion = simulator_.motion(i);
@@ -371,7 +387,7 @@ void BodiesPanel::focus() {
 }
 
 void BodiesPanel::hideSelection() {
-  for (const QString& name : simulator_.selection()) hidden_.insert(name);
+  for (const QString& name : chosen()) hidden_.insert(name);
   applyHidden();
   Q_EMIT configChanged();
 }
@@ -404,11 +420,11 @@ void BodiesPanel::hideInView(const std::set<std::string>& names) {
 }
 
 void BodiesPanel::remove() {
-  simulator_.remove(simulator_.selection());
+  simulator_.remove(chosen());
 }
 
 void BodiesPanel::duplicate() {
-  const QStringList names = simulator_.selection();
+  const QStringList names = chosen();
   auto* const dialog = new DuplicateDialog(names.size(), this);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   connect(dialog, &QDialog::accepted, this,
@@ -420,7 +436,7 @@ void BodiesPanel::groupSelection() {
   auto* const dialog = new QInputDialog(this);
   dialog->setAttribute(Qt::WA_DeleteOnClose);
   dialog->setWindowTitle("Make a group");
-  const QStringList bodies = simulator_.selection();
+  const QStringList bodies = chosen();
   dialog->setLabelText(QString("Name of the group of %1:").arg(bodyCount(bodies.size())));
   connect(dialog, &QInputDialog::textValueSelected, this, [this, bodies](const QString& text) {
     const QString name = text.simplified();

@@ -46,6 +46,10 @@ class BodiesPanel : public rviz::Panel {
   void follow(const QString& node);
   void showSelection();
   void sendSelection();
+  /// Names of the rows.
+  QSet<QString> listed() const;
+  /// Those selected bodies that are listed. The actions are for them: none changes what the search hides.
+  QStringList chosen() const;
   void showCount();
   void showMessage(const QString& text, bool is_trouble);
   void followRenames(const QHash<QString, QString>& new_names);

@@ -239,6 +239,20 @@ TEST_F(BodiesPanelTest, AClickSelectsNoBodyThatIsNotListed) {
   EXPECT_TRUE(waitFor([&] { return selectedRows() == QStringList{"crate"}; }));
 }
 
+TEST_F(BodiesPanelTest, DeleteTakesNoBodyThatTheSearchHides) {
+  select({"crate", "ball"});
+  search().setFocus();
+  QTest::keyClicks(&search(), "ball");
+  ASSERT_TRUE(waitFor([&] { return rows() == QStringList{"ball"}; }));
+  EXPECT_TRUE(count().contains("2 selected, 1 of them not listed")) << count().toStdString();
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_Delete);
+  EXPECT_TRUE(waitFor([] { return names() == std::vector<std::string>({"floor", "crate"}); }));
+  ASSERT_TRUE(waitFor([&] { return rows().isEmpty(); }));
+  QTest::keyClick(&list(), Qt::Key_Delete);
+  EXPECT_TRUE(stays([] { return names() == std::vector<std::string>({"floor", "crate"}); }));
+}
+
 TEST_F(BodiesPanelTest, ChangesEveryNumberOfABody) {
   select({"crate"});
   ASSERT_TRUE(shows("Position z", "0.25"));
