@@ -46,7 +46,11 @@ template <class Service>
 typename Service::Response call(const char* service, const typename Service::Request& request = {}) {
   static std::map<std::string, ros::ServiceClient> clients;
   ros::ServiceClient& client = clients[service];
-  if (!client) client = ros::NodeHandle().serviceClient<Service>("/sim/" + std::string(service), true);
+  if (!client) {
+    ros::service::waitForService("/sim/" + std::string(service),
+                                 rbs::test::kPatience);  // the node may yet begin
+    client = ros::NodeHandle().serviceClient<Service>("/sim/" + std::string(service), true);
+  }
   typename Service::Response response;
   EXPECT_TRUE(client.call(request, response)) << service;
   EXPECT_TRUE(response.success) << service << ": " << response.message;
