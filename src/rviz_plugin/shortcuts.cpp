@@ -37,6 +37,12 @@ constexpr Shortcut kInList[] = {{"Letters, digits", "look for a name, and are no
                                 {"H, Shift+H", "hide in the view; show all"},
                                 {"Ctrl+A", "select all that are listed"}};
 
+constexpr Shortcut kInPlots[] = {{"Alt+A", "add and remove plots"},
+                                 {"Alt+L", "hold the picture"},
+                                 {"Alt+O", "follow the newest"},
+                                 {"Alt+B", "count from now"},
+                                 {"Alt+X", "export"}};
+
 template <std::size_t kCount>
 QString table(const char* title, const Shortcut (&rows)[kCount]) {
   QString text = QString("<tr><td colspan=2><b>%1</b></td></tr>").arg(title);
@@ -50,9 +56,10 @@ void show(QWidget* window) {
   box->setAttribute(Qt::WA_DeleteOnClose);
   box->setWindowTitle("Keys and mouse of the simulation");
   box->setTextFormat(Qt::RichText);
-  box->setText(
-      "<table>" + table("Everywhere", kEverywhere) + table("In the view, with the tool Interact", kInView) +
-      table("In the list of bodies", kInList) + table("On the slider of a replay", kInReplay) + "</table>");
+  box->setText("<table>" + table("Everywhere", kEverywhere) +
+               table("In the view, with the tool Interact", kInView) +
+               table("In the list of bodies", kInList) + table("In the panel of plots", kInPlots) +
+               table("On the slider of a replay", kInReplay) + "</table>");
   box->open();
 }
 

@@ -3,6 +3,7 @@
 #include "wait_for.h"
 
 #include "plots_panel.h"
+#include "shortcuts.h"
 #include "time_plot.h"
 
 #include <rigid_body_sim/EditBodies.h>
@@ -12,6 +13,9 @@
 
 #include <QApplication>
 #include <QHelpEvent>
+#include <QMainWindow>
+#include <QMenuBar>
+#include <QMessageBox>
 #include <QTest>
 #include <QToolTip>
 
@@ -112,6 +116,22 @@ TEST_F(PlotsPanelTest, FollowsABodyThatIsRenamed) {
   EXPECT_TRUE(waitFor([&] { return samples("globe") > before; }));
   rename("globe", "ball");
   EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == QStringList("ball"); }));
+}
+
+TEST_F(PlotsPanelTest, ItsKeysAreListedUnderHelp) {
+  QMainWindow window;
+  window.menuBar()->addMenu("&Help");
+  offerShortcuts(window, window);
+  window.findChild<QAction*>(kShortcutsName)->trigger();
+  const QString keys = window.findChild<QMessageBox*>()->text();
+  int count = 0;
+  for (const QToolButton* const button : panel_.findChildren<QToolButton*>()) {
+    const QString key = button->shortcut().toString();
+    if (key.isEmpty()) continue;
+    EXPECT_TRUE(keys.contains(key)) << key.toStdString();
+    ++count;
+  }
+  EXPECT_EQ(count, 5);
 }
 
 // A chart of another simulator would be taken for that of this one.
