@@ -52,7 +52,9 @@ bool NumberBox::eventFilter(QObject* object, QEvent* event) {
 }
 
 bool NumberBox::event(QEvent* event) {
-  if (event->type() == QEvent::Hide || event->type() == QEvent::WindowDeactivate) refusal_->hide();
+  if (event->type() == QEvent::Hide || event->type() == QEvent::EnabledChange ||
+      event->type() == QEvent::WindowDeactivate)
+    refusal_->hide();
   return leaveToShortcuts(event, lineEdit()->isModified()) || QDoubleSpinBox::event(event);
 }
 
