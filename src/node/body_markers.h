@@ -25,8 +25,8 @@ bool isOfSelection(const std::string& marker_name);
 /// Outward normal of a face in B.
 Vec3 faceNormal(int face);
 
-/// An invisible shape just outside the body, named after it, with its menu, whose entries are for `count` bodies. It moves in the plane of the
-/// view. Of a plane only a patch at its origin can be clicked, or the camera could not be turned with the
+/// An invisible shape just outside the body, named after it, with its menu, whose entries are for `count` bodies. It moves in
+/// the plane of the view. Of a plane only a patch at its origin can be clicked, or the camera could not be turned with the
 /// mouse on the floor. The patch is sized for `view`.
 visualization_msgs::InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose,
                                                   const View& view, std::size_t count);
