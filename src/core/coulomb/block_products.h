@@ -2,8 +2,8 @@
 // Products of 6x6 blocks, and of 3x3, for functions that are RBS_WIDE: Eigen has chosen its registers when it is compiled, and
 // takes two numbers at a time.
 //
-// A column of six is a vector of four and one of two. One of three is a vector of four, the last of which is 0. Sums go in the
-// order of Eigen's, so that they have the same bits.
+// A column of six is a vector of four and one of two. One of three is a vector of four, the last of which is 0. Sums of six
+// go in the order of Eigen's, so that they have the same bits.
 #pragma once
 
 #include "base/wide.h"

@@ -254,7 +254,7 @@ Velocities BodyBlocks::solve(const Velocities& y, const Blocks<n>& blocks) const
   if (kStride > n) x.bottomRows(kStride - n).setZero();
   for (std::size_t k = 0; k < order_.size(); ++k) x.col(k).template head<n>() = y.col(order_[k]).head<n>();
   substitute(blocks, x.data());
-  Velocities result = y;  // nothing couples what does not turn
+  Velocities result = y;  // the angular part of what does not turn stays as it is
   for (std::size_t k = 0; k < order_.size(); ++k)
     result.col(order_[k]).head<n>() = x.col(k).template head<n>();
   return result;

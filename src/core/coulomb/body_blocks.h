@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors. Blocks are 3x3 where no
-// body turns, as balls without friction do not.
+// The matrix 1 + J^T D J of an island, with 6x6 blocks, a row and a column a body; and its LU factors. Blocks are 3x3 where
+// impulses turn no body, as with balls without friction.
 //
 // D has a 3x3 block a point and a joint, so that blocks stand on the diagonal and where two bodies touch or are joined. A
 // torque constraint has one of its own, and a column g by the normal rows of the points of its pair: blocks stand where they stand

@@ -76,7 +76,8 @@ struct Attempt {
   int rounds = 1;
 };
 
-// Newton's method from here, with the stiffness of a point at the start; without friction the one that cannot get stuck.
+// Newton's method from a start, with the stiffness of a point there. Without friction it is `quadratic`, which cannot get stuck
+// and has its own stiffness.
 Answer newtonFrom(const Answer& start, double stiffness, const Case& at, double tolerance, int cap) {
   return at.is_frictionless ? quadratic(at.system, at.matrix, start, tolerance, cap, at.tolerance)
                             : newton(at.system, at.matrix, start, stiffness, tolerance, cap, at.tolerance);
@@ -133,8 +134,8 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::InteriorPoint, interior,
      [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
      20},
-    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.slips; }, &Case::needed,
-     &Case::target, 30, 0},
+    {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.is_frictionless && !at.slips; },
+     &Case::needed, &Case::target, 30, 0},
     // Heaps in motion, torques and joints: the proximal steps are slow but sure, and the central path would begin anew.
     {CoulombSolver::Newton, newtonFromBest,
      [](const Case& at) {

@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The problem without friction: a convex quadratic program, by an augmented Lagrangian.
 //
-// Without friction and torques each row, the normal of a point or one row of a joint, has an impulse between two bounds and
-// obeys the law of BoxSet. These are the conditions of optimality of
-//   min |y - y_free|^2/2,   u = J y + bias >= 0 (or = 0, or with the price of a bound),
-// which is strictly convex: there is one y, whatever rows are redundant (J. J. Moreau, "Quadratic programming in mechanics", 1966).
-// So what may get stuck with friction cannot here.
+// Without friction and torques each row, the normal of a point or one row of a joint, has an impulse r between two bounds, and
+// obeys the law of BoxSet. That is to minimise |y - y_free|^2/2, under u = J y + bias >= 0 at points and u = 0 in rows without
+// bounds, with a cost linear in u where a bound is finite and not 0. The problem is strictly convex: there is at most one y,
+// whatever rows are redundant (J. J. Moreau, "Quadratic programming in mechanics", 1966). So a method that goes down cannot get
+// stuck, as those for friction may.
 //
-// A round holds the impulses r and looks for the velocities x that the next ones add to y. With u_r the velocity that r
-// alone makes, and P onto the bounds, x minimises
-//   phi(x) = |x|^2/2 + sum psi(u_r + J x),   psi'(u) = r - P(r - rho u).
-// That is convex, and quadratic in pieces: with z = r - rho u and d = P(z) - r, its gradient and its Hessian are
+// A round holds the impulses r and looks for the velocities x that the next ones add to y. With u = u_r + J x, u_r the velocity
+// that r alone makes, z = r - rho u and P the nearest impulse within the bounds, x minimises
+//   phi(x) = |x|^2/2 + sum of psi(u),   psi'(u) = r - P(z).
+// That is convex, and quadratic in pieces. With d = P(z) - r and the identity 1, its gradient and its Hessian are
 //   F = x - J^T d,   1 + J^T D J,   D = rho where z is within its bounds, and 0 beyond.
 // Newton's step is followed to the minimum of phi along it. The slope of phi along it is linear in pieces and grows; its zero is
-// found by going through the rows in the order in which they reach a bound. So phi falls with each step, and
-// a round ends with the first that crosses no bound (A. Hermans, A. Themelis and P. Patrinos, "QPALM", 2019, with this search
-// in section 3.2). Then r becomes r + d: a step of the proximal point method (R. T. Rockafellar 1976), which leaves about
-// 1/(1 + rho w) of the error, w the smallest eigenvalue of J J^T that matters.
+// found by going through the rows in the order in which they enter or leave their bounds. So phi falls with each step, and a
+// round ends with the first that crosses no bound (A. Hermans, A. Themelis and P. Patrinos, "QPALM", 2019, with this search in
+// section 3.2). Then r becomes P(z): a step of the proximal point method (R. T. Rockafellar 1976), which leaves about
+// 1/(1 + rho w) of the error, w being the smallest eigenvalue but 0 of J J^T in the rows that push.
 #include "coulomb/coulomb_solvers.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
@@ -29,9 +31,10 @@ namespace {
 
 constexpr double kStiffness = 1e3, kMostStiffness = 1e10;  // in units of 1/response
 constexpr double kGrowth = 10.0;                           // of the stiffness from one round to the next
-constexpr double kSlow = 0.1;        // what a round leaves of the error at most, or it grows
-constexpr int kMostSteps = 100;      // of a round: rounding may have one cross the same bound again and again
-constexpr double kHardlyLess = 0.5;  // of what the last round has left
+constexpr double kSlow = 0.1;           // what a round leaves of the error at most, or the stiffness grows
+constexpr double kHardlyLess = 0.5;     // of what the last round has left
+constexpr int kMostSteps = 100;         // of a round: by rounding, steps may cross one bound to and fro
+constexpr std::int64_t kRowWork = 500;  // multiplications of a round by column, for its residuals
 
 class Rounds {
  public:
@@ -47,23 +50,20 @@ class Rounds {
     }
   }
 
-  /// One round from impulses r, which make velocities u_r: r becomes the next ones. False where the matrix is singular, or
-  /// after `cap` iterations in all.
+  /// One round from impulses r, which make velocities u_r: r becomes the next ones. False where it was cut off, since the
+  /// matrix is singular, or after `cap` iterations in all, or by the budget.
   bool run(Impulses& r, const Impulses& u_r, double stiffness, int cap, int& iterations) {
     for (Row& row : rows_) {
       row.rho = stiffness / row.response;
       row.z = r(row.c, row.column) - row.rho * u_r(row.c, row.column);
     }
     Velocities x = Velocities::Zero(6, system_.free().cols());
+    bool is_cut_off = false;
     crosses_ = true;
-    for (int step = 0; crosses_ && step < kMostSteps; ++step) {
+    for (int step = 0; crosses_ && step < kMostSteps && !is_cut_off; ++step) {
       updateD();
-      if (!are_factors_of_D_) {
-        if (iterations >= cap || system_.isBudgetSpent()) return false;
-        ++iterations;
-        if (!matrix_.factor(D_, {})) return false;
-        are_factors_of_D_ = true;
-      }
+      is_cut_off = !factorD(cap, iterations);
+      if (is_cut_off) break;
       Velocities F = x;
       system_.push(-change(r), F);
       const Velocities dx = matrix_.solve(F);
@@ -74,8 +74,8 @@ class Rounds {
       x -= part * dx;
       for (Row& row : rows_) row.z += part * row.along;
     }
-    r += change(r);
-    return r.allFinite();
+    for (const Row& row : rows_) r(row.c, row.column) = row.nearest();
+    return !is_cut_off;
   }
 
  private:
@@ -86,6 +86,7 @@ class Rounds {
     double rho = 0.0, z = 0.0;
     double along = 0.0;  // what the step changes z by
     bool isWithin() const { return lo < z && z < hi; }
+    double nearest() const { return std::clamp(z, lo, hi); }  // P(z)
   };
 
   // Takes D for the rows as they are.
@@ -96,11 +97,18 @@ class Rounds {
     }
   }
 
+  bool factorD(int cap, int& iterations) {
+    if (are_factors_of_D_) return true;
+    if (iterations >= cap || system_.isBudgetSpent()) return false;
+    ++iterations;
+    are_factors_of_D_ = matrix_.factor(D_, {});
+    return are_factors_of_D_;
+  }
+
   // d
   Impulses change(const Impulses& r) const {
     Impulses d = Impulses::Zero(3, r.cols());
-    for (const Row& row : rows_)
-      d(row.c, row.column) = std::clamp(row.z, row.lo, row.hi) - r(row.c, row.column);
+    for (const Row& row : rows_) d(row.c, row.column) = row.nearest() - r(row.c, row.column);
     return d;
   }
 
@@ -153,10 +161,14 @@ Answer quadratic(const System& system, BodyBlocks& matrix, const Answer& start, 
   Rounds rounds(system, matrix);
   Impulses r = start.r, u = system.relativeVelocities(r);
   double last = best.residuals.beyond_rounding, stiffness = kStiffness;
-  while (rounds.run(r, u, stiffness, cap, best.iterations)) {
+  for (bool goes_on = true; goes_on && !system.isBudgetSpent();) {
+    goes_on = rounds.run(r, u, stiffness, cap, best.iterations);
+    if (!r.allFinite()) break;
+    system.spend(kRowWork * static_cast<std::int64_t>(system.columns()));
     u = system.relativeVelocities(r);
     const Residuals residuals = system.residuals(r, u);
     const double now = residuals.beyond_rounding;
+    if (!std::isfinite(now)) break;
     if (now < best.residuals.beyond_rounding) best.r = r, best.residuals = residuals;
     if (now <= tolerance || (now <= enough && now > kHardlyLess * last)) break;
     if (now > kSlow * last) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The solvers of the Coulomb problem, each from a start to the best impulses it finds. All of them solve
-// problems with torques, with joints and with prescribed slip.
+// The solvers of the Coulomb problem, each from a start to the best impulses it finds. All of them but `quadratic` solve
+// problems with torques and with prescribed slip, and all solve those with joints.
 #pragma once
 
 #include "coulomb/body_blocks.h"
