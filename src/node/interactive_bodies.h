@@ -2,7 +2,8 @@
 // Interactive bodies: selects, drags, resizes and edits bodies by the mouse in RViz.
 //
 // A click selects; a drag of the body pulls it; the selection has a gizmo to carry it, or handles to resize
-// it; a right click opens a menu, whose entries are for all that are selected with the body. All of it works while the world is paused, too.
+// it; a right click opens a menu, whose entries are for all that are selected with the body. All of it works while the world
+// is paused, too.
 //
 // Mouse events come from interactive markers, which any RViz has, and from the Interact tool of this package,
 // which reaches every drawn body and needs no marker.

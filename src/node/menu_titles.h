@@ -12,7 +12,7 @@ namespace rbs {
 enum class MenuAction { Delete = 1, Duplicate, MakeStatic, MakeDynamic, Push, Resize };
 
 /// The entries for a body of this shape and kind, as BodyDescription.msg names them, in order. `count`: the bodies that are
-/// selected, where it is one of them, else 1. Push and Resize begin at the body itself, and are for it alone.
+/// selected, where it is one of them, else 1. Push and Resize are for the body under the mouse alone.
 inline std::vector<std::pair<MenuAction, std::string>> menuTitles(const std::string& shape,
                                                                   const std::string& kind,
                                                                   std::size_t count) {

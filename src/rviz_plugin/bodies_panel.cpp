@@ -294,6 +294,7 @@ QSet<QString> BodiesPanel::listed() const {
 }
 
 QStringList BodiesPanel::chosen() const {
+  if (simulator_.selection().isEmpty()) return {};
   const QSet<QString> listed = this->listed();
   QStringList names;
   for (const QString& name : simulator_.selection())

@@ -102,7 +102,12 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodyProperties::follow);
-  connect(&simulator_, &BodiesClient::heardChanged, form_, &QWidget::setEnabled);
+  connect(&simulator_, &BodiesClient::heardChanged, this, [this](bool is_heard) {
+    const QList<ValueField*> fields = form_->findChildren<ValueField*>();
+    const auto isTyping = [](const ValueField* field) { return field->isTyping(); };
+    // What is typed would be entered as its field is disabled, and refused.
+    if (is_heard || std::none_of(fields.begin(), fields.end(), isTyping)) form_->setEnabled(is_heard);
+  });
   refresh_.setSingleShot(true);
   connect(&refresh_, &QTimer::timeout, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::motionChanged, this, [this] {

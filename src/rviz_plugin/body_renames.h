@@ -9,7 +9,8 @@
 
 namespace rbs {
 
-/// New names by the last ones, whoever gave them; empty for another scene.
+/// New names by the last ones, whoever gave them; empty for another scene. Not those of bodies that take each other's names:
+/// they cannot be told from a scene file that was edited and loaded again.
 QHash<QString, QString> renamesOf(const rigid_body_sim::BodyDescriptions& before,
                                   const rigid_body_sim::BodyDescriptions& now);
 

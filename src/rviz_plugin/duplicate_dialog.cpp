@@ -9,11 +9,12 @@
 
 namespace rbs {
 
-DuplicateDialog::DuplicateDialog(int bodies, QWidget* parent) : QDialog(parent), count_(new QSpinBox) {
+DuplicateDialog::DuplicateDialog(int bodies, QWidget* parent) : QDialog(parent), count_(new NumberBox) {
   constexpr int kMostCopies = 10'000;
   constexpr double kFarthest = 1e6;  // m
   setWindowTitle("Duplicate");
   count_->setRange(1, kMostCopies);
+  count_->setDecimals(0);
   auto* const form = new QFormLayout(this);
   form->addRow(bodies == 1 ? QString("Copies") : QString("Copies of each of %1 bodies").arg(bodies), count_);
   auto* const parts = new QHBoxLayout;
@@ -31,6 +32,12 @@ DuplicateDialog::DuplicateDialog(int bodies, QWidget* parent) : QDialog(parent),
   form->addRow(buttons);
   connect(buttons, &QDialogButtonBox::accepted, this, &QDialog::accept);
   connect(buttons, &QDialogButtonBox::rejected, this, &QDialog::reject);
+}
+
+void DuplicateDialog::accept() {
+  bool are_taken = count_->takeTyped();
+  for (NumberBox* const part : offset_) are_taken = part->takeTyped() && are_taken;
+  if (are_taken) QDialog::accept();
 }
 
 geometry_msgs::Vector3 DuplicateDialog::offset() const {

@@ -7,7 +7,6 @@
 #include <geometry_msgs/Vector3.h>
 
 #include <QDialog>
-#include <QSpinBox>
 
 #include <array>
 
@@ -19,11 +18,13 @@ class DuplicateDialog : public QDialog {
   DuplicateDialog(int bodies, QWidget* parent);
 
   unsigned count() const { return static_cast<unsigned>(count_->value()); }
+  /// Not where a number that was typed is refused.
+  void accept() override;
   /// Of each copy from the one before it, in the world, m; zero: above the originals.
   geometry_msgs::Vector3 offset() const;
 
  private:
-  QSpinBox* count_;
+  NumberBox* count_;
   std::array<NumberBox*, 3> offset_;
 };
 

@@ -3,6 +3,7 @@
 
 #include "colors.h"
 
+#include <QFocusEvent>
 #include <QKeyEvent>
 #include <QLocale>
 
@@ -55,14 +56,21 @@ bool NumberBox::event(QEvent* event) {
   if (event->type() == QEvent::Hide || event->type() == QEvent::EnabledChange ||
       event->type() == QEvent::WindowDeactivate)
     refusal_->hide();
-  return leaveToShortcuts(event, lineEdit()->isModified()) || QDoubleSpinBox::event(event);
+  if (leaveToShortcuts(event, lineEdit()->isModified())) return true;
+  const bool is_done = QDoubleSpinBox::event(event);
+  // The window is behind another one: what the end of typing has refused is not said over that.
+  if (event->type() == QEvent::FocusOut &&
+      static_cast<QFocusEvent*>(event)->reason() == Qt::ActiveWindowFocusReason)
+    refusal_->hide();
+  return is_done;
 }
 
 QValidator::State NumberBox::validate(QString& text, int& position) const {
+  if (isSpecial(text)) return QValidator::Acceptable;
   text.replace(',', '.');
   const QValidator::State state = QDoubleSpinBox::validate(text, position);
   if (state != QValidator::Invalid) return state;
-  // A decimal too many is left out. A letter, or what makes a number too large, is not: the rest would be another number,
+  // The key of a decimal too many is refused. A letter, or what makes a number too large, is not: the rest would be another number,
   // 19 of 1e9, and 25 of 2.5 where it has to be whole. Enter then brings back what was there.
   const QString number = withoutSuffix(text);
   bool is_number = false;
@@ -82,7 +90,7 @@ bool NumberBox::takeTyped() {
 void NumberBox::fixup(QString& text) const {
   constexpr int kShown = 20;  // letters
   const QString typed = withoutSuffix(text).trimmed();
-  if (typed.isEmpty()) return;
+  if (typed.isEmpty() || isSpecial(typed) || !isVisible()) return;
   refusal_->setText(QString("%1 (allowed: %2, %3 to %4%5)")
                         .arg(typed.size() > kShown ? typed.left(kShown) + "…" : typed,
                              decimals() > 0 ? "a number such as 1.5" : "a whole number",
@@ -92,6 +100,10 @@ void NumberBox::fixup(QString& text) const {
   refusal_->move(std::max(below.x(), window()->geometry().left()), below.y());
   refusal_->show();
   read_->start();
+}
+
+bool NumberBox::isSpecial(const QString& text) const {
+  return !specialValueText().isEmpty() && text == specialValueText();
 }
 
 QString NumberBox::withoutSuffix(QString text) const {

@@ -30,6 +30,7 @@ class NumberBox : public QDoubleSpinBox {
   QString textFromValue(double value) const override;
 
  private:
+  bool isSpecial(const QString& text) const;
   QString withoutSuffix(QString text) const;
 
   QLabel* refusal_;

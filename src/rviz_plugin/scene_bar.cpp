@@ -96,6 +96,11 @@ void SceneBar::load(const QString& name, const std::function<void()>& act) {
       [this, act] { isEnabled() ? act() : showScene(); }, [this] { showScene(); });
 }
 
+void SceneBar::forgetFile() {
+  file_.clear();
+  showScene();
+}
+
 void SceneBar::useScene(const QString& file) {
   file_ = file;
   since_file_.start();
@@ -105,7 +110,7 @@ void SceneBar::useScene(const QString& file) {
 
 // Save would write a scene over the state.
 void SceneBar::useState(const QString& file) {
-  file_.clear();
+  forgetFile();
   keep(kState + file);
 }
 

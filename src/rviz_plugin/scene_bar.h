@@ -27,7 +27,7 @@ class SceneBar : public QWidget {
   const QStringList& recent() const { return recent_; }
   void setRecent(const QStringList& files) { recent_ = files; }
   /// Save has no file any more.
-  void forgetFile() { file_.clear(); }
+  void forgetFile();
 
  Q_SIGNALS:
   void recentChanged();

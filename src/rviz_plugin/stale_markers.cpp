@@ -22,7 +22,7 @@ void resetMarkers(rviz::DisplayGroup& group, const QString& topics) {
 }  // namespace
 
 void dropMarkersOf(const std::string& node, rviz::DisplayContext& context) {
-  resetMarkers(*context.getRootDisplayGroup(), QString::fromStdString(node + "/"));
+  if (!node.empty()) resetMarkers(*context.getRootDisplayGroup(), QString::fromStdString(node + "/"));
 }
 
 }  // namespace rbs

@@ -23,6 +23,8 @@ class ValueField : public QLineEdit {
   void answer(const QString& refusal);
   /// Shows the value again in place of what was typed or refused.
   void restore();
+  /// Whether it has what has been typed and not entered yet.
+  bool isTyping() const { return hasFocus() && isModified(); }
 
  Q_SIGNALS:
   void entered(const QString& text);

@@ -22,9 +22,9 @@
 #include <QApplication>
 #include <QColorDialog>
 #include <QDialog>
+#include <QDoubleSpinBox>
 #include <QInputDialog>
 #include <QPointer>
-#include <QSpinBox>
 #include <QTest>
 
 #include <gtest/gtest.h>
@@ -398,7 +398,12 @@ TEST_F(BodiesPanelTest, DeletesDuplicatesAndRenamesByKeys) {
   QTest::keyClick(&list(), Qt::Key_D, Qt::ControlModifier);
   auto* const dialog = panel_.findChild<QDialog*>();
   ASSERT_TRUE(dialog);
-  dialog->findChild<QSpinBox*>()->setValue(2);
+  auto* const copies = dialog->findChild<QDoubleSpinBox*>();
+  copies->selectAll();
+  QTest::keyClicks(copies, "50000");
+  dialog->accept();
+  EXPECT_EQ(dialog->result(), QDialog::Rejected) << "the number that was typed is not taken";
+  copies->setValue(2);
   dialog->accept();
   EXPECT_TRUE(waitFor([this] { return rows().size() == 7; }));
   EXPECT_TRUE(waitFor([this] { return selectedRows().size() == 4 && !selectedRows().contains("crate"); }));

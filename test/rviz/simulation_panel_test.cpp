@@ -446,6 +446,10 @@ TEST_F(SimulationPanelTest, SaysWhichNumbersAreNotTakenAndWhatIsAllowed) {
   EXPECT_EQ(refusal(speed), "") << "it is over with the next number";
   QTest::keyClick(&speed, Qt::Key_Return);
   EXPECT_EQ(refusal(speed), "");
+  enter(speed, "0");
+  ASSERT_EQ(speed.text(), "max");
+  QTest::keyClick(&speed, Qt::Key_Return);
+  EXPECT_EQ(refusal(speed), "") << "what the box itself says is no mistake";
   const std::uint64_t before = status_.steps;
   for (const char* const text : {"5000", "2.5"}) {
     steps.selectAll();
