@@ -29,8 +29,8 @@ namespace rbs::coulomb {
 
 namespace {
 
-constexpr double kStiffness = 1e3, kMostStiffness = 1e10;  // in units of 1/response
-constexpr double kGrowth = 10.0;                           // of the stiffness from one round to the next
+constexpr double kFirstStiffness = 1e3, kMostStiffness = 1e10;  // in units of 1/response
+constexpr double kGrowth = 10.0;                                // of the stiffness from one round to the next
 constexpr double kSlow = 0.1;           // what a round leaves of the error at most, or the stiffness grows
 constexpr double kHardlyLess = 0.5;     // of what the last round has left
 constexpr int kMostSteps = 100;         // of a round: by rounding, steps may cross one bound to and fro
@@ -160,7 +160,7 @@ Answer quadratic(const System& system, BodyBlocks& matrix, const Answer& start, 
   Answer best{start.r, start.residuals, 0};
   Rounds rounds(system, matrix);
   Impulses r = start.r, u = system.relativeVelocities(r);
-  double last = best.residuals.beyond_rounding, stiffness = kStiffness;
+  double last = best.residuals.beyond_rounding, stiffness = kFirstStiffness;
   for (bool goes_on = true; goes_on && !system.isBudgetSpent();) {
     // Within the tolerance one more round follows, where no matrix is factored for it: its digits cost next to nothing, and
     // spare the next step a solve.
