@@ -41,7 +41,6 @@ EffectsView::EffectsView(SimulatorClient& simulator) : simulator_(simulator) {
   setColumnCount(kEffectColumns);
   setHeaderLabels({"Effect", "Switch", "ms", "Why"});
   setRootIsDecorated(false);
-  setTextElideMode(Qt::ElideMiddle);  // the tool tip has all of it
   setSelectionMode(QAbstractItemView::NoSelection);
   setFocusPolicy(Qt::NoFocus);
   header()->setStretchLastSection(true);

@@ -58,7 +58,6 @@ PipelineTree::PipelineTree() {
   setColumnCount(kStageColumns);
   setHeaderLabels({"Stage", "ms", "Why"});
   setUniformRowHeights(true);
-  setTextElideMode(Qt::ElideMiddle);  // the tool tip has all of it
   setSelectionMode(QAbstractItemView::NoSelection);
   setFocusPolicy(Qt::NoFocus);
   setIndentation(indentation() / 2);

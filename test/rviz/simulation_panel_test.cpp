@@ -620,9 +620,6 @@ TEST(StatusView, ShowsBothEndsOfALongReason) {
     return label->text().startsWith("con") && label->text().endsWith("ates") &&
            label->toolTip().contains("takes the most of a step");
   }));
-  SimulatorClient simulator;
-  EXPECT_EQ(PipelineTree().textElideMode(), Qt::ElideMiddle);
-  EXPECT_EQ(EffectsView(simulator).textElideMode(), Qt::ElideMiddle);
 }
 
 TEST(PipelineTree, PutsPartsBelowTheirStage) {
