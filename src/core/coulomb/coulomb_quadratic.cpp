@@ -60,7 +60,7 @@ class Rounds {
     Velocities x = Velocities::Zero(6, system_.free().cols());
     bool is_cut_off = false;
     crosses_ = true;
-    for (int step = 0; crosses_ && step < kMostSteps && !is_cut_off; ++step) {
+    for (int step = 0; crosses_ && step < kMostSteps; ++step) {
       updateD();
       is_cut_off = !factorD(cap, iterations);
       if (is_cut_off) break;
@@ -97,6 +97,7 @@ class Rounds {
     }
   }
 
+  // False where run() is to be cut off.
   bool factorD(int cap, int& iterations) {
     if (are_factors_of_D_) return true;
     if (iterations >= cap || system_.isBudgetSpent()) return false;
