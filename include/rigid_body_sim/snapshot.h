@@ -63,6 +63,9 @@ struct ContactPoint {
   double separation = 0.0;               ///< along the normal, when last found, m; negative is penetration
   double normal_impulse = 0.0;           ///< sum over the step, N s, >= 0
   Vec3 friction_impulse = Vec3::Zero();  ///< on b, sum over the step, in W, N s
+  /// For how many steps the two bodies have touched, up to this one; the same for all points of the two. They touch in a
+  /// step in which they push each other, and begin anew where they came apart. 1: they began in this step; 0: they do not touch.
+  std::uint64_t touching_steps = 0;
 };
 
 /// One row of the pipeline: a stage of the step, whether it runs, why, and what it costs.

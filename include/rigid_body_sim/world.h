@@ -70,6 +70,8 @@ struct SavedState {
     /// Largest penetration depth of its points when last found, m, >= 0. It decides whether depenetration
     /// parts the two in the next step, and whether contacts keep the side that n_W says.
     double depth = 0.0;
+    /// ContactPoint::touching_steps, up to that step.
+    std::uint64_t touching_steps = 0;
   };
   std::vector<Contact> contacts;  ///< pairs that had contact points in the last step
   /// Orientation of a body at an earlier time. Where nothing can change the angular velocity of a body, its

@@ -89,6 +89,7 @@ void StatePublisher::publishContacts(const Timeline::Moment& moment) {
     point.separation = finite(contact.separation);
     point.normal_impulse = finite(contact.normal_impulse);
     point.friction_impulse = toMsg(contact.friction_impulse);
+    point.touching_steps = contact.touching_steps;
     message.contacts.push_back(point);
   }
   contacts_.send(message);

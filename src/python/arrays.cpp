@@ -30,13 +30,14 @@ py::dtype contactType() {
   const auto handle = py::dtype::of<std::uint64_t>();
   const py::object vector = py::make_tuple(real, py::make_tuple(3));
   const auto named = [](auto... names) { return py::list(py::make_tuple(names...)); };
-  return py::dtype(
-      named("body_a", "body_b", "position", "normal", "separation", "normal_impulse", "friction_impulse"),
-      named(handle, handle, vector, vector, real, real, vector),
-      named(offsetof(ContactPoint, a), offsetof(ContactPoint, b), offsetof(ContactPoint, p_W),
-            offsetof(ContactPoint, n_W), offsetof(ContactPoint, separation),
-            offsetof(ContactPoint, normal_impulse), offsetof(ContactPoint, friction_impulse)),
-      sizeof(ContactPoint));
+  return py::dtype(named("body_a", "body_b", "position", "normal", "separation", "normal_impulse",
+                         "friction_impulse", "touching_steps"),
+                   named(handle, handle, vector, vector, real, real, vector, py::dtype::of<std::uint64_t>()),
+                   named(offsetof(ContactPoint, a), offsetof(ContactPoint, b), offsetof(ContactPoint, p_W),
+                         offsetof(ContactPoint, n_W), offsetof(ContactPoint, separation),
+                         offsetof(ContactPoint, normal_impulse), offsetof(ContactPoint, friction_impulse),
+                         offsetof(ContactPoint, touching_steps)),
+                   sizeof(ContactPoint));
 }
 
 }  // namespace

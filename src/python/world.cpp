@@ -182,7 +182,10 @@ void bindReading(WorldClass& type) {
               "written.\n\nFields: body_a, body_b (handles, the older body first), position (m, in W, midway "
               "between the surfaces), normal\n(unit, in W, from a to b), separation (m; negative is "
               "penetration), normal_impulse (N s, over the step, >= 0),\nfriction_impulse (on b, in W, N s, "
-              "over the step). The array is a view of the moment of the call: it never changes\nand stays "
+              "over the step), touching_steps (for how many steps the two have pushed each other without a "
+              "break; 1: they\n"
+              "began in this step; 0: they do not touch). The array is a view of the moment of the call: it "
+              "never changes\nand stays "
               "valid when the world steps on or is gone."))
       .def(
           "totals", [](const PyWorld& world) { return fromTotals(world.read().totals()); },

@@ -139,7 +139,7 @@ TEST(Contacts, ThatRestOrHaveGivenImpulsesWaitAside) {
   EXPECT_EQ(contacts.dormant[1].key.j, bodies.id[3]);
   EXPECT_TRUE(contacts.dormant[1].points.empty()) << "what they gave is counted";
   EXPECT_EQ(contacts.dormant[1].earlier.size(), 1u);
-  contacts.clearEarlier();
+  contacts.beginWorldStep();
   contacts.update(bodies, {{0, 1}}, restsFirst);
   EXPECT_EQ(contacts.active[0].points.size(), 1u) << "it comes back with its points";
   EXPECT_TRUE(contacts.dormant.empty()) << "what has given nothing in this step is dropped";
@@ -182,7 +182,7 @@ TEST(Contacts, FollowAModelThroughRandomSteps) {
         for (Index j = i + 1; j < bodies.size(); ++j)
           if (random() % 2 && !(resting.count(bodies.id[i]) && resting.count(bodies.id[j])))
             found.emplace_back(i, j);
-      contacts.clearEarlier();
+      contacts.beginWorldStep();
       contacts.update(bodies, found, rests);
       std::map<std::pair<BodyId, BodyId>, double> next;
       for (const auto& [key, force] : model)

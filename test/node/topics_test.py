@@ -141,6 +141,7 @@ class TopicsTest(unittest.TestCase):
         self.assertEqual(len(under), 4)
         weight = body('crate').description.mass * 9.81 / 60.0
         self.assertAlmostEqual(sum(c.normal_impulse for c in under), weight, delta=1e-6 * weight)
+        self.assertEqual({c.touching_steps for c in under}, {120})
 
     def test_details_name_the_method_and_the_island_of_each_body(self):
         details = self.listen('/sim/body_details', BodyDetails)

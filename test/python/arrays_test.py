@@ -76,6 +76,7 @@ class ArraysTest(unittest.TestCase):
         np.testing.assert_allclose(impulse.sum(axis=0), [0, 0, 3 * 9.81 / 60], atol=1e-6)
         np.testing.assert_allclose(contacts['position'][:, 2], 0, atol=1e-3)
         self.assertTrue(np.all(np.abs(contacts['separation']) < 1e-3))
+        self.assertEqual(contacts['touching_steps'].tolist(), [200] * 4)
         np.testing.assert_array_equal(np.searchsorted(world.ids, contacts['body_b']), 1)
         np.testing.assert_array_equal(contacts, world.snapshot().contacts())
 

@@ -130,6 +130,7 @@ SavedState readState(Fields& fields, std::size_t bodies, FileProblems& problems)
     contact.exact = readFlag(item, "exact");
     item.read("normal", contact.n_W);
     item.read("depth", contact.depth);
+    item.read("touching", contact.touching_steps);
     if (contact.a >= contact.b) item.report("b", std::to_string(contact.b), "more than a");
     readItems(item, "points", problems, [&](Fields& p) {
       SavedState::Contact::Point& point = contact.points.emplace_back();

@@ -162,6 +162,7 @@ std::string contactText(const SavedState::Contact& contact) {
   if (contact.exact) line.add("exact", "1");
   line.add("normal", text(contact.n_W));
   if (contact.depth > 0.0) line.add("depth", text(contact.depth));
+  if (contact.touching_steps > 0) line.add("touching", text(contact.touching_steps));
   return line.add("points", "[" + points + "]").close();
 }
 

@@ -52,7 +52,7 @@ void Contacts::update(const Bodies& bodies, const IndexPairs& found,
     for (Contact& old : *last) {
       while (place != active.end() && place->key < old.key) ++place;
       if (place != active.end() && place->key == old.key) {
-        place->exact = old.exact, place->axis.n_A = old.axis.n_A;
+        place->exact = old.exact, place->axis.n_A = old.axis.n_A, place->touching_from = old.touching_from;
         place->points = std::move(old.points), place->earlier = std::move(old.earlier);
         place->points_before = std::move(old.points_before);  // for its room alone
       } else if (const bool stays = !old.points.empty() && rests(old); stays || !old.earlier.empty()) {
@@ -130,9 +130,24 @@ void Contacts::remove(BodyId body) {
     list->erase(std::remove_if(list->begin(), list->end(), isOfBody), list->end());
 }
 
-void Contacts::clearEarlier() {
+void Contacts::beginWorldStep() {
   for (std::vector<Contact>* list : {&active, &dormant})
-    for (Contact& contact : *list) contact.earlier.clear();
+    for (Contact& contact : *list) {
+      contact.earlier.clear();
+      if (contact.points.empty()) contact.touching_from = 0;
+    }
+}
+
+void Contacts::endWorldStep(std::uint64_t step, const std::function<bool(const Contact&)>& rests) {
+  for (std::vector<Contact>* list : {&active, &dormant})
+    for (Contact& contact : *list) {
+      if (rests(contact)) continue;
+      if (!contact.pushed()) {
+        contact.touching_from = 0;
+      } else if (contact.touching_from == 0) {
+        contact.touching_from = step;
+      }
+    }
 }
 
 Contact newContact(const Bodies& bodies, Index i, Index j) {

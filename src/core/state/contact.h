@@ -76,6 +76,8 @@ struct Contact {
   /// Impulses given earlier in this step of the World and no longer in `points`: of located impacts, of divisions before
   /// this one, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;
+  /// The step of the World, counted from 1, since which the two push each other in every step; 0: they do not.
+  std::uint64_t touching_from = 0;
   /// Of its last query, with the counts of the step. It changes no result, only the time that one takes.
   mutable SeparatingAxis axis;
 
@@ -86,6 +88,16 @@ struct Contact {
   bool bears() const {
     return std::any_of(points.begin(), points.end(),
                        [](const SolvedPoint& point) { return point.normal > 0.0; });
+  }
+  /// Whether it has given an impulse in this step of the World.
+  bool pushed() const {
+    const auto pushes = [](const SolvedPoint& point) { return point.normal_impulse > 0.0; };
+    return std::any_of(points.begin(), points.end(), pushes) ||
+           std::any_of(earlier.begin(), earlier.end(), pushes);
+  }
+  /// ContactPoint::touching_steps after `steps` steps of the World.
+  std::uint64_t touchingSteps(std::uint64_t steps) const {
+    return touching_from == 0 ? 0 : steps - touching_from + 1;
   }
   /// The point of a feature, as the last solve left it; null when there is none.
   const SolvedPoint* pointOf(std::uint32_t feature) const {
@@ -118,7 +130,7 @@ struct Contact {
   /// Takes back all solves of the step, but not the impulses that are in `earlier`.
   void takeBackSolves();
   /// Drops all that is known: a body has been moved or reshaped.
-  void forget() { points.clear(), earlier.clear(), exact = false, axis = {}; }
+  void forget() { points.clear(), earlier.clear(), exact = false, axis = {}, touching_from = 0; }
 };
 
 /// The contacts of a scene.
@@ -149,7 +161,10 @@ struct Contacts {
   std::vector<const Contact*> withPoints() const;
   void forget(BodyId body);
   void remove(BodyId body);
-  void clearEarlier();
+  /// Begins a step of the World: no impulses have been given in it, and pairs without points have come apart.
+  void beginWorldStep();
+  /// Ends step number `step` of the World, counted from 1: tells which touch since when. What `rests` is as it was.
+  void endWorldStep(std::uint64_t step, const std::function<bool(const Contact&)>& rests);
 
  private:
   std::vector<Contact> last_active_, last_dormant_;  // while they are updated

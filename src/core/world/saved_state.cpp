@@ -26,7 +26,8 @@ SavedState captureState(const SceneStore& scene) {
                               {},
                               contact->exact,
                               contact->points.front().n_W,
-                              contact->depth()};
+                              contact->depth(),
+                              contact->touchingSteps(scene.steps)};
     for (const SolvedPoint& point : contact->points)
       saved.points.push_back({point.feature, point.normal, point.friction_W});
     state.contacts.push_back(std::move(saved));
@@ -109,6 +110,10 @@ std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings,
                               std::to_string(Manifold::kPoints) + " points"});
     if (!(std::abs(contact.n_W.squaredNorm() - 1.0) < 1e-9))
       problems.push_back({"state.contacts", text(contact.n_W.norm()), "a normal of length 1"});
+    if (contact.touching_steps > saved.steps)
+      problems.push_back(
+          {"state.contacts", std::to_string(contact.touching_steps),
+           "no more steps of touching than the " + std::to_string(saved.steps) + " of the scene"});
     if (!(std::isfinite(contact.depth) && contact.depth >= 0.0))
       problems.push_back({"state.contacts", text(contact.depth), "a depth that is finite and not negative"});
     for (const SavedState::Contact::Point& point : contact.points)
@@ -143,6 +148,7 @@ void restoreForces(const SavedState& saved, SceneStore& scene) {
   for (const SavedState::Contact& known : saved.contacts) {
     Contact contact = newContact(scene.bodies, known.a, known.b);
     contact.exact = known.exact, contact.solved = true;
+    if (known.touching_steps > 0) contact.touching_from = saved.steps - known.touching_steps + 1;
     for (const SavedState::Contact::Point& point : known.points) {
       SolvedPoint& restored = contact.points.emplace_back();
       restored.feature = point.feature;

@@ -365,7 +365,7 @@ const StepReport& World::step() {
     w.step.solve_budget.until =
         std::chrono::steady_clock::now() +
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double, std::milli>(*ms));
-  w.scene.contacts.clearEarlier();
+  w.scene.contacts.beginWorldStep();
   w.pipeline.restartClocks();
   w.advance(parts == 1 ? start + h : start + h / parts);
   for (std::uint32_t part = 2; part <= parts; ++part) {
@@ -377,6 +377,8 @@ const StepReport& World::step() {
     addDivisions(before, w.step.report);
   }
   ++w.scene.steps;
+  w.scene.contacts.endWorldStep(w.scene.steps,
+                                [&](const Contact& contact) { return w.scene.isAsleep(contact); });
   return w.step.report;
 }
 

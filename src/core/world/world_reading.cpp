@@ -92,13 +92,14 @@ std::vector<ContactPoint> contactPoints(const SceneStore& scene) {
   for (const Contact* contact : scene.contacts.withPoints()) {
     std::vector<SolvedPoint> opened = contact->earlier;
     const auto first = static_cast<std::ptrdiff_t>(points.size());
+    const std::uint64_t touching = contact->touchingSteps(scene.steps);
     const auto add = [&](const SolvedPoint& p) {
       const auto same = std::find_if(points.begin() + first, points.end(), [&](const ContactPoint& point) {
         return point.p_W == p.p_W && point.n_W == p.n_W && !p.p_W.isZero(0.0);
       });
       if (same == points.end()) {
         points.push_back({contact->key.i, contact->key.j, p.p_W, p.n_W, p.separation, p.normal_impulse,
-                          p.friction_impulse_W});
+                          p.friction_impulse_W, touching});
       } else {
         same->normal_impulse += p.normal_impulse;
         same->friction_impulse += p.friction_impulse_W;
