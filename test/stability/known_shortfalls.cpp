@@ -15,8 +15,6 @@ const std::vector<Shortfall>& knownShortfalls() {
        "rounding decides the order of the first touches, and one pass a sub-step does not bring the answers "
        "together"},
       {"A43", "interactive", "movement of any block", "0.018 m", "soft contacts sink in under thirty layers"},
-      {"A44", "accurate", "impulses, relative, 1 : 1e+06, 10 boxes", "9.9e-07",
-       "`accurate` solves contacts to 1e-6, and beyond only where a few iterations get there"},
       {"A66", "interactive", "fastest body that was not held", "45 m/s",
        "a hand that moves in steps pulls faster than it moves, and what is caught between two is squeezed "
        "out"},

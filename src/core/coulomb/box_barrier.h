@@ -56,6 +56,16 @@ class BoxBarrier {
     }
     return pairs;
   }
+  /// The place of impulses of the box and velocities, on the boundary.
+  BoxPairs placeOf(const Vec3& impulses, const Vec3& u) const {
+    BoxPairs pairs;
+    pairs.r = impulses;
+    for (int c = 0; c < 3; ++c) {
+      if (hasLo(c)) pairs.z_lo[c] = std::max(u[c], 0.0);
+      if (hasHi(c)) pairs.z_hi[c] = std::max(-u[c], 0.0);
+    }
+    return pairs;
+  }
   double sumOfProducts(const BoxPairs& pairs) const {
     double sum = 0.0;
     for (int c = 0; c < 3; ++c) sum += loProduct(pairs, c) + hiProduct(pairs, c);

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace rbs::coulomb {
 
 namespace {
 
+constexpr double kNoRefinement = 1e-9;
 constexpr double kSolved = 1e-3;  // what a solution of the linear equations may leave of their right side
 
 }  // namespace
@@ -71,6 +73,31 @@ CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(sys
   D_.resize(system.columns());
   g_.resize(torques_.size());
   off_.resize(3, system.columns());
+}
+
+// A place of the boundary and one within the cones make one within them (Skajaa, Andersen and Ye, Math. Prog. Comp. 5, 2013).
+void CentralPath::startNear(const Impulses& guess, double away) {
+  Impulses r(3, system_.columns());
+  for (std::size_t k = 0; k < system_.columns(); ++k) r.col(k) = system_.nearest(k, guess.col(k), r);
+  Place near = place;
+  near.y = system_.free();
+  system_.push(r, near.y);
+  for (std::size_t k = 0; k < near.points.size(); ++k) {
+    const Vec3 u = system_.velocity(system_.points()[k], near.y);
+    near.points[k] = {r(2, k), std::max(u[2], 0.0),
+                      sliding_[k].placeOf(r.col(k).head<2>(), r(2, k), u.head<2>())};
+  }
+  for (std::size_t k = 0; k < near.torques.size(); ++k) {
+    const TorqueRows& torque = system_.torques()[k];
+    const Vec3 u = system_.velocity(torque, near.y), x = r.col(near.points.size() + k);
+    const double n = System::normalSum(torque, r);
+    near.torques[k] = {torques_[k].rolling.placeOf(x.head<2>(), n, u.head<2>()),
+                       torques_[k].spinning.placeOf(x.tail<1>(), n, u.tail<1>())};
+  }
+  for (std::size_t k = 0; k < near.joints.size(); ++k)
+    near.joints[k] =
+        joints_[k].placeOf(r.col(system_.firstJoint() + k), system_.velocity(system_.joints()[k], near.y));
+  place.add(1.0 - away, near.add(-1.0, place));
 }
 
 Impulses CentralPath::impulses() const {
@@ -188,6 +215,25 @@ bool CentralPath::tangent(double t, double share, Place& direction) const {
   return solve(wanted, direction);
 }
 
+template <class Change>
+void CentralPath::addResponse(const Change& du, Velocities& y) const {
+  const std::size_t points = place.points.size();
+  std::vector<double> dn(torques_.empty() ? 0 : points);  // by point, of its normal impulse
+  for (std::size_t k = 0; k < points; ++k) {
+    const Vec3 dr = -(D_[k] * du(k));
+    if (!dn.empty()) dn[k] = dr[2];
+    System::push(system_.points()[k], dr, y);
+  }
+  for (std::size_t k = 0; k < torques_.size(); ++k) {
+    const TorqueRows& torque = system_.torques()[k];
+    const auto first = dn.begin() + static_cast<std::ptrdiff_t>(torque.first);
+    const double sum = std::accumulate(first, first + static_cast<std::ptrdiff_t>(torque.size), 0.0);
+    System::push(torque, sum * g_[k] - D_[points + k] * du(points + k), y);
+  }
+  for (std::size_t k = system_.firstJoint(); k < system_.columns(); ++k)
+    System::push(system_.rows(k), -(D_[k] * du(k)), y);
+}
+
 bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   const std::size_t points = place.points.size();
   Impulses e(3, system_.columns());
@@ -204,11 +250,16 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   for (std::size_t k = 0; k < joints_.size(); ++k)
     e.col(first_joint + k) = joints_[k].constant(wanted.joints[k]);
   Velocities right = wanted.away;
-  system_.push(e + respond(wanted.off), right);
+  system_.push(e, right);
+  addResponse([&](std::size_t k) -> Vec3 { return wanted.off.col(k); }, right);
   direction.y = matrix_.solve(right);
-  // One refinement, which also tells what the factors are worth.
-  direction.y += matrix_.solve(residual(right, direction.y));
-  if (!(residual(right, direction.y).norm() <= kSolved * right.norm())) return false;
+  // What the factors are worth: one refinement where they have lost digits.
+  Velocities rest = residual(right, direction.y);
+  if (!(rest.norm() <= kNoRefinement * right.norm())) {
+    direction.y += matrix_.solve(rest);
+    rest = residual(right, direction.y);
+    if (!(rest.norm() <= kSolved * right.norm())) return false;
+  }
 
   direction.points.resize(points);
   direction.torques.resize(torques_.size());
@@ -235,28 +286,10 @@ bool CentralPath::solve(const Wanted& wanted, Place& direction) const {
   return true;
 }
 
-Impulses CentralPath::respond(Impulses du) const {
-  const std::size_t points = place.points.size();
-  // Torques first: they need the changes of their points' velocities.
-  for (std::size_t k = 0; k < torques_.size(); ++k) {
-    const TorqueRows& torque = system_.torques()[k];
-    double dn = 0.0;
-    for (std::size_t p = torque.first; p < torque.first + torque.size; ++p) dn -= D_[p](2, 2) * du(2, p);
-    du.col(points + k) = (dn * g_[k] - D_[points + k] * du.col(points + k)).eval();
-  }
-  for (std::size_t k = 0; k < points; ++k) du.col(k) = -(D_[k] * du.col(k)).eval();
-  for (std::size_t k = system_.firstJoint(); k < system_.columns(); ++k)
-    du.col(k) = -(D_[k] * du.col(k)).eval();
-  return du;
-}
-
 /// right - (1 + J^T D J) dy.
 Velocities CentralPath::residual(const Velocities& right, const Velocities& dy) const {
   Velocities rest = right - dy;
-  Impulses du(3, system_.columns());
-  for (std::size_t k = 0; k < system_.columns(); ++k)
-    du.col(k) = System::changed(system_.rows(k), Vec3::Zero(), dy);
-  system_.push(respond(std::move(du)), rest);
+  addResponse([&](std::size_t k) { return System::changed(system_.rows(k), Vec3::Zero(), dy); }, rest);
   return rest;
 }
 

@@ -59,6 +59,9 @@ class CentralPath {
   CentralPath(const System& system, BodyBlocks& matrix);
 
   Place place;
+  /// Starts near impulses: where they and the velocities they make are, by this part of the way from there to the start without
+  /// them, 0 to 1.
+  void startNear(const Impulses& guess, double away);
   Impulses impulses() const;
   /// 0 where there are no pairs: then all steps are Newton's own.
   double meanProduct() const;
@@ -101,8 +104,9 @@ class CentralPath {
   };
 
   bool solve(const Wanted& wanted, Place& direction) const;
-  /// -D du, and at torques + g dN.
-  Impulses respond(Impulses du) const;
+  /// Adds J^T of what impulses change by where velocities change by du(k): -D du, and at torques + g dN.
+  template <class Change>
+  void addResponse(const Change& du, Velocities& y) const;
   Velocities residual(const Velocities& right, const Velocities& dy) const;
 
   const System& system_;

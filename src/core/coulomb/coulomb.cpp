@@ -57,7 +57,8 @@ struct Case {
   bool wants_every_digit = tolerance < 1e-9;
   // A little more than asked, so that the same impulses pass as the warm start of the next step.
   double target = 0.1 * wanted;
-  double rough = std::max(0.1 * tolerance, 1e-6);  // for those that Newton's method finishes
+  // For those that Newton's method finishes: from `rough` as a rule, from `fine` where that has failed.
+  double fine = std::max(0.1 * tolerance, 1e-6), rough = std::max(fine, 1e-4);
 
   Answer cold() const {
     const Impulses zero = system.noImpulses();
@@ -98,6 +99,9 @@ Answer sweeps(const Case& at, double tolerance, int cap) {
 Answer interior(const Case& at, double tolerance, int cap) {
   return interiorPoint(at.system, at.matrix, tolerance, cap);
 }
+Answer interiorFromBest(const Case& at, double tolerance, int cap) {
+  return interiorPoint(at.system, at.matrix, at.best, tolerance, cap);
+}
 Answer path(const Case& at, double tolerance, int cap) {
   return followPath(at.system, at.matrix, tolerance, cap);
 }
@@ -128,11 +132,14 @@ constexpr Attempt kAttempts[] = {
     {CoulombSolver::Newton, newtonFromRest, [](const Case& at) { return at.system.free().cols() <= 4; },
      &Case::wanted, &Case::target, 20, 0},
     {CoulombSolver::Admm, admmFromRest, [](const Case& at) { return at.is_large; }, &Case::tolerance,
-     &Case::rough, 100, 10},
+     &Case::fine, 100, 10},
+    {CoulombSolver::InteriorPoint, interiorFromBest,
+     [](const Case& at) { return !at.is_frictionless && (at.wants_every_digit || !at.slips); },
+     &Case::tolerance, &Case::rough, 30, 20},
     {CoulombSolver::InteriorPoint, interior, [](const Case& at) { return at.wants_every_digit; },
-     &Case::tolerance, &Case::rough, 80, 40},
+     &Case::tolerance, &Case::fine, 80, 40},
     {CoulombSolver::InteriorPoint, interior,
-     [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::rough, 80,
+     [](const Case& at) { return !at.wants_every_digit && !at.slips; }, &Case::tolerance, &Case::fine, 80,
      20},
     {CoulombSolver::Newton, newtonFromBest, [](const Case& at) { return !at.is_frictionless && !at.slips; },
      &Case::needed, &Case::target, 30, 0},
@@ -145,19 +152,19 @@ constexpr Attempt kAttempts[] = {
     // The central path may turn back where the interior point gets stuck.
     {CoulombSolver::InteriorPoint, path,
      [](const Case& at) { return !at.wants_every_digit && !at.slips && at.size <= 500; }, &Case::needed,
-     &Case::rough, 150, 20},
+     &Case::fine, 150, 20},
     {CoulombSolver::InteriorPoint, path,
      [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::needed,
-     &Case::rough, 100, 40},
+     &Case::fine, 100, 40},
     {CoulombSolver::InteriorPoint, path,
      [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::needed,
-     &Case::rough, 600, 40},
+     &Case::fine, 600, 40},
     {CoulombSolver::Admm, admmFromBest,
      [](const Case& at) { return at.wants_every_digit && !at.slips && at.is_large; }, &Case::needed,
-     &Case::rough, 500, 20},
+     &Case::fine, 500, 20},
     {CoulombSolver::Admm, admmFromBest,
      [](const Case& at) { return at.wants_every_digit && !at.slips && !at.is_large; }, &Case::needed,
-     &Case::rough, 500, 20, 4},
+     &Case::fine, 500, 20, 4},
     // Bodies are not to fall through, even where time is over.
     {CoulombSolver::GaussSeidel, sweeps, [](const Case& at) { return at.system.isBudgetSpent(); },
      &Case::tolerance, &Case::tolerance, 10, 0},

@@ -5,6 +5,11 @@
 // (1 - a)^3 of the mean, with the predictor's second order. Where products no longer fall the path turns
 // back, and the rest is for others.
 //
+// It starts near the best impulses known: they are on the boundary of the cones or beyond, so the start is a little of the way
+// from there to the one without them, kAway for each unit of what they leave (Skajaa, Andersen and Ye, "Warmstarting the
+// homogeneous and self-dual interior point method", Math. Prog. Comp. 5, 2013). That spares a third to a half of the iterations. Where
+// another set of points pushes, a start so near the boundary may get stuck, and one from afar is tried.
+//
 // Its tolerance is coarse (Case::rough), so double is enough for the residuals of its steps.
 #include "coulomb/central_path.h"
 #include "coulomb/coulomb_solvers.h"
@@ -15,15 +20,13 @@ namespace rbs::coulomb {
 
 namespace {
 
+constexpr double kAway = 0.03, kLeastAway = 1e-4;  // per residual
 constexpr double kMostOfRoom = 0.99;
 constexpr double kLeastCentring = 1e-8;
 constexpr double kHeadway = 0.5;  // what so many steps leave of the mean product at most, or it is stuck
 constexpr int kStepsOfHeadway = 8;
 
-}  // namespace
-
-Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap) {
-  CentralPath path(system, matrix);
+Answer follow(const System& system, CentralPath& path, double tolerance, int cap) {
   CentralPath::Place predictor, corrector;
   Answer best;
   best.r = system.noImpulses();
@@ -46,6 +49,20 @@ Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance,
   }
   best.residuals = system.residuals(best.r);
   return best;
+}
+
+}  // namespace
+
+Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap) {
+  CentralPath path(system, matrix);
+  return follow(system, path, tolerance, cap);
+}
+
+Answer interiorPoint(const System& system, BodyBlocks& matrix, const Answer& guess, double tolerance,
+                     int cap) {
+  CentralPath path(system, matrix);
+  path.startNear(guess.r, std::clamp(kAway * guess.residuals.beyond_rounding, kLeastAway, 1.0));
+  return follow(system, path, tolerance, cap);
 }
 
 }  // namespace rbs::coulomb

@@ -42,7 +42,7 @@ constexpr double kHardlyLess = 0.5;                       // of what the last ro
 // that most points keep the state that the best impulses give them.
 constexpr double kTrust = 0.03;
 constexpr double kCutShort = 0.05;  // a part of a step at which its round ends
-constexpr int kMostSteps = 10;      // of Newton in a round
+constexpr int kMostSteps = 4;       // of Newton in a round
 constexpr int kMostHalvings = 8;    // of a step
 
 class Round {

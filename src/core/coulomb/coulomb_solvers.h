@@ -44,6 +44,9 @@ Answer quadratic(const System& system, BodyBlocks& matrix, const Answer& start, 
 /// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton` is to
 /// finish.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);
+/// The same from near a guess: a third to a half of the iterations less where that is nearly right.
+Answer interiorPoint(const System& system, BodyBlocks& matrix, const Answer& guess, double tolerance,
+                     int cap);
 
 /// The interior point's path by its arc length, slower and through more. Iterations are factorisations.
 Answer followPath(const System& system, BodyBlocks& matrix, double tolerance, int cap);

@@ -100,6 +100,14 @@ class FrictionBarrier {
     if (isBall()) pair.b[n] = set_.factor * N, pair.h[n] = speed / set_.factor;
     return pair;
   }
+  /// The place of an impulse of the set under N and of a slip, on the boundary.
+  Pair placeOf(const Vec& impulse, double N, const Vec& slip) const {
+    Pair pair;
+    if (!isBall()) return pair;
+    pair.b.template head<n>() = impulse, pair.b[n] = set_.factor * N;
+    pair.h.template head<n>() = slip, pair.h[n] = slip.norm();
+    return pair;
+  }
   Vec impulse(const Pair& pair, double N) const {
     return isBall() ? Vec(pair.b.template head<n>()) : Vec(-(set_.factor * N) * set_.slip);
   }
