@@ -122,10 +122,7 @@ std::shared_ptr<BodyDef> makeBody(py::handle shape, const py::kwargs& fields) {
   auto body = std::make_shared<BodyDef>();
   if (!shape.is_none()) body->shape = toShape(shape, "shape");
   const py::object self = py::cast(body);
-  for (const auto& [name, value] : fields) {
-    if (!py::hasattr(self, name)) refuse(name.cast<std::string>(), textOf(value), "a field of Body");
-    py::setattr(self, name, value);
-  }
+  for (const auto& [name, value] : fields) setField(self, name, value);
   return body;
 }
 

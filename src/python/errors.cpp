@@ -27,6 +27,12 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+// Of a class bound by this module: its fields are properties that can be set.
+bool isField(py::handle type, py::handle name) {
+  const py::object attribute = type.attr("__dict__").attr("get")(name);
+  return PyObject_TypeCheck(attribute.ptr(), &PyProperty_Type) && !attribute.attr("fset").is_none();
+}
+
 }  // namespace
 
 py::object typeNamed(const char* name) {
@@ -35,6 +41,23 @@ py::object typeNamed(const char* name) {
 
 void refuse(const std::string& path, const std::string& value, const std::string& allowed) {
   throw InvalidInput({{path, value, allowed}});
+}
+
+std::string fieldsOf(py::handle type) {
+  std::string text = "a field of " + type.attr("__name__").cast<std::string>();
+  const char* separator = ": ";
+  for (const py::handle name : py::module_::import("builtins").attr("sorted")(type.attr("__dict__"))) {
+    if (!isField(type, name)) continue;
+    text += separator + name.cast<std::string>();
+    separator = ", ";
+  }
+  return text;
+}
+
+void setField(py::handle self, py::handle name, py::handle value) {
+  const py::object type = py::type::of(self);
+  if (!isField(type, name)) refuse(name.cast<std::string>(), textOf(value), fieldsOf(type));
+  py::setattr(self, name, value);
 }
 
 std::string textOf(py::handle value) {

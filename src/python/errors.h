@@ -20,6 +20,12 @@ py::object typeNamed(const char* name);
 /// Throws InvalidInput for one problem.
 [[noreturn]] void refuse(const std::string& path, const std::string& value, const std::string& allowed);
 
+/// The fields of a type that can be set, for such a message: "a field of Body: color, density, …", by name.
+std::string fieldsOf(py::handle type);
+
+/// Sets a field of an object by its name. Throws InvalidInput for a name that is none.
+void setField(py::handle self, py::handle name, py::handle value);
+
 /// What a message says of a Python value: its repr(), on one line and cut.
 std::string textOf(py::handle value);
 

@@ -84,10 +84,7 @@ Scene makeScene(py::handle bodies, const py::kwargs& fields) {
   Scene scene;
   const py::object self = py::cast(&scene, py::return_value_policy::reference);
   py::setattr(self, "bodies", bodies);
-  for (const auto& [name, value] : fields) {
-    if (!py::hasattr(self, name)) refuse(name.cast<std::string>(), textOf(value), "a field of Scene");
-    py::setattr(self, name, value);
-  }
+  for (const auto& [name, value] : fields) setField(self, name, value);
   return scene;
 }
 

@@ -49,7 +49,7 @@ void setField(BodyEdit& edit, const World& world, BodyId id, const std::string& 
         Number{"rolling_resistance", &BodyEdit::rolling_resistance},
         Number{"torsional_resistance", &BodyEdit::torsional_resistance}})
     if (name == number.name) return void(edit.*number.field = toNumber(value, name));
-  refuse(name, textOf(value), "a field of Body");
+  refuse(name, textOf(value), fieldsOf(py::type::of<BodyDef>()));
 }
 
 void editBody(PyWorld& world, py::handle body, const py::kwargs& fields) {

@@ -186,8 +186,10 @@ class RefusedTest(unittest.TestCase):
         self.refused('^effect: ', lambda: rbs.Scene(effects={'magic': True}))
         self.refused('^effects.drag: ', lambda: rbs.Scene(effects={'drag': 1}))
         self.refused('^fidelity.divisions: 0', lambda: rbs.Scene(fidelity=rbs.Setting(divisions=0)))
-        self.refused('^masss: 2 .*a field of Body', lambda: rbs.Body(masss=2))
-        self.refused('^gravty: 2 .*a field of Scene', lambda: rbs.Scene(gravty=2))
+        self.refused('^masss: 2 .*a field of Body: color, density, .*, mass, .*, velocity', lambda: rbs.Body(masss=2))
+        self.refused('^copy: 2 .*a field of Body', lambda: rbs.Body(copy=2))
+        self.refused('^is_saved_state: True .*a field of Scene', lambda: rbs.Scene(is_saved_state=True))
+        self.refused('^gravty: 2 .*a field of Scene: air, .*, gravity, ', lambda: rbs.Scene(gravty=2))
 
     def test_what_is_no_size_is_refused(self):
         for size in ('123', b'abc', {1, 2, 3}, [10**400, 1, 1], [1, 2, 'x'], [1, 2], 3):

@@ -345,7 +345,7 @@ class VerbsTest(unittest.TestCase):
             r'bodies\[1\].name: .box': lambda: world.add_bodies([rbs.Body(), rbs.Body(name='box')]),
             'bodies: 3': lambda: world.add_bodies(3),
             'friction: nan': lambda: world.edit_body('box', friction=NAN),
-            'frction: 1 .*a field of Body': lambda: world.edit_body('box', frction=1),
+            'frction: 1 .*a field of Body: color, .*, friction, ': lambda: world.edit_body('box', frction=1),
             'mass and density': lambda: world.edit_body('box', mass=1, density=1),
             'name: .*ball': lambda: world.edit_body('box', name='ball'),
             'size': lambda: world.edit_body('box', shape=rbs.Sphere(-1)),

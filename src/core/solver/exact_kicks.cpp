@@ -93,7 +93,7 @@ double fastestOf(const CoulombProblem& problem) {
 //
 // What the solve before a drift of `tau` leaves grows to a gap of tau times that. It need be no less than kCurved: the
 // curvature is not known to more digits, and in what is beyond them four corners of a face ask for what no motion of it has.
-CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau, double coarsest) {
+CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau) {
   problem.speed_unit = std::max(island_.loadSpeed(), kNoClosing * fastestOf(problem));
   for (const CoulombPoint& law : problem.points)
     problem.speed_unit = std::max(problem.speed_unit, -velocityAt(problem.bodies, law)[2]);
@@ -108,9 +108,7 @@ CoulombResult Stepper::solveKick(CoulombProblem& problem, double tau, double coa
     for (const TouchingPoint& point : touching_.points) length = std::min(length, point.length);
     needed = std::max(needed, std::min(kCurved * length / (tau * problem.speed_unit), kCoarsest));
   }
-  const CoulombResult result =
-      solveInBudget(problem, std::max(tolerance_, coarsest), std::max(wanted_tolerance_, coarsest),
-                    std::max(needed, coarsest));
+  const CoulombResult result = solveInBudget(problem, tolerance_, wanted_tolerance_, needed);
   island().residuals.iterations += static_cast<std::uint32_t>(result.iterations);
   return result;
 }

@@ -60,8 +60,6 @@ constexpr double kStraight = 0.01;
 // left: what stays is at points that the solve does not have.
 constexpr double kLeftOverlap = 1e-6, kHelps = 0.5;
 constexpr int kMostCorrections = 6;
-// Residual of a first kick that is sure to be solved again.
-constexpr double kDraft = 1e-3;
 // A residual beyond this is no solution that is not quite converged, but none.
 constexpr double kUnsolved = 1e-2;
 // Share of the smaller bounding radius by which a point may move on both bodies in a segment and be the same.
@@ -117,14 +115,16 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   apart_ = areApart(context, active_);
   tolerance_ = settings.tolerance;
   wanted_tolerance_ = settings.wanted_tolerance;
-  const bool moves = island_.speed() > island_.loadSpeed();
   if (island_.indices().size() == 1) {
-    const bool to_rounding = settings.exact || !moves;
+    const Index i = island_.indices().front();
+    const Twist& twist = context.scene.bodies.twist[i];
+    const double speed =
+        twist.v_WB.norm() + context.scene.bodies.traits[i].bounding_radius * twist.w_WB.norm();
+    const bool to_rounding = settings.exact || speed <= island_.loadSpeed();
     wanted_tolerance_ = std::min(wanted_tolerance_, to_rounding ? kLoneTolerance : kLoneMoving);
   }
   promoted_ = settings.promotes;
   corrections_ = std::max(settings.corrections, apart_ || isCarriedRound(context, active_) ? 1 : 0);
-  drafts_ = corrections_ == 1 && moves && island_.indices().size() > 1;
   cuts_ = promoted_ && !apart_ ? 0 : settings.cuts;
   slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
 }
@@ -301,8 +301,7 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
       giveWay(touching_.points[k], tau, false, kick.points[k]);
     }
     kick.bodies = loaded;
-    const bool is_draft = drafts_ && corrections == 0;
-    segment.first = solveKick(kick, tau, is_draft ? kDraft : 0.0);
+    segment.first = solveKick(kick, tau);
     for (std::size_t k = 0; k < held.size() && touching_.torques.empty(); ++k)
       held[k] = held[k] || isWithinCone(kick.points[k].impulse, kick.points[k].mu);
     island_.drift(kick.bodies, tau);
@@ -312,11 +311,7 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
     const double before = std::exchange(deepest, deepestShare(segment.touching));
     const bool helps = !promoted_ || deepest < kHelps * before;
     const bool deep = segment.first.converged && deepest > kLeftOverlap && helps;
-    if (is_draft) {
-      drafts_ = matters;
-    } else if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) {
-      break;
-    }
+    if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);
   }
 }

@@ -130,7 +130,7 @@ class Stepper : public InnerRows {
   void findSegment();
 
   // Kicks (exact_kicks.cpp): Coulomb problems, what is expected of them, and what the drift between two of them curves.
-  CoulombResult solveKick(CoulombProblem& problem, double tau, double coarsest = 0.0);
+  CoulombResult solveKick(CoulombProblem& problem, double tau);
   CoulombResult solveInBudget(CoulombProblem& problem, double tolerance, double wanted, double needed);
   CoulombResult kickAtInstant(TouchingPoints& touching, CoulombBodies& bodies, double seconds,
                               Friction friction);
@@ -204,9 +204,7 @@ class Stepper : public InnerRows {
   double reach_ = 1.0;  // of the margin within which pairs are looked at
   double tolerance_, wanted_tolerance_;
   int corrections_, cuts_;
-  bool promoted_;  // by a setting that has another method for it
-  // Bodies move, so that the curvature asks for the only correction: the kick before it need not be exact.
-  bool drafts_;
+  bool promoted_;                // by a setting that has another method for it
   bool apart_;                   // no two of its bodies push each other when it begins
   double slow_;                  // a slip below is none
   TouchingPoints touching_;      // now

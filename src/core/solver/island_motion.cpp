@@ -41,15 +41,6 @@ IslandMotion::IslandMotion(Context& context, std::vector<Index> bodies)
   load_speed_ = load * step_.h();
 }
 
-double IslandMotion::speed() const {
-  double fastest = 0.0;
-  for (const Index i : indices_) {
-    const Twist& twist = bodies_.twist[i];
-    fastest = std::max(fastest, twist.v_WB.norm() + bodies_.traits[i].bounding_radius * twist.w_WB.norm());
-  }
-  return fastest;
-}
-
 CoulombBodies IslandMotion::bodies() const {
   CoulombBodies out;
   out.reserve(indices_.size());

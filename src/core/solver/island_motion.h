@@ -31,8 +31,6 @@ class IslandMotion {
   double mass() const { return mass_; }
   /// The most that the load changes the velocity of a surface in a step, m/s.
   double loadSpeed() const { return load_speed_; }
-  /// No surface moves faster now, m/s.
-  double speed() const;
 
   /// The bodies as they are, in the order of the indices.
   CoulombBodies bodies() const;
