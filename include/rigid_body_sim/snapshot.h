@@ -64,7 +64,8 @@ struct ContactPoint {
   double normal_impulse = 0.0;           ///< sum over the step, N s, >= 0
   Vec3 friction_impulse = Vec3::Zero();  ///< on b, sum over the step, in W, N s
   /// For how many steps the two bodies have touched, up to this one; the same for all points of the two. They touch in a
-  /// step in which they push each other, and begin anew where they came apart. 1: they began in this step; 0: they do not touch.
+  /// step in which one of these points pushes with more than a millionth of the lighter body's weight. Two pushes with a gap
+  /// between are two touches: what bounces in each step has 1 each time. 1: they began in this step; 0: they do not touch.
   std::uint64_t touching_steps = 0;
 };
 

@@ -76,7 +76,8 @@ CentralPath::CentralPath(const System& system, BodyBlocks& matrix) : system_(sys
 }
 
 // A place of the boundary and one within the cones make one within them (Skajaa, Andersen and Ye, Math. Prog. Comp. 5, 2013).
-void CentralPath::startNear(const Impulses& guess, double away) {
+void CentralPath::startNear(const Impulses& guess, double part) {
+  if (part == 1.0) return;
   Impulses r(3, system_.columns());
   for (std::size_t k = 0; k < system_.columns(); ++k) r.col(k) = system_.nearest(k, guess.col(k), r);
   Place near = place;
@@ -97,7 +98,7 @@ void CentralPath::startNear(const Impulses& guess, double away) {
   for (std::size_t k = 0; k < near.joints.size(); ++k)
     near.joints[k] =
         joints_[k].placeOf(r.col(system_.firstJoint() + k), system_.velocity(system_.joints()[k], near.y));
-  place.add(1.0 - away, near.add(-1.0, place));
+  place.add(1.0 - part, near.add(-1.0, place));
 }
 
 Impulses CentralPath::impulses() const {

@@ -59,9 +59,9 @@ class CentralPath {
   CentralPath(const System& system, BodyBlocks& matrix);
 
   Place place;
-  /// Starts near impulses: where they and the velocities they make are, by this part of the way from there to the start without
-  /// them, 0 to 1.
-  void startNear(const Impulses& guess, double away);
+  /// Starts near a guess: at 1 - `part` times the place of its impulses and the velocities they make, plus `part` times the
+  /// start without a guess. `part` is above 0, and 1 at most.
+  void startNear(const Impulses& guess, double part);
   Impulses impulses() const;
   /// 0 where there are no pairs: then all steps are Newton's own.
   double meanProduct() const;

@@ -57,7 +57,7 @@ struct Case {
   bool wants_every_digit = tolerance < 1e-9;
   // A little more than asked, so that the same impulses pass as the warm start of the next step.
   double target = 0.1 * wanted;
-  // For those that Newton's method finishes: from `rough` as a rule, from `fine` where that has failed.
+  // For those that Newton's method finishes: `rough` for the first interior point, `fine` for the others.
   double fine = std::max(0.1 * tolerance, 1e-6), rough = std::max(fine, 1e-4);
 
   Answer cold() const {

@@ -5,10 +5,11 @@
 // (1 - a)^3 of the mean, with the predictor's second order. Where products no longer fall the path turns
 // back, and the rest is for others.
 //
-// It starts near the best impulses known: they are on the boundary of the cones or beyond, so the start is a little of the way
-// from there to the one without them, kAway for each unit of what they leave (Skajaa, Andersen and Ye, "Warmstarting the
-// homogeneous and self-dual interior point method", Math. Prog. Comp. 5, 2013). That spares a third to a half of the iterations. Where
-// another set of points pushes, a start so near the boundary may get stuck, and one from afar is tried.
+// It starts near the best impulses known: they are on the boundary of the cones or beyond, so the start is a part of the way
+// from there to the start without them, kAway times their residual (Skajaa, Andersen and Ye, "Warmstarting the
+// homogeneous and self-dual interior point method", Math. Prog. Comp. 5, 2013). Where they are nearly right that spares a third
+// to a half of the iterations. Where another set of points pushes, a start so near the boundary may get stuck, and one from
+// afar is tried.
 //
 // Its tolerance is coarse (Case::rough), so double is enough for the residuals of its steps.
 #include "coulomb/central_path.h"
@@ -20,12 +21,14 @@ namespace rbs::coulomb {
 
 namespace {
 
-constexpr double kAway = 0.03, kLeastAway = 1e-4;  // per residual
+constexpr double kAway = 0.03;  // per residual
+constexpr double kLeastAway = 1e-4;
 constexpr double kMostOfRoom = 0.99;
 constexpr double kLeastCentring = 1e-8;
 constexpr double kHeadway = 0.5;  // what so many steps leave of the mean product at most, or it is stuck
 constexpr int kStepsOfHeadway = 8;
 
+// The best of the path, and not of the guess: from that Newton's method has been tried.
 Answer follow(const System& system, CentralPath& path, double tolerance, int cap) {
   CentralPath::Place predictor, corrector;
   Answer best;

@@ -41,10 +41,9 @@ bool isFrictionless(const System& system);
 Answer quadratic(const System& system, BodyBlocks& matrix, const Answer& start, double tolerance, int cap,
                  double enough = 0.0);
 
-/// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6: beyond, `newton` is to
-/// finish.
+/// Interior point. Iterations are factorisations. Meant for tolerances of 1e-6 and more: beyond, `newton` is to finish.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, double tolerance, int cap);
-/// The same from near a guess: a third to a half of the iterations less where that is nearly right.
+/// The same from near a guess. It takes a third to a half fewer iterations where the guess is nearly right.
 Answer interiorPoint(const System& system, BodyBlocks& matrix, const Answer& guess, double tolerance,
                      int cap);
 

@@ -138,11 +138,17 @@ void Contacts::beginWorldStep() {
     }
 }
 
-void Contacts::endWorldStep(std::uint64_t step, const std::function<bool(const Contact&)>& rests) {
+void Contacts::endWorldStep(const Bodies& bodies, std::uint64_t step, double seconds, double least) {
+  const auto touches = [&](const Contact& contact) {
+    const Traits &a = bodies.traits[contact.i], &b = bodies.traits[contact.j];
+    const double mass = !a.movable() ? b.mass : !b.movable() ? a.mass : std::min(a.mass, b.mass);
+    if (contact.points.empty() || !(a.asleep || b.asleep)) return contact.pushed(least * mass);
+    // What sleeps is pushed by the forces with which it fell asleep.
+    return contact.touching_from > 0 ? contact.bears() : contact.lastNormal(least * mass / seconds).loaded;
+  };
   for (std::vector<Contact>* list : {&active, &dormant})
     for (Contact& contact : *list) {
-      if (rests(contact)) continue;
-      if (!contact.pushed()) {
+      if (!touches(contact)) {
         contact.touching_from = 0;
       } else if (contact.touching_from == 0) {
         contact.touching_from = step;

@@ -76,7 +76,7 @@ struct Contact {
   /// Impulses given earlier in this step of the World and no longer in `points`: of located impacts, of divisions before
   /// this one, and of points that have opened. One for each point, as it was last; by feature.
   std::vector<SolvedPoint> earlier;
-  /// The step of the World, counted from 1, since which the two push each other in every step; 0: they do not.
+  /// The step of the World, counted from 1, in which the two began to touch; 0: they do not.
   std::uint64_t touching_from = 0;
   /// Of its last query, with the counts of the step. It changes no result, only the time that one takes.
   mutable SeparatingAxis axis;
@@ -89,9 +89,9 @@ struct Contact {
     return std::any_of(points.begin(), points.end(),
                        [](const SolvedPoint& point) { return point.normal > 0.0; });
   }
-  /// Whether it has given an impulse in this step of the World.
-  bool pushed() const {
-    const auto pushes = [](const SolvedPoint& point) { return point.normal_impulse > 0.0; };
+  /// Whether a point has given a normal impulse of more than `least`, N s, in this step of the World.
+  bool pushed(double least) const {
+    const auto pushes = [&](const SolvedPoint& point) { return point.normal_impulse > least; };
     return std::any_of(points.begin(), points.end(), pushes) ||
            std::any_of(earlier.begin(), earlier.end(), pushes);
   }
@@ -163,8 +163,9 @@ struct Contacts {
   void remove(BodyId body);
   /// Begins a step of the World: no impulses have been given in it, and pairs without points have come apart.
   void beginWorldStep();
-  /// Ends step number `step` of the World, counted from 1: tells which touch since when. What `rests` is as it was.
-  void endWorldStep(std::uint64_t step, const std::function<bool(const Contact&)>& rests);
+  /// Ends step number `step` of the World, counted from 1, of `seconds`: tells which pairs touch, and since when. They do where
+  /// the impulse of a point changes the lighter body's velocity by more than `least`, m/s.
+  void endWorldStep(const Bodies& bodies, std::uint64_t step, double seconds, double least);
 
  private:
   std::vector<Contact> last_active_, last_dormant_;  // while they are updated
