@@ -97,7 +97,7 @@ Vec3 faceNormal(int face) {
 }
 
 InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, const View& view,
-                              std::size_t count) {
+                              const MenuScope& scope) {
   InteractiveMarkerControl control;
   control.name = "body";
   control.interaction_mode = InteractiveMarkerControl::MOVE_3D;
@@ -106,7 +106,7 @@ InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose, con
 
   InteractiveMarker marker = markerAt(body.name, pose, scaleOf(body.shape, view));
   marker.controls.push_back(control);
-  marker.menu_entries = menuEntries(body, count);
+  marker.menu_entries = menuEntries(body, scope);
   return marker;
 }
 

@@ -9,6 +9,7 @@
 
 #include <string>
 
+#include "menu_titles.h"
 #include "rigid_body_sim/snapshot.h"
 
 namespace rbs {
@@ -25,11 +26,11 @@ bool isOfSelection(const std::string& marker_name);
 /// Outward normal of a face in B.
 Vec3 faceNormal(int face);
 
-/// An invisible shape just outside the body, named after it, with its menu, whose entries are for `count` bodies. It moves in
+/// An invisible shape just outside the body, named after it, with its menu, whose entries are for the bodies of `scope`. It moves in
 /// the plane of the view. Of a plane only a patch at its origin can be clicked, or the camera could not be turned with the
 /// mouse on the floor. The patch is sized for `view`.
 visualization_msgs::InteractiveMarker clickTarget(const BodyDescription& body, const Pose& pose,
-                                                  const View& view, std::size_t count);
+                                                  const View& view, const MenuScope& scope);
 
 /// Three arrows and three rings around the body, along its axes.
 visualization_msgs::InteractiveMarker gizmo(const BodyDescription& body, const Pose& pose, const View& view);

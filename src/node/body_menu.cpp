@@ -37,11 +37,17 @@ std::vector<std::string> namesOf(const std::vector<BodyDescription>& bodies) {
 
 }  // namespace
 
-std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, std::size_t count) {
+MenuScope menuScope(const std::vector<BodyId>& bodies) {
+  std::vector<std::uint64_t> ids;
+  for (const BodyId body : bodies) ids.push_back(body.serial);
+  return menuScope(ids);
+}
+
+std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, const MenuScope& scope) {
   std::vector<visualization_msgs::MenuEntry> entries;
-  for (const auto& [action, title] : menuTitles(shapeName(body.shape), kindName(body.kind), count)) {
+  for (const auto& [id, title] : menuTitles(shapeName(body.shape), kindName(body.kind), scope)) {
     visualization_msgs::MenuEntry entry;
-    entry.id = static_cast<std::uint32_t>(action);
+    entry.id = id;
     entry.title = title;
     entry.command_type = visualization_msgs::MenuEntry::FEEDBACK;
     entries.push_back(entry);

@@ -13,8 +13,11 @@
 
 namespace rbs {
 
-/// What the menu of this body offers. `count`: as of menuTitles().
-std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, std::size_t count);
+/// The scope of a menu for these bodies.
+MenuScope menuScope(const std::vector<BodyId>& bodies);
+
+/// What the menu of this body offers for the bodies of `scope`.
+std::vector<visualization_msgs::MenuEntry> menuEntries(const BodyDescription& body, const MenuScope& scope);
 
 /// Does what an entry says, and says so ("crate: deleted"), save for Resize, which is the view's affair. Nothing, for
 /// what is no entry. The last of `bodies` is the one at which the mouse was, and `hit_W` where it met that body. Throws

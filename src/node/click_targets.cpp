@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "body_markers.h"
+#include "body_menu.h"
 #include "convert.h"
 
 namespace rbs {
@@ -33,12 +34,13 @@ void ClickTargets::update(const Snapshot& snapshot, const Vec3& focus, const std
     chosen_at_ = now;
     described_ = snapshot.bodies;
   }
+  const MenuScope all = show ? menuScope(selection) : MenuScope();
   for (const int i : chosen_) {
     const BodyDescription& body = (*snapshot.bodies)[i];
     const Pose& pose = snapshot.states[i].pose;
     if (show) {
       const bool is_selected = std::find(selection.begin(), selection.end(), body.id) != selection.end();
-      board_.show(clickTarget(body, pose, snapshot.view, is_selected ? selection.size() : 1));
+      board_.show(clickTarget(body, pose, snapshot.view, is_selected ? all : MenuScope()));
     } else {
       board_.move(body.name, toMsg(pose));
     }

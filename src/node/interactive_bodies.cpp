@@ -118,7 +118,7 @@ void InteractiveBodies::handle(const MouseEvent& event, const Snapshot& snapshot
   // A drag of the body itself goes on whatever the body is called meanwhile.
   if (!event.at_marker && !begins && drags_.count(feedback.client_id) != 0) return followMouse(event);
   const int body = bodyOf(feedback.marker_name, snapshot);
-  if (body < 0 && !event.at_marker && feedback.event_type == Feedback::MOUSE_DOWN)
+  if (body < 0 && !event.at_marker && begins)
     refuse(words("'", feedback.marker_name.substr(0, 64), "' is gone"));
   if (body < 0 || (event.at_marker && !board_.shows(feedback.marker_name)))
     return board_.erase(feedback.marker_name);
@@ -168,7 +168,10 @@ void InteractiveBodies::followMouse(const MouseEvent& event) {
 void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapshot, int body) {
   const BodyDescription& description = (*snapshot.bodies)[body];
   const std::optional<Vec3> hit_W = hitPoint(feedback);
-  const auto action = static_cast<MenuAction>(feedback.menu_entry_id);
+  const auto action = static_cast<MenuAction>(feedback.menu_entry_id % kMenuActions);
+  const std::uint32_t mark = feedback.menu_entry_id / kMenuActions;
+  if (mark != 0 && mark != menuScope(selection_).mark)
+    return refuse("the selection has changed since the menu opened: nothing is done");
   const bool resized_before = resizes_ && selected() == description.id;
   select(description.id, hit_W.value_or(snapshot.states[body].pose.p_WB));
   if (action == MenuAction::Resize) {
@@ -176,7 +179,7 @@ void InteractiveBodies::runMenu(const Feedback& feedback, const Snapshot& snapsh
     return;
   }
   std::vector<BodyDescription> bodies;  // this one comes last
-  for (const BodyId id : selection_)
+  for (const BodyId id : mark != 0 ? selection_ : std::vector<BodyId>{description.id})
     if (const int i = snapshot.find(id); i >= 0) bodies.push_back((*snapshot.bodies)[i]);
   attempt("run the menu entry", true, [&](World& world) {
     const std::string done = runMenuAction(world, action, bodies, hit_W);

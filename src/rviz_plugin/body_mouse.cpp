@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "body_mouse.h"
 
-#include "../node/menu_titles.h"
 #include "mouse_ray.h"
 
 #include <OgreCamera.h>
@@ -186,12 +185,10 @@ void BodyMouse::showMenu(rviz::ViewportMouseEvent& event) {
 
 void BodyMouse::fillMenu(const Target& target, const Hit& hit) {
   menu_.reset(new QMenu);
-  const std::size_t count = target.simulator->selectedWith(target.body.name);
-  for (const auto& [action, title] : menuTitles(target.body.shape, target.body.kind, count)) {
+  const MenuScope scope = target.simulator->menuScope(target.body.name);
+  for (const auto& [entry, title] : menuTitles(target.body.shape, target.body.kind, scope)) {
     menu_->addAction(QString::fromStdString(title),
-                     [this, target, hit, id = static_cast<std::uint32_t>(action)] {
-                       send(target, Feedback::MENU_SELECT, hit, id);
-                     });
+                     [this, target, hit, id = entry] { send(target, Feedback::MENU_SELECT, hit, id); });
   }
 }
 

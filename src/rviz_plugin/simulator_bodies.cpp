@@ -12,6 +12,7 @@
 #include <future>
 #include <memory>
 #include <thread>
+#include <unordered_set>
 
 namespace rbs {
 namespace {
@@ -61,9 +62,13 @@ const rigid_body_sim::BodyDescription* SimulatorBodies::find(std::uint64_t low_i
   return it == bodies.end() ? nullptr : &*it;
 }
 
-std::size_t SimulatorBodies::selectedWith(const std::string& body) const {
-  const std::vector<std::string>& names = selection_.names;
-  return std::find(names.begin(), names.end(), body) == names.end() ? 1 : names.size();
+MenuScope SimulatorBodies::menuScope(const std::string& body) const {
+  const std::unordered_set<std::string> names(selection_.names.begin(), selection_.names.end());
+  if (names.count(body) == 0) return {};
+  std::vector<std::uint64_t> ids;
+  for (const auto& each : descriptions_.bodies)
+    if (names.count(each.name) != 0) ids.push_back(each.id);
+  return rbs::menuScope(ids);
 }
 
 // A call of a service has no time-out, so it is made on a thread of its own, which owns all that it needs.

@@ -2,6 +2,8 @@
 // The bodies of one simulator by its descriptions, and the topics by which a mouse acts on them.
 #pragma once
 
+#include "../node/menu_titles.h"
+
 #include <rigid_body_sim/BodyDescriptions.h>
 #include <rigid_body_sim/BodyNames.h>
 #include <rigid_body_sim/BodyState.h>
@@ -31,8 +33,8 @@ class SimulatorBodies {
 
   /// The body whose id has these lower 31 bits; null for an unknown one, or while no description has come.
   const rigid_body_sim::BodyDescription* find(std::uint64_t low_id) const;
-  /// How many bodies are selected, where this one is among them; else 1.
-  std::size_t selectedWith(const std::string& body) const;
+  /// Of the menu of this body: all that are selected, where it is one of them.
+  MenuScope menuScope(const std::string& body) const;
   /// What a ray meets: the body as it is now, and the point of its surface, in frame().
   struct Met {
     rigid_body_sim::BodyState body;

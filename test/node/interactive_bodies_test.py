@@ -396,6 +396,34 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.client.wait_without("crate")
         self.assertIn("ball", call("list_bodies", ListBodies).names)
 
+    def test_an_entry_of_the_menu_is_for_the_bodies_that_its_title_meant(self):
+        publisher, selected, mouse = rospy.Publisher("/sim/select_bodies", BodyNames, queue_size=1, latch=True), SelectedBodies(), Mouse("mouse")
+        self.addCleanup(publisher.unregister)
+        self.addCleanup(mouse.close)
+        call("spawn_bodies", SpawnBodies, bodies=[BodySpec(name="third", shape="sphere", size=Vector3(1, 1, 1), pose=pose_at(8, 0, 5))])
+        alone = self.client.titles("crate")["Delete"]
+        publisher.publish(names=["crate", "ball"])
+        wait(lambda: "Delete 2 bodies" in self.client.titles("crate"), "the menu says how many")
+        both = self.client.titles("crate")["Delete 2 bodies"]
+        publisher.publish(names=["crate", "third"])
+        selected.wait_for("crate", "third")
+        mouse.send(Feedback.MENU_SELECT, "crate", pose_at(0, 0, 5), entry=both)
+        mouse.wait_for_answer("selection has changed", "nothing is done")
+        self.assertEqual(call("list_bodies", ListBodies).names, ["crate", "ball", "third"])
+        selected.wait_for("crate", "third")
+        publisher.publish(names=["ball", "crate"])  # the same two
+        selected.wait_for("ball", "crate")
+        mouse.send(Feedback.MENU_SELECT, "crate", pose_at(0, 0, 5), entry=both)
+        wait(lambda: call("list_bodies", ListBodies).names == ["third"], "both are deleted")
+        call("undo", Trigger)
+        publisher.publish(names=["crate", "ball", "third"])
+        selected.wait_for("crate", "ball", "third")
+        mouse.send(Feedback.MENU_SELECT, "crate", pose_at(0, 0, 5), entry=alone)
+        wait(lambda: call("list_bodies", ListBodies).names == ["ball", "third"], "the title was of the crate alone")
+        mouse.send(Feedback.MENU_SELECT, "crate", pose_at(0, 0, 5), entry=alone)
+        mouse.wait_for_answer("crate", "gone")
+        self.drop_selection()
+
     def test_a_mouse_at_a_body_that_is_gone_is_told(self):
         mouse = Mouse("mouse")
         self.addCleanup(mouse.close)

@@ -278,6 +278,20 @@ class GuiTest(unittest.TestCase):
         self.screen.xdotool('mousemove', *left, 'sleep', 0.5, 'click', 3, 'sleep', 0.5, 'key', 'Down', 'key', 'Return')
         wait_until(lambda: call('list_bodies', ListBodies).names == ['floor', 'right'], 'both are deleted')
 
+    def test_the_menu_is_for_those_that_were_selected_when_it_opened(self):
+        self.addCleanup(call, 'reset', Trigger)
+        select = rospy.Publisher('/sim/select_bodies', BodyNames, queue_size=1, latch=True)
+        self.addCleanup(select.unregister)
+        select.publish(names=['middle', 'left'])
+        self.wait_for_selection('left')
+        self.screen.xdotool('mousemove', *self.rviz.pixel_of(position('left')), 'sleep', 0.5, 'click', 3, 'sleep', 0.5)
+        select.publish(names=['left', 'right'])
+        self.wait_for_selection('right')
+        said = Last('/sim/interactive_bodies/answer', String)
+        self.screen.xdotool('sleep', 0.5, 'key', 'Down', 'key', 'Return')
+        wait_until(lambda: said() and 'selection has changed' in said().data, 'the entry is refused')
+        self.assertEqual(call('list_bodies', ListBodies).names, ['floor', 'left', 'middle', 'right'])
+
     def test_bodies_are_added_and_thrown_by_the_mouse(self):
         self.addCleanup(self.rviz.key, 'i')
         before = set(call('list_bodies', ListBodies).names)
