@@ -36,6 +36,7 @@ void BodiesClient::follow(const QString& node) {
   status_topic_.shutdown();
   select_.shutdown();
   descriptions_ = {};
+  places_.clear();
   states_.reset();
   motions_.clear();
   selection_.clear();
@@ -54,6 +55,11 @@ void BodiesClient::follow(const QString& node) {
   Q_EMIT selectionChanged();
 }
 
+std::optional<std::size_t> BodiesClient::find(const QString& name) const {
+  const auto it = places_.find(name.toStdString());
+  return it == places_.end() ? std::nullopt : std::make_optional(it->second);
+}
+
 std::optional<BodyMotion> BodiesClient::motion(std::size_t index) const {
   return index < motions_.size() ? std::make_optional(motions_[index]) : std::nullopt;
 }
@@ -65,6 +71,8 @@ void BodiesClient::receive(const rigid_body_sim::BodyDescriptions& descriptions)
     return;  // sent again
   const QHash<QString, QString> new_names = renamesOf(descriptions_, descriptions);
   descriptions_ = descriptions;
+  places_.clear();
+  for (std::size_t i = 0; i < bodies().size(); ++i) places_.emplace(bodies()[i].name, i);
   matchMotions();
   if (!new_names.isEmpty()) Q_EMIT renamed(new_names);
   Q_EMIT bodiesChanged();

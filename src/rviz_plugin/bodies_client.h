@@ -21,6 +21,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace rbs {
@@ -44,6 +46,8 @@ class BodiesClient : public QObject {
 
   /// In the order of their creation; empty until the simulator is heard.
   const std::vector<rigid_body_sim::BodyDescription>& bodies() const { return descriptions_.bodies; }
+  /// Where in bodies() the one of this name is; empty where there is none.
+  std::optional<std::size_t> find(const QString& name) const;
   /// The name of their scene. Bodies of two scenes have the same ids.
   const std::string& scene() const { return descriptions_.scene; }
   /// The frame of the world.
@@ -101,8 +105,9 @@ class BodiesClient : public QObject {
   QStringList selection_;
   bool is_replay_ = false;
   rigid_body_sim::BodyDescriptions descriptions_;
-  rigid_body_sim::BodyStatesConstPtr states_;  ///< the last ones; null: none have come
-  std::vector<BodyMotion> motions_;            ///< as bodies(), or empty
+  std::unordered_map<std::string, std::size_t> places_;  ///< of bodies(), by their names
+  rigid_body_sim::BodyStatesConstPtr states_;            ///< the last ones; null: none have come
+  std::vector<BodyMotion> motions_;                      ///< as bodies(), or empty
 };
 
 }  // namespace rbs

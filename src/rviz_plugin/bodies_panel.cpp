@@ -31,6 +31,9 @@ namespace rbs {
 namespace {
 
 const QString kAllBodies = "All bodies";
+const QString kHowToSelect = "Select bodies in this list or in the view to see and edit their properties.";
+const QString kNoneListed =
+    "The selected bodies are not listed. Only bodies that are listed are changed here.";
 constexpr int kReadIn = 10000;  // ms
 
 // "changes[0] ('box_1').name: 'a b' (allowed: ...)" is about the name of box_1.
@@ -72,11 +75,7 @@ BodiesPanel::BodiesPanel()
   // Else Qt hands the focus to a field of another purpose, which takes what is still typed.
   connect(properties_, &BodyProperties::left, this, [this](const QString& heading) {
     list_->setFocus();
-    const auto isIt = [&](const rigid_body_sim::BodyDescription& body) {
-      return QString::fromStdString(body.name) == heading;
-    };
-    const auto& bodies = simulator_.bodies();
-    if (std::none_of(bodies.begin(), bodies.end(), isIt) && !heading.endsWith(" bodies"))
+    if (!simulator_.find(heading) && !heading.endsWith(" bodies"))
       showMessage(QString("'%1' is gone.").arg(heading), true);
   });
   connect(&simulator_, &BodiesClient::selectionChanged, this, &BodiesPanel::showSelection);
@@ -268,37 +267,38 @@ void BodiesPanel::follow(const QString& node) {
 
 // Rows that are side by side are selected as one range: thousands of ranges would take seconds.
 void BodiesPanel::showSelection() {
-  const QSet<QString> names = toSet(simulator_.selection());
+  std::vector<int> rows;
+  for (const QString& name : simulator_.selection())
+    if (const QModelIndex index = indexOf(name); index.isValid()) rows.push_back(index.row());
+  std::sort(rows.begin(), rows.end());
   QItemSelection selection;
-  for (int row = 0, first = -1; row <= filter_.rowCount(); ++row) {
-    const bool is_selected = row < filter_.rowCount() &&
-                             names.contains(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
-    if (is_selected && first < 0) first = row;
-    if (is_selected || first < 0) continue;
-    selection.select(filter_.index(first, 0), filter_.index(row - 1, BodyTable::kColumns - 1));
-    first = -1;
+  for (std::size_t k = 0, first = 0; k < rows.size(); ++k) {
+    if (k + 1 < rows.size() && rows[k + 1] == rows[k] + 1) continue;
+    selection.select(filter_.index(rows[first], 0), filter_.index(rows[k], BodyTable::kColumns - 1));
+    first = k + 1;
   }
   shows_selection_ = true;
   list_->selectionModel()->select(selection, QItemSelectionModel::ClearAndSelect);
   shows_selection_ = false;
   if (!selection.isEmpty() && !list_->hasFocus()) list_->scrollTo(selection.first().topLeft());
+  properties_->choose(chosen(), simulator_.selection().isEmpty() ? kHowToSelect : kNoneListed);
   enableActions();
   showCount();
 }
 
-QSet<QString> BodiesPanel::listed() const {
-  QSet<QString> names;
-  for (int row = 0; row < filter_.rowCount(); ++row)
-    names.insert(table_.name(filter_.mapToSource(filter_.index(row, 0)).row()));
-  return names;
+QModelIndex BodiesPanel::indexOf(const QString& name) const {
+  const std::optional<std::size_t> row = simulator_.find(name);
+  return row ? filter_.mapFromSource(table_.index(static_cast<int>(*row), 0)) : QModelIndex();
+}
+
+bool BodiesPanel::isHiddenBySearch(const QString& name) const {
+  return simulator_.find(name) && !indexOf(name).isValid();
 }
 
 QStringList BodiesPanel::chosen() const {
-  if (simulator_.selection().isEmpty()) return {};
-  const QSet<QString> listed = this->listed();
   QStringList names;
   for (const QString& name : simulator_.selection())
-    if (listed.contains(name)) names.append(name);
+    if (!isHiddenBySearch(name)) names.append(name);
   return names;
 }
 
@@ -306,7 +306,6 @@ QStringList BodiesPanel::chosen() const {
 // change what nobody sees.
 void BodiesPanel::sendSelection() {
   if (shows_selection_ || filters_) return;
-  const QSet<QString> listed = this->listed();
   QSet<QString> chosen;
   QStringList rows;
   for (const QModelIndex& index : list_->selectionModel()->selectedRows()) {
@@ -316,7 +315,7 @@ void BodiesPanel::sendSelection() {
   QStringList names;
   QSet<QString> kept;
   for (const QString& name : simulator_.selection()) {
-    if (listed.contains(name) ? !chosen.contains(name) : !extends_) continue;
+    if (isHiddenBySearch(name) ? !extends_ : !chosen.contains(name)) continue;
     names.append(name);
     kept.insert(name);
   }
@@ -362,17 +361,17 @@ void BodiesPanel::followRenames(const QHash<QString, QString>& new_names) {
   QSet<QString> hidden;
   for (const QString& name : hidden_) hidden.insert(new_names.value(name, name));
   hidden_ = hidden;
-  chooseGroup(groups_->currentIndex());
+  filter_.setGroup(in_group_.value(groups_->currentText()));
   Q_EMIT configChanged();
 }
 
 // The view turns about the middle of the bodies' bounds.
 void BodiesPanel::focus() {
-  const QSet<QString> names = toSet(chosen());
   Ogre::AxisAlignedBox bounds;
-  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) {
-    const std::optional<BodyMotion> motion = simulator_.motion(i);
-    if (!motion || !names.contains(QString::fromStdString(simulator_.bodies()[i].name))) continue;
+  for (const QString& name : chosen()) {
+    const std::optional<std::size_t> i = simulator_.find(name);
+    const std::optional<BodyMotion> motion = i ? simulator_.motion(*i) : std::nullopt;
+    if (!motion) continue;
     const geometry_msgs::Point& p = motion->pose.position;
     bounds.merge(Ogre::Vector3(p.x, p.y, p.z));
   }

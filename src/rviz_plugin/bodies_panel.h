@@ -46,9 +46,10 @@ class BodiesPanel : public rviz::Panel {
   void follow(const QString& node);
   void showSelection();
   void sendSelection();
-  /// Names of the rows.
-  QSet<QString> listed() const;
-  /// Those selected bodies that are listed. The actions are for them: none changes what the search hides.
+  /// The row of a body; invalid where there is no such body, or the search hides it.
+  QModelIndex indexOf(const QString& name) const;
+  bool isHiddenBySearch(const QString& name) const;
+  /// Those selected bodies that are listed. The actions and the properties are for them: none changes what the search hides.
   QStringList chosen() const;
   void showCount();
   void showMessage(const QString& text, bool is_trouble);

@@ -53,7 +53,7 @@ QIcon swatch(const QColor& color, int size) {
 
 BodyProperties::BodyProperties(BodiesClient& simulator)
     : simulator_(simulator),
-      hint_(new QLabel("Select bodies in this list or in the view to see and edit their properties.")),
+      hint_(new QLabel),
       form_(new QWidget),
       grid_(new QGridLayout(form_)),
       heading_(new QLabel),
@@ -99,8 +99,6 @@ BodyProperties::BodyProperties(BodiesClient& simulator)
   both->addWidget(form_);
   setWidget(page);
 
-  connect(&simulator_, &BodiesClient::selectionChanged, this, &BodyProperties::follow);
-  connect(&simulator_, &BodiesClient::bodiesChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::replayChanged, this, &BodyProperties::follow);
   connect(&simulator_, &BodiesClient::heardChanged, this, [this](bool is_heard) {
     const QList<ValueField*> fields = form_->findChildren<ValueField*>();
@@ -159,14 +157,20 @@ void BodyProperties::editName() {
   name_.fields[0]->selectAll();
 }
 
+void BodyProperties::choose(const QStringList& names, const QString& hint) {
+  chosen_ = names;
+  hint_->setText(hint);
+  follow();
+}
+
 // What is typed is about the bodies that the form showed when the typing began, whatever others select
 // meanwhile.
 void BodyProperties::follow() {
   bodies_.clear();
   if (isTyping()) findShown();
-  if (bodies_.empty()) findSelected();
+  if (bodies_.empty()) findChosen();
   // A name that has just been changed is selected by its old name for a moment.
-  if (bodies_.empty() && !simulator_.selection().isEmpty()) findShown();
+  if (bodies_.empty() && !chosen_.isEmpty()) findShown();
   show();  // before the form is hidden: a field that loses the focus enters what is typed
   const QWidget* const focus = QApplication::focusWidget();
   if (bodies_.empty() && focus && form_->isAncestorOf(focus)) Q_EMIT left(heading_->text());
@@ -193,16 +197,11 @@ void BodyProperties::findShown() {
   }
 }
 
-void BodyProperties::findSelected() {
+void BodyProperties::findChosen() {
   bodies_.clear();
-  if (simulator_.selection().isEmpty()) return;
-  std::unordered_map<std::string, std::size_t> known;
-  for (std::size_t i = 0; i < simulator_.bodies().size(); ++i) known.emplace(simulator_.bodies()[i].name, i);
-  for (const QString& name : simulator_.selection()) {
-    const auto it = known.find(name.toStdString());
-    if (it != known.end())
-      bodies_.push_back({&simulator_.bodies()[it->second], simulator_.motion(it->second)});
-  }
+  for (const QString& name : chosen_)
+    if (const auto i = simulator_.find(name))
+      bodies_.push_back({&simulator_.bodies()[*i], simulator_.motion(*i)});
 }
 
 void BodyProperties::show() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// BodyProperties: the properties of the selected bodies, as a form.
+// BodyProperties: the properties of bodies that are chosen, as a form.
 #pragma once
 
 #include "bodies_client.h"
@@ -26,6 +26,9 @@ class BodyProperties : public QScrollArea {
  public:
   explicit BodyProperties(BodiesClient& simulator);
 
+  /// The form is about the bodies of these names from now on. `hint` stands in its place where there are none.
+  void choose(const QStringList& names, const QString& hint);
+
   /// Puts the cursor into the name.
   void editName();
 
@@ -46,8 +49,8 @@ class BodyProperties : public QScrollArea {
   void addNumbers(const BodyField& field);
   void addNote(Row& row);
   void follow();
-  /// Those that are selected.
-  void findSelected();
+  /// Those that are chosen.
+  void findChosen();
   /// Those that the form shows, as they are by now.
   void findShown();
   bool isTyping() const;
@@ -64,7 +67,8 @@ class BodyProperties : public QScrollArea {
            const BodiesClient::Answer& answer);
 
   BodiesClient& simulator_;
-  QLabel* hint_;  ///< in place of the form, while no body is selected
+  QStringList chosen_;  ///< names of bodies
+  QLabel* hint_;        ///< in place of the form, while there are none
   QWidget* form_;
   QGridLayout* grid_;
   QLabel* heading_;

@@ -257,6 +257,24 @@ TEST_F(BodiesPanelTest, DeleteTakesNoBodyThatTheSearchHides) {
   EXPECT_TRUE(stays([] { return names() == std::vector<std::string>({"floor", "crate"}); }));
 }
 
+TEST_F(BodiesPanelTest, PropertiesAreOfNoBodyThatTheSearchHides) {
+  select({"crate", "ball"});
+  ASSERT_TRUE(waitFor([this] { return field("Mass").placeholderText() == "mixed"; }));
+  search().setText("ball");
+  ASSERT_TRUE(shows("Name", "ball"));
+  enter("Mass", "3");
+  EXPECT_TRUE(waitFor([] { return body("ball").description.mass == 3.0; }));
+  EXPECT_EQ(body("crate").description.mass, 125.0);
+  search().setText("floor");
+  EXPECT_TRUE(waitFor([this] { return !field("Mass").isVisible(); }));
+  const QList<QLabel*> labels = panel_.findChildren<QLabel*>();
+  EXPECT_TRUE(std::any_of(labels.begin(), labels.end(), [](const QLabel* label) {
+    return label->isVisible() && label->text().startsWith("The selected bodies are not listed");
+  }));
+  search().clear();
+  EXPECT_TRUE(waitFor([this] { return field("Mass").isVisible() && field("Mass").text().isEmpty(); }));
+}
+
 TEST_F(BodiesPanelTest, ChangesEveryNumberOfABody) {
   select({"crate"});
   ASSERT_TRUE(shows("Position z", "0.25"));
