@@ -8,6 +8,7 @@
 #include <QLocale>
 
 #include <algorithm>
+#include <utility>
 
 namespace rbs {
 namespace {
@@ -36,10 +37,15 @@ NumberBox::NumberBox() : refusal_(new QLabel(this, Qt::ToolTip)), read_(new QTim
   refusal_->setFrameStyle(QFrame::Box);
   refusal_->setMargin(kMargin);
   showTrouble(*refusal_, true);
+  setKeyboardTracking(false);  // the last number is the one before what is typed, not a part of that
   read_->setSingleShot(true);
   read_->setInterval(kReadIn);
-  connect(read_, &QTimer::timeout, refusal_, &QWidget::hide);
-  connect(lineEdit(), &QLineEdit::textEdited, refusal_, &QWidget::hide);
+  const auto forget = [this] {
+    instead_.reset();
+    refusal_->hide();
+  };
+  connect(read_, &QTimer::timeout, this, forget);
+  connect(lineEdit(), &QLineEdit::textEdited, this, forget);
   QLocale locale = QLocale::c();
   locale.setNumberOptions(QLocale::OmitGroupSeparator | QLocale::RejectGroupSeparator);
   setLocale(locale);
@@ -81,9 +87,10 @@ QValidator::State NumberBox::validate(QString& text, int& position) const {
 }
 
 bool NumberBox::takeTyped() {
-  const bool is_taken = hasAcceptableInput() || cleanText().isEmpty();
   interpretText();
-  return is_taken;
+  if (std::exchange(instead_, std::nullopt) != value()) return true;
+  showRefusal();
+  return false;
 }
 
 // The last number takes the place of this text. The refusal covers what is below: a row of its own would move the rest.
@@ -95,6 +102,11 @@ void NumberBox::fixup(QString& text) const {
                         .arg(typed.size() > kShown ? typed.left(kShown) + "…" : typed,
                              decimals() > 0 ? "a number such as 1.5" : "a whole number",
                              textFromValue(minimum()), textFromValue(maximum()), suffix()));
+  instead_ = value();
+  showRefusal();
+}
+
+void NumberBox::showRefusal() const {
   refusal_->adjustSize();
   const QPoint below = mapToGlobal(QPoint(width() - refusal_->width(), height()));
   refusal_->move(std::max(below.x(), window()->geometry().left()), below.y());

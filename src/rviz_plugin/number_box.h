@@ -7,6 +7,8 @@
 #include <QLineEdit>
 #include <QTimer>
 
+#include <optional>
+
 namespace rbs {
 
 /// Shows 1.5 everywhere, and takes 1,5 for it too. QDoubleSpinBox takes a comma for one between thousands, and
@@ -17,7 +19,8 @@ class NumberBox : public QDoubleSpinBox {
   NumberBox();
   /// Whether it has what has been typed and not entered yet.
   bool isTyping() const { return hasFocus() && lineEdit()->isModified(); }
-  /// Enters what has been typed. Whether it was taken, or nothing was typed.
+  /// Enters what has been typed. False where it is refused, or was just before: the refusal is shown, and the next call takes the
+  /// number that is in the box.
   bool takeTyped();
   /// Keys that are no part of a number are shortcuts of the window also while it has the focus.
   bool eventFilter(QObject* object, QEvent* event) override;
@@ -32,7 +35,9 @@ class NumberBox : public QDoubleSpinBox {
  private:
   bool isSpecial(const QString& text) const;
   QString withoutSuffix(QString text) const;
+  void showRefusal() const;
 
+  mutable std::optional<double> instead_;  ///< in place of what was refused; until that has been read
   QLabel* refusal_;
   QTimer* read_;  ///< until the refusal has been read
 };

@@ -26,7 +26,6 @@ NumberBox* makeSteps() {
   auto* box = new NumberBox;
   box->setDecimals(0);
   box->setRange(1.0, 1000.0);
-  box->setKeyboardTracking(false);
   guardFromWheel(*box);
   box->setToolTip("Number of steps that the button beside it takes");
   return box;
@@ -40,7 +39,6 @@ NumberBox* makeSpeed() {
   box->setValue(1.0);
   box->setSuffix(" ×");
   box->setSpecialValueText("max");
-  box->setKeyboardTracking(false);
   guardFromWheel(*box);
   box->setToolTip("Requested real-time factor; 0 is as fast as possible");
   return box;

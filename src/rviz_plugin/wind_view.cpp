@@ -20,7 +20,6 @@ NumberBox* makeBox(double least, double most, const QString& unit, const QString
   box->setDecimals(6);
   box->setSuffix(unit);
   box->setToolTip(tip);
-  box->setKeyboardTracking(false);
   guardFromWheel(*box);
   return box;
 }

@@ -25,6 +25,7 @@
 #include <QDoubleSpinBox>
 #include <QInputDialog>
 #include <QPointer>
+#include <QPushButton>
 #include <QTest>
 
 #include <gtest/gtest.h>
@@ -433,6 +434,39 @@ TEST_F(BodiesPanelTest, DeletesDuplicatesAndRenamesByKeys) {
   ASSERT_TRUE(editor);
   QTest::keyClick(editor, Qt::Key_Return);
   EXPECT_TRUE(waitFor([this] { return rows() == QStringList({"floor", "chest", "ball"}); }));
+}
+
+// The press on the button ends the typing, and the box has its last number again.
+TEST_F(BodiesPanelTest, NoNumberIsTakenInPlaceOfTheOneThatWasTyped) {
+  select({"crate"});
+  list().setFocus();
+  QTest::keyClick(&list(), Qt::Key_D, Qt::ControlModifier);
+  const QPointer<QDialog> dialog = panel_.findChild<QDialog*>();
+  ASSERT_TRUE(dialog);
+  QApplication::setActiveWindow(dialog);
+  auto* const copies = dialog->findChild<QDoubleSpinBox*>();
+  auto* const button = dialog->findChild<QPushButton*>();
+  const auto refusal = [copies] {
+    const auto* const label = copies->findChild<QLabel*>();
+    return label->isVisible() ? label->text() : QString();
+  };
+  copies->setFocus();
+  copies->selectAll();
+  QTest::keyClicks(copies, "50000");
+  QTest::mouseClick(button, Qt::LeftButton);
+  EXPECT_FALSE(copies->hasFocus());
+  ASSERT_TRUE(dialog && dialog->isVisible());
+  EXPECT_TRUE(refusal().startsWith("50000")) << refusal().toStdString();
+  EXPECT_EQ(copies->value(), 1.0);
+  copies->setFocus();
+  copies->selectAll();
+  QTest::keyClicks(copies, "x");
+  QTest::keyClick(copies, Qt::Key_Return);
+  ASSERT_TRUE(dialog && dialog->isVisible());
+  EXPECT_TRUE(refusal().startsWith("x")) << refusal().toStdString();
+  copies->setValue(2);
+  QTest::mouseClick(button, Qt::LeftButton);
+  EXPECT_TRUE(waitFor([this] { return rows().size() == 5; }));
 }
 
 TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
