@@ -2,6 +2,7 @@
 #include "body_menu.h"
 
 #include "duplicate.h"
+#include "rigid_body_sim/quote.h"
 #include "words.h"
 
 #include <algorithm>
@@ -29,10 +30,20 @@ void setKind(World& world, const std::vector<BodyDescription>& bodies, BodyKind 
   for (const BodyDescription& body : bodies) world.editBody(body.id, edit);
 }
 
-std::vector<std::string> namesOf(const std::vector<BodyDescription>& bodies) {
+// Nothing is above a plane.
+std::string duplicateAbove(World& world, const std::vector<BodyDescription>& bodies) {
   std::vector<std::string> names;
-  for (const BodyDescription& body : bodies) names.push_back(body.name);
-  return names;
+  std::string planes;
+  for (const BodyDescription& body : bodies) {
+    if (std::holds_alternative<Plane>(body.shape)) {
+      planes += (planes.empty() ? "" : ", ") + quoted(body.name);
+    } else {
+      names.push_back(body.name);
+    }
+  }
+  duplicate(world, names, 1, Vec3::Zero());
+  const std::string done = (names.size() == 1 ? names[0] : bodyCount(names.size())) + ": duplicated";
+  return planes.empty() ? done : done + ", but not " + planes + ": the copy of a plane needs an offset";
 }
 
 }  // namespace
@@ -64,7 +75,7 @@ std::string runMenuAction(World& world, MenuAction action, const std::vector<Bod
       for (const BodyDescription& each : bodies) world.removeBody(each.id);
       return all + ": deleted";
     case MenuAction::Duplicate:
-      return duplicate(world, namesOf(bodies), 1, Vec3::Zero()), all + ": duplicated";
+      return duplicateAbove(world, bodies);
     case MenuAction::MakeStatic:
       return setKind(world, bodies, BodyKind::Static), all + ": static now";
     case MenuAction::MakeDynamic:

@@ -140,13 +140,25 @@ void BodiesClient::remove(const QStringList& names) {
 void BodiesClient::duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset) {
   using rigid_body_sim::DuplicateBodies;
   if (!hearing_.isHeard()) return void(Q_EMIT reported(silence(), true));
+  QStringList copied, planes;
+  for (const QString& name : names) {
+    const std::optional<std::size_t> i = find(name);
+    const bool is_plane = i && bodies()[*i].shape == "plane";
+    (is_plane && offset == geometry_msgs::Vector3() ? planes : copied).append(name);
+  }
   DuplicateBodies::Request request;
-  request.names = toStd(names);
+  request.names = toStd(copied.isEmpty() ? names : copied);  // the simulator says why it copies no plane
   request.count = count;
   request.offset = offset;
   worker_->call<DuplicateBodies>(
-      inNode("duplicate_bodies"), request,
-      [this](const DuplicateBodies::Response& response) { select(toQt(response.names)); });
+      inNode("duplicate_bodies"), request, [this, planes](const DuplicateBodies::Response& response) {
+        select(toQt(response.names));
+        if (planes.isEmpty()) return;
+        const QString done = QString::fromStdString(response.message);
+        Q_EMIT reported(QString("%1, but none of '%2': the copy of a plane needs an offset")
+                            .arg(done, planes.join("', '")),
+                        false);
+      });
 }
 
 }  // namespace rbs

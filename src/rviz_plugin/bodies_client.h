@@ -70,7 +70,7 @@ class BodiesClient : public QObject {
   using Answer = std::function<void(const QString& refusal)>;
   void edit(const std::vector<rigid_body_sim::BodyChange>& changes, Answer answer);
   void remove(const QStringList& names);
-  /// The copies are selected afterwards.
+  /// The copies are selected afterwards. Without an offset planes are left out, which is reported.
   void duplicate(const QStringList& names, unsigned count, const geometry_msgs::Vector3& offset);
 
  Q_SIGNALS:

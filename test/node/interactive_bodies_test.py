@@ -875,6 +875,17 @@ class InteractiveBodiesTest(unittest.TestCase):
         self.assertGreater(copy.pose.position.z, 6.0)
         self.client.wait_for(copy.description.name)
 
+    def test_menu_duplicates_all_but_planes(self):
+        publisher, mouse = rospy.Publisher("/sim/select_bodies", BodyNames, queue_size=1, latch=True), Mouse("mouse")
+        self.addCleanup(publisher.unregister)
+        self.addCleanup(mouse.close)
+        call("spawn_bodies", SpawnBodies, bodies=[BodySpec(name="floor", shape="plane", is_static=True, pose=pose_at(0, 0, 0))])
+        publisher.publish(names=["floor", "crate", "ball"])
+        wait(lambda: "Duplicate 3 bodies" in self.client.titles("crate"), "the menu says how many")
+        self.client.choose("crate", "Duplicate 3 bodies")
+        mouse.wait_for_answer("2 bodies: duplicated, but not 'floor'", "a plane needs an offset")
+        self.assertEqual(len(call("list_bodies", ListBodies).names), 5)
+
     def test_menu_static_and_dynamic(self):
         self.assertNotIn("Make dynamic", self.client.titles("crate"))
         self.client.choose("crate", "Make static")

@@ -469,6 +469,27 @@ TEST_F(BodiesPanelTest, NoNumberIsTakenInPlaceOfTheOneThatWasTyped) {
   EXPECT_TRUE(waitFor([this] { return rows().size() == 5; }));
 }
 
+TEST_F(BodiesPanelTest, DuplicatesAllButThePlanes) {
+  const auto duplicate = [this](const QStringList& names) {
+    select(names);
+    QApplication::setActiveWindow(&panel_);
+    list().setFocus();
+    QTest::keyClick(&list(), Qt::Key_D, Qt::ControlModifier);
+    auto* const dialog = panel_.findChild<QDialog*>();
+    ASSERT_TRUE(dialog);
+    dialog->accept();
+  };
+  const auto says = [this](const char* words) {
+    return waitFor([&] { return panel_.findChild<ElidedText*>()->text().contains(words); });
+  };
+  duplicate({"floor", "crate", "ball"});
+  EXPECT_TRUE(says("added 2 copies, but none of 'floor'"));
+  EXPECT_TRUE(waitFor([this] { return rows().size() == 5; }));
+  duplicate({"floor"});
+  EXPECT_TRUE(says("plane"));
+  EXPECT_TRUE(stays([this] { return rows().size() == 5; }));
+}
+
 TEST_F(BodiesPanelTest, KeepsGroupsInTheLayout) {
   select({"ball"});
   makeGroup("round");
