@@ -14,8 +14,4 @@ double Baseline::valueOf(const History& history, const std::string& curve) {
   return value;
 }
 
-void Baseline::rename(const std::string& curve, const std::string& name) {
-  if (const auto value = values_.extract(curve)) values_[name] = value.mapped();
-}
-
 }  // namespace rbs

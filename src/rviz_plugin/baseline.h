@@ -18,8 +18,8 @@ class Baseline {
   /// What a curve was at the baseline. It is remembered when a run begins. A curve that had no value then counts
   /// from the first one that it has; without any, from 0.
   double valueOf(const History& history, const std::string& curve);
-  /// A curve has another name from now on.
-  void rename(const std::string& curve, const std::string& name);
+  /// Curves have other names from now on.
+  void rename(const CurveNames& new_names) { renameKeys(values_, new_names); }
   double time() const { return time_; }  ///< s
   /// Whether it lies in the present run.
   bool isIn(const History& history) const { return run_ == history.run(); }

@@ -57,9 +57,8 @@ void History::forget(const std::string& curve) {
   before_.erase(curve);
 }
 
-void History::rename(const std::string& curve, const std::string& name) {
-  for (Traces* const traces : {&present_, &before_})
-    if (const auto trace = traces->extract(curve)) (*traces)[name] = trace.mapped();
+void History::rename(const CurveNames& new_names) {
+  for (Traces* const traces : {&present_, &before_}) renameKeys(*traces, new_names);
 }
 
 const Trace& History::find(const Traces& traces, const std::string& curve) {

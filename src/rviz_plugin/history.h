@@ -17,6 +17,17 @@ struct Mark {
   std::string text;   ///< sentences for people, one a line
 };
 
+using CurveNames = std::map<std::string, std::string>;  ///< new names by the last ones
+
+/// Renames keys all at once: two may swap their names.
+template <class Value>
+void renameKeys(std::map<std::string, Value>& values, const CurveNames& new_names) {
+  std::map<std::string, Value> renamed;
+  for (const auto& [last, now] : new_names)
+    if (auto value = values.extract(last)) renamed.emplace(now, std::move(value.mapped()));
+  for (auto& [name, value] : renamed) values.insert_or_assign(name, std::move(value));
+}
+
 /// A run goes from the beginning of a scene to its next beginning: time only grows in it.
 class History {
  public:
@@ -27,8 +38,8 @@ class History {
   void beginRun();
   /// Forgets a curve.
   void forget(const std::string& curve);
-  /// Goes on with a curve under another name, in place of one that had it.
-  void rename(const std::string& curve, const std::string& name);
+  /// Goes on with curves under other names, in place of those that had them.
+  void rename(const CurveNames& new_names);
 
   /// The trace of a curve in this run; an empty one for a curve that is unknown.
   const Trace& present(const std::string& curve) const;

@@ -83,22 +83,22 @@ void PlotStack::removeAll() {
 
 void PlotStack::followRenames(const QHash<QString, QString>& new_names) {
   bool is_changed = false;
+  CurveNames curves;
   for (TimePlot* const plot : plots_) {
     QStringList bodies;
     for (const QString& body : plot->bodies()) {
       const QString name = new_names.value(body, body);
-      for (std::size_t k = 0; name != body && k < plot->quantity().curves.size(); ++k) {
-        const std::string last = curveName(plot->quantity(), k, body.toStdString());
-        const std::string now = curveName(plot->quantity(), k, name.toStdString());
-        if (held_) held_->rename(last, now);
-        if (baseline_) baseline_->rename(last, now);
-      }
+      for (std::size_t k = 0; name != body && k < plot->quantity().curves.size(); ++k)
+        curves[curveName(plot->quantity(), k, body.toStdString())] =
+            curveName(plot->quantity(), k, name.toStdString());
       if (!bodies.contains(name)) bodies.append(name);
     }
     if (bodies == plot->bodies()) continue;
     plot->setBodies(bodies);
     is_changed = true;
   }
+  if (held_) held_->rename(curves);
+  if (baseline_) baseline_->rename(curves);
   if (is_changed) reportWanted();
 }
 

@@ -152,12 +152,14 @@ void Recorder::followRenames(const QHash<QString, QString>& new_names) {
     const QString name = QString::fromStdString(body);
     return new_names.value(name, name).toStdString();
   };
+  CurveNames curves;
   for (Wanted& wanted : wanted_) {
     const std::string body = newName(wanted.body);
     for (std::size_t k = 0; body != wanted.body && k < wanted.quantity->curves.size(); ++k)
-      history_.rename(curveName(*wanted.quantity, k, wanted.body), curveName(*wanted.quantity, k, body));
+      curves[curveName(*wanted.quantity, k, wanted.body)] = curveName(*wanted.quantity, k, body);
     wanted.body = body;
   }
+  history_.rename(curves);
   for (Pending& one : pending_) one.body = newName(one.body);
   Q_EMIT renamed(new_names);
 }

@@ -2,6 +2,7 @@
 // The panel of plots beside a running simulator, by keys and mouse; without a screen.
 #include "wait_for.h"
 
+#include "body_renames.h"
 #include "plots_panel.h"
 #include "shortcuts.h"
 #include "time_plot.h"
@@ -22,6 +23,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 using namespace rbs;
 using rbs::test::waitFor;
@@ -47,6 +50,26 @@ class PlotsPanelTest : public testing::Test {
     QTabBar& tabs = *panel_.findChild<QTabBar*>();
     QTest::mouseClick(&tabs, Qt::LeftButton, {}, tabs.tabRect(1).center());
     return *panel_.findChild<AccuracyPlot*>();
+  }
+
+  PlotStack& plotHeights(const QStringList& bodies) {
+    rviz::Config layout;
+    rviz::Config plot = layout.mapMakeChild("Plots").listAppendNew();
+    plot.mapSetValue("Quantity", "height");
+    rviz::Config names = plot.mapMakeChild("Bodies");
+    for (const QString& body : bodies) names.listAppendNew().setValue(body);
+    layout.mapSetValue("Node", "/sim");
+    panel_.load(layout);
+    return *panel_.findChild<PlotStack*>();
+  }
+
+  static void rename(const char* name, const char* new_name) {
+    rigid_body_sim::EditBodies edit;
+    edit.request.changes.resize(1);
+    edit.request.changes[0].name = name;
+    edit.request.changes[0].new_name = new_name;
+    EXPECT_TRUE(ros::service::call("/sim/edit_bodies", edit) && edit.response.success)
+        << edit.response.message;
   }
 
   SimulatorClient simulator_;
@@ -86,13 +109,7 @@ TEST_F(PlotsPanelTest, KeepsThePageInTheLayout) {
 }
 
 TEST_F(PlotsPanelTest, FollowsABodyThatIsRenamed) {
-  rviz::Config layout;
-  rviz::Config plot = layout.mapMakeChild("Plots").listAppendNew();
-  plot.mapSetValue("Quantity", "height");
-  plot.mapMakeChild("Bodies").listAppendNew().setValue("ball");
-  layout.mapSetValue("Node", "/sim");
-  panel_.load(layout);
-  PlotStack& plots = *panel_.findChild<PlotStack*>();
+  PlotStack& plots = plotHeights({"ball"});
   const auto samples = [&](const char* body) {
     return plots.history().present(std::string("height of ") + body).size();
   };
@@ -100,14 +117,6 @@ TEST_F(PlotsPanelTest, FollowsABodyThatIsRenamed) {
   simulator_.step(30);
   ASSERT_TRUE(waitFor([&] { return samples("ball") >= 2; }));
   const std::size_t before = samples("ball");
-  const auto rename = [](const char* name, const char* new_name) {
-    rigid_body_sim::EditBodies edit;
-    edit.request.changes.resize(1);
-    edit.request.changes[0].name = name;
-    edit.request.changes[0].new_name = new_name;
-    EXPECT_TRUE(ros::service::call("/sim/edit_bodies", edit) && edit.response.success)
-        << edit.response.message;
-  };
   rename("ball", "globe");
   EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == QStringList("globe"); }));
   EXPECT_GE(samples("globe"), before) << "the curve goes on";
@@ -116,6 +125,53 @@ TEST_F(PlotsPanelTest, FollowsABodyThatIsRenamed) {
   EXPECT_TRUE(waitFor([&] { return samples("globe") > before; }));
   rename("globe", "ball");
   EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == QStringList("ball"); }));
+}
+
+TEST_F(PlotsPanelTest, FollowsBodiesThatSwapTheirNames) {
+  PlotStack& plots = plotHeights({"ball", "crate"});
+  const auto height = [&](const QString& body) {
+    return plots.history().present("height of " + body.toStdString()).valueAt(1e9).value_or(NAN);
+  };
+  ASSERT_TRUE(waitFor([&] { return std::isfinite(height("ball")) && std::isfinite(height("crate")); }));
+  const double ball = height("ball"), crate = height("crate");
+  ASSERT_NE(ball, crate);
+  plots.hold(true);
+  for (const QStringList& bodies : {QStringList({"crate", "ball"}), QStringList({"ball", "crate"})}) {
+    rename("ball", "third");  // which the panel may not see: it hears of the last edit
+    rename("crate", "ball");
+    rename("third", "crate");
+    EXPECT_TRUE(waitFor([&] { return plots.plots().front()->bodies() == bodies; }));
+    for (const bool held : {true, false}) {
+      plots.hold(held);
+      EXPECT_EQ(height(bodies[0]), ball);
+      EXPECT_EQ(height(bodies[1]), crate);
+    }
+    plots.hold(true);
+  }
+  plots.hold(false);
+}
+
+TEST(BodyRenamesTest, AFileThatNumbersItsBodiesOtherwiseHasTheSameBodies) {
+  const auto bodies = [](const std::vector<std::pair<const char*, double>>& named) {
+    rigid_body_sim::BodyDescriptions descriptions;
+    for (const auto& [name, mass] : named) {
+      descriptions.bodies.emplace_back();
+      descriptions.bodies.back().id = descriptions.bodies.size();
+      descriptions.bodies.back().name = name;
+      descriptions.bodies.back().mass = mass;
+    }
+    return descriptions;
+  };
+  const auto before = bodies({{"a", 1.0}, {"b", 2.0}});
+  const QHash<QString, QString> swapped = {{"a", "b"}, {"b", "a"}}, renamed = {{"a", "c"}},
+                                passed_on = {{"a", "c"}, {"b", "a"}};
+  EXPECT_EQ(renamesOf(before, bodies({{"b", 1.0}, {"a", 2.0}})), swapped);
+  EXPECT_EQ(renamesOf(before, bodies({{"c", 1.0}, {"b", 2.0}})), renamed);
+  EXPECT_EQ(renamesOf(before, bodies({{"c", 1.0}, {"a", 2.0}})), passed_on);
+  EXPECT_TRUE(renamesOf(before, bodies({{"b", 2.0}, {"a", 1.0}})).isEmpty()) << "in another order";
+  EXPECT_TRUE(
+      renamesOf(bodies({{"a", 1.0}, {"b", 1.0}}), bodies({{"c", 1.0}, {"a", 1.0}, {"b", 1.0}})).isEmpty())
+      << "with one more, before the others";
 }
 
 TEST_F(PlotsPanelTest, ItsKeysAreListedUnderHelp) {
