@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daylight.h"
 
+#include "bodies_display.h"
+
 #include <OgreLight.h>
 #include <OgreSceneManager.h>
 #include <OgreSceneNode.h>
@@ -39,6 +41,12 @@ void Daylight::onEnable() {
 
 void Daylight::onDisable() {
   scene_manager_->setAmbientLight(ambient_before_);
+}
+
+void Daylight::update(float, float) {
+  const std::vector<BodiesDisplay*> displays = BodiesDisplay::allIn(*context_);
+  scene_node_->setOrientation(displays.empty() ? Ogre::Quaternion::IDENTITY
+                                               : displays.front()->getSceneNode()->getOrientation());
 }
 
 }  // namespace rbs

@@ -35,8 +35,9 @@ vec3 turned(vec4 q, vec3 v) {
   return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
 }
 
-vec3 lightAt(vec3 place, vec3 n) {
-  vec3 sum = ambient.rgb * (0.5 + 0.06 * n.z);
+// `up`: the part of n that is upwards in the world of the bodies.
+vec3 lightAt(vec3 place, vec3 n, float up) {
+  vec3 sum = ambient.rgb * (0.5 + 0.06 * up);
   for (int i = 0; i < 4; ++i) {
     vec3 to_light = normalize(light_positions[i].xyz - light_positions[i].w * place);
     sum += light_colors[i].rgb * max(0.0, dot(n, to_light));
@@ -53,11 +54,12 @@ vec3 bytesOf(float whole) {
 void main() {
   vec3 size = uv3.xyz;
   vec4 here = vec4(turned(uv2, vertex.xyz * size + vec3(0.0, 0.0, uv0.x * uv3.w)) + uv1.xyz, 1.0);
-  vec3 n = normalize(mat3(world_matrix) * turned(uv2, normalize(normal / size)));
+  vec3 n_W = turned(uv2, normalize(normal / size));
+  vec3 n = normalize(mat3(world_matrix) * n_W);
   point = vertex.xyz;
   tiles = vertex.xy * size.xy / uv3.w;
   plain = uv4;
-  color = vec4(uv4.rgb * lightAt((world_matrix * here).xyz, n), uv4.a);
+  color = vec4(uv4.rgb * lightAt((world_matrix * here).xyz, n, n_W.z), uv4.a);
   extra = uv3.w;
   handle = uv1.w;
   picked = bytesOf(uv1.w);

@@ -16,10 +16,11 @@ import rospy
 import rosservice
 import rostest
 import yaml
-from geometry_msgs.msg import Point, Pose, Twist
+from geometry_msgs.msg import Point, Pose, TransformStamped, Twist
 from rigid_body_sim.msg import BodyDescription, BodyDescriptions, BodyDetails, BodyStates
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger, TriggerResponse
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerFeedback
 
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), '..', '..')
@@ -105,9 +106,10 @@ class BodiesTest(unittest.TestCase):
         with self.lock:
             return list(self.mouse)
 
-    def open(self, view=VIEW, **properties):
+    def open(self, view=VIEW, fixed_frame='world', **properties):
         def change(layout):
             rviz_driver.look_from(layout, view)
+            layout['Visualization Manager']['Global Options']['Fixed Frame'] = fixed_frame
             displays = layout['Visualization Manager']['Displays']
             # The panel goes where nothing answers it: a fake has no services.
             for display in displays:
@@ -145,6 +147,28 @@ class BodiesTest(unittest.TestCase):
         with self.open(rviz_driver.View(eye=[0.0, -14.0, 6.0], target=[0.0, 0.0, 0.5]), Shadows=False) as rviz:
             self.wait_for_hues(rviz, [(place, 2) for place in places[:6]] + [((0.0, -3.0, 0.0), 0)],
                                'all shapes stand on a red floor in blue')
+
+    def test_light_and_shadows_stay_with_the_world(self):
+        self.fake.describe(90, [body(1, 'plane', (0.6, 0.6, 0.6), kind='static'), body(2, 'box', RED)])
+        self.fake.move(90, [(0.0, 0.0, 0.0), (1.0, 1.0, 1.0)])
+        overhead = TransformStamped(child_frame_id='overhead')  # upside down, as a body may lie
+        overhead.header.frame_id = 'world'
+        overhead.transform.translation.z = 3.0
+        overhead.transform.rotation.x = 1.0
+        static = rospy.Publisher('/tf_static', TFMessage, queue_size=1, latch=True)
+        self.addCleanup(static.unregister)
+        static.publish([overhead])
+        seen = []
+        for frame, place in (('world', lambda x, y, z: (x, y, z)), ('overhead', lambda x, y, z: (x, -y, 3.0 - z))):
+            view = rviz_driver.View(eye=place(6.0, -6.0, 5.0), target=place(0.0, 0.0, 0.0))
+            with self.open(view, frame) as rviz:
+                self.wait_for_hues(rviz, [(place(1.0, 1.0, 1.0), 0)], 'the box is drawn')
+                rviz.wait_for_rest()
+                seen.append([self.pixel(rviz, place(*point)) for point in ((1.0, 1.0, 0.0), (-1.0, -1.0, 0.0))])
+        shadow, floor = seen[0]
+        self.assertLess(sum(shadow), 0.9 * sum(floor))
+        for here, there in zip(*seen):
+            self.assertLess(max(abs(a - b) for a, b in zip(here, there)), 8, 'seen in two frames: %s' % (seen,))
 
     def test_colours_follow_the_speed(self):
         self.fake.describe(2, [body(1, 'sphere', RED), body(2, 'sphere', RED)])
