@@ -6,6 +6,7 @@
 #include "colors.h"
 #include "duplicate_dialog.h"
 #include "quiet_end.h"
+#include "scrolled.h"
 #include "wheel_guard.h"
 
 #include <OgreAxisAlignedBox.h>
@@ -224,6 +225,7 @@ bool BodiesPanel::eventFilter(QObject* watched, QEvent* event) {
 
 void BodiesPanel::onInitialize() {
   manager_ = vis_manager_;
+  shareDock(*this);
   follow(node_->node());
 }
 

@@ -151,6 +151,7 @@ void PlotsPanel::connectWidgets() {
 }
 
 void PlotsPanel::onInitialize() {
+  shareDock(*this);
   follow(node_->node());
   showView();
 }

@@ -120,6 +120,7 @@ void SimulationPanel::connectWidgets() {
 }
 
 void SimulationPanel::onInitialize() {
+  shareDock(*this);
   window_ = vis_manager_->getWindowManager()->getParentWindow();
   addKeys();
   offerShortcuts(*window_, *this);

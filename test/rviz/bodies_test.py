@@ -7,6 +7,7 @@ Nothing here is timed: every check waits, for up to a minute, until what it expe
 import math
 import os
 import random
+import re
 import sys
 import tempfile
 import threading
@@ -169,6 +170,16 @@ class BodiesTest(unittest.TestCase):
         self.assertLess(sum(shadow), 0.9 * sum(floor))
         for here, there in zip(*seen):
             self.assertLess(max(abs(a - b) for a, b in zip(here, there)), 8, 'seen in two frames: %s' % (seen,))
+
+    def test_panels_that_are_added_stay_on_the_screen(self):
+        def without_saved_docks(layout):
+            layout['Window Geometry'] = {'Width': 1280, 'Height': 800, 'X': 0, 'Y': 0}
+            layout['Panels'] = [{'Class': 'rviz/Displays', 'Name': 'Displays'}] + [
+                {'Class': 'rigid_body_sim/' + name, 'Name': name} for name in ('SimulationPanel', 'BodiesPanel', 'Plots', 'Plots')]
+
+        with rviz_driver.Rviz(self.screen, LAYOUT, without_saved_docks) as rviz:
+            window = self.screen.run('xwininfo', '-id', str(rviz.window)).decode()
+            self.assertLessEqual(int(re.search(r'Height: (\d+)', window)[1]), 800, window)
 
     def test_colours_follow_the_speed(self):
         self.fake.describe(2, [body(1, 'sphere', RED), body(2, 'sphere', RED)])
