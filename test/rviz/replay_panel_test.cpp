@@ -162,6 +162,7 @@ TEST_F(ReplayPanelTest, BodiesAreReadAndNotChanged) {
     bodies.select({name});
     return bodies.selection() == QStringList{name};
   }));
+  form.choose({name}, {});
   EXPECT_FALSE(table.flags(table.index(0, BodyTable::Name)) & Qt::ItemIsEditable);
   const QList<ValueField*> fields = form.findChildren<ValueField*>();
   ASSERT_GT(fields.size(), 10);
