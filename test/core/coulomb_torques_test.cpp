@@ -41,7 +41,10 @@ const std::vector<Alone> kSolvers = {
     {"interior_point",
      [](const System& s, BodyBlocks& m) { return finished(s, m, interiorPoint(s, m, 1e-6, 80)); }},
     {"interior_point_from_guess",
-     [](const System& s, BodyBlocks& m) { return finished(s, m, interiorPoint(s, m, cold(s), 1e-6, 80)); }},
+     [](const System& s, BodyBlocks& m) {
+       const Answer guess = newton(s, m, cold(s), 10.0, 1e-2, 20);
+       return finished(s, m, interiorPoint(s, m, guess, 1e-6, 80));
+     }},
     {"path", [](const System& s, BodyBlocks& m) { return finished(s, m, followPath(s, m, 1e-6, 600)); }},
     {"admm", [](const System& s, BodyBlocks& m) { return admm(s, m, cold(s).r, 1e-6, 5000); }}};
 
