@@ -99,6 +99,24 @@ TEST_P(Touching, BeginsAnewWithEachBounce) {
   EXPECT_LE(bounces, 7);
 }
 
+// Between two plates, once to and fro in each step: it touches both in all of them, and never for two.
+TEST_P(Touching, BeginsAnewInEachStep) {
+  SceneDef scene = emptySpace(kStep);
+  scene.fidelity.preset = GetParam();
+  scene.bodies = {box("low", {1.0, 1.0, 0.2}, {0.0, 0.0, -0.21}),
+                  box("high", {1.0, 1.0, 0.2}, {0.0, 0.0, 0.21}), ball("ball", 0.1, Vec3::Zero())};
+  scene.bodies[0].kind = scene.bodies[1].kind = BodyKind::Static;
+  scene.bodies[2].twist.v_WB.z() = 0.04 / kStep;
+  for (BodyDef& body : scene.bodies) body.material.restitution = 1.0, body.material.friction = 0.0;
+  World world(ordered(scene));
+  for (int k = 0; k < 10; ++k) {
+    world.step();
+    const auto all = touchingOf(world);
+    EXPECT_EQ(all.size(), 2u) << k;
+    for (const auto& [pair, steps] : all) EXPECT_EQ(steps, 1u) << k;
+  }
+}
+
 TEST_P(Touching, EndsWithTheLastPush) {
   World world(sceneOf(box("box", {0.4, 0.3, 0.2}, {0.0, 0.0, 0.1})));
   const BodyId id = world.find("box");
