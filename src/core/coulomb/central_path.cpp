@@ -11,8 +11,9 @@ namespace rbs::coulomb {
 
 namespace {
 
+// What a solution of the linear equations may leave of their right side: without a refinement, and with one.
 constexpr double kNoRefinement = 1e-9;
-constexpr double kSolved = 1e-3;  // what a solution of the linear equations may leave of their right side
+constexpr double kSolved = 1e-3;
 
 }  // namespace
 
