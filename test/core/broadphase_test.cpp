@@ -183,8 +183,8 @@ Case shrunk(Case c) {
   return c;
 }
 
-TEST(BroadPhase, FindsThePairsOfBruteForceInTenThousandWorlds) {
-  for (std::uint64_t seed = 1; seed <= 10000; ++seed) {
+TEST(BroadPhase, FindsThePairsOfBruteForceInRandomWorlds) {
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
     Case c{seed, std::vector<int>(3 + seed % 18), 3};
     std::iota(c.bodies.begin(), c.bodies.end(), 0);
     if (faultOf(c).empty()) continue;
