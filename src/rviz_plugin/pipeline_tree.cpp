@@ -35,11 +35,15 @@ QString costOf(const rigid_body_sim::StageStatus& stage) {
   return stage.seconds > 0.0 ? QString::number(1e3 * stage.seconds, 'f', 3) : QString("on");
 }
 
+QString reasonOf(const rigid_body_sim::StageStatus& stage) {
+  const QString reason = QString::fromStdString(stage.reason);
+  if (!stage.active || stage.unit.empty()) return reason;
+  return QString("%1 %2: ").arg(stage.items).arg(QString::fromStdString(stage.unit)) + reason;
+}
+
 void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, double total,
           const QPalette& palette) {
-  QString reason = QString::fromStdString(stage.reason);
-  if (stage.active && !stage.unit.empty())
-    reason = QString("%1 %2: ").arg(stage.items).arg(QString::fromStdString(stage.unit)) + reason;
+  const QString reason = reasonOf(stage);
   row.setText(kStage, QString::fromStdString(stage.name));
   row.setText(kMilliseconds, costOf(stage));
   row.setData(kMilliseconds, kShare, total > 0.0 ? stage.seconds / total : 0.0);
@@ -52,13 +56,18 @@ void fill(QTreeWidgetItem& row, const rigid_body_sim::StageStatus& stage, double
   }
 }
 
+double shareOf(const QTreeWidgetItem& row) {
+  return row.data(kMilliseconds, kShare).toDouble();
+}
+
 }  // namespace
 
 PipelineTree::PipelineTree() {
   setColumnCount(kStageColumns);
   setHeaderLabels({"Stage", "ms", "Why"});
   setUniformRowHeights(true);
-  setSelectionMode(QAbstractItemView::NoSelection);
+  setSelectionMode(QAbstractItemView::SingleSelection);
+  setTextElideMode(Qt::ElideRight);
   setFocusPolicy(Qt::NoFocus);
   setIndentation(indentation() / 2);
   setItemDelegateForColumn(kMilliseconds, new ShareBar(this));
@@ -73,6 +82,22 @@ void PipelineTree::show(const std::vector<rigid_body_sim::StageStatus>& pipeline
   for (const rigid_body_sim::StageStatus& stage : pipeline)
     if (stage.part_of.empty()) total += stage.seconds;
   for (std::size_t i = 0; i < pipeline.size(); ++i) fill(*rows_[i], pipeline[i], total, palette());
+}
+
+QString PipelineTree::explanation() const {
+  const QList<QTreeWidgetItem*> selected = selectedItems();
+  const QTreeWidgetItem* const row = selected.isEmpty() ? costliest() : selected.front();
+  if (!row) return {};
+  const QString cost = shareOf(*row) > 0.0 ? QString("%1 % of the step").arg(100.0 * shareOf(*row), 0, 'f', 0)
+                                           : row->text(kMilliseconds);
+  return QString("%1, %2: %3").arg(row->text(kStage), cost, row->text(kReason));
+}
+
+const QTreeWidgetItem* PipelineTree::costliest() const {
+  const QTreeWidgetItem* most = nullptr;
+  for (const QTreeWidgetItem* row : rows_)
+    if (row->childCount() == 0 && (!most || shareOf(*row) > shareOf(*most))) most = row;
+  return most;
 }
 
 void PipelineTree::build(const std::vector<rigid_body_sim::StageStatus>& pipeline) {

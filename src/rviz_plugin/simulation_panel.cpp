@@ -42,7 +42,7 @@ SimulationPanel::SimulationPanel()
       status_(new StatusView),
       pages_(new QTabWidget),
       accuracy_(new AccuracyView(simulator_)),
-      pipeline_(new PipelineTree),
+      step_(new StepView),
       effects_(new EffectsView(simulator_)),
       air_(new WindView(simulator_)),
       warnings_(new WarningsView) {
@@ -66,7 +66,7 @@ SimulationPanel::~SimulationPanel() {
 
 void SimulationPanel::layOut() {
   pages_->setDocumentMode(true);
-  pages_->addTab(pipeline_, "Step");
+  pages_->addTab(step_, "Step");
   pages_->addTab(scrolled(accuracy_), "Accuracy");
   pages_->addTab(effects_, "Effects");
   pages_->addTab(scrolled(air_), "Wind");
@@ -208,7 +208,7 @@ void SimulationPanel::show(const rigid_body_sim::Status& status) {
   transport_->show(status);
   status_->show(status);
   accuracy_->show(status);
-  pipeline_->show(status.pipeline);
+  step_->show(status.pipeline);
   effects_->show(status);
   warnings_->show(status);
   scenes_->show(status);

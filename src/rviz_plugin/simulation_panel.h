@@ -6,10 +6,10 @@
 #include "effects_view.h"
 #include "elided_text.h"
 #include "node_box.h"
-#include "pipeline_tree.h"
 #include "scene_bar.h"
 #include "simulator_client.h"
 #include "status_view.h"
+#include "step_view.h"
 #include "transport_bar.h"
 #include "warnings_view.h"
 #include "wind_view.h"
@@ -99,7 +99,7 @@ class SimulationPanel : public rviz::Panel {
   StatusView* status_;
   QTabWidget* pages_;
   AccuracyView* accuracy_;
-  PipelineTree* pipeline_;
+  StepView* step_;
   EffectsView* effects_;
   WindView* air_;
   WarningsView* warnings_;

@@ -10,6 +10,7 @@
 #include "scene_bar.h"
 #include "scene_list.h"
 #include "status_view.h"
+#include "step_view.h"
 #include "transport_bar.h"
 #include "warnings_view.h"
 #include "wind_view.h"
@@ -640,6 +641,38 @@ TEST(PipelineTree, PutsPartsBelowTheirStage) {
   EXPECT_EQ(tree.topLevelItem(0)->text(1), "off");
   for (const int column : {0, 1, 2})
     EXPECT_EQ(tree.topLevelItem(0)->toolTip(column), "off") << "the column is narrow";
+}
+
+TEST(StepView, ExplainsTheStageThatIsClickedOrElseTheCostliest) {
+  StepView view;
+  view.resize(360, 300);
+  view.setVisible(true);
+  std::vector<rigid_body_sim::StageStatus> pipeline(3);
+  pipeline[0].name = "forces.drag";
+  pipeline[0].reason = "the scene has no air and no fluid";
+  pipeline[1].name = "islands.advance";
+  pipeline[1].active = true;
+  pipeline[1].seconds = 0.003;
+  pipeline[2].name = "contacts.solve";
+  pipeline[2].part_of = "islands.advance";
+  pipeline[2].active = true;
+  pipeline[2].seconds = 0.0015;
+  pipeline[2].items = 90;
+  pipeline[2].unit = "points";
+  pipeline[2].reason = "of the soft step, which is for the many groups that move";
+  view.show(pipeline);
+  const auto* const text = view.findChild<ElidedText*>();
+  auto* const tree = view.findChild<PipelineTree*>();
+  ASSERT_TRUE(text && tree);
+  EXPECT_EQ(text->text(),
+            "contacts.solve, 50 % of the step: 90 points: of the soft step, which is for the many groups "
+            "that move");
+  QTest::mouseClick(tree->viewport(), Qt::LeftButton, {},
+                    tree->visualItemRect(tree->topLevelItem(0)).center());
+  EXPECT_EQ(text->text(), "forces.drag, off: the scene has no air and no fluid");
+  pipeline[2].seconds = 0.002;
+  view.show(pipeline);
+  EXPECT_EQ(text->text(), "forces.drag, off: the scene has no air and no fluid") << "it stays selected";
 }
 
 }  // namespace
