@@ -71,7 +71,7 @@ def slope_table(times, states):
         predicted = max(0.0, GRAVITY * (math.sin(SLOPE) - friction * math.cos(SLOPE)))
         creep = '%.1g' % abs(places[1] - places[0]) if predicted == 0.0 else 'slides'
         yield '| %s (%s) | %.1f | %.4f | %.4f | %s |' % (
-            box, COLORS[box], friction, (speeds[1] - speeds[0]) / span, predicted, creep)
+            box, COLORS[box], friction, round((speeds[1] - speeds[0]) / span, 4) + 0.0, predicted, creep)  # no minus zero
     yield ''
     yield '| time, s | tilt of the tall box from the vertical |'
     yield '|--:|--:|'
