@@ -181,11 +181,10 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wan
   }
   const System system(problem);
   const Impulses start = system.warmStart(problem);
-  const Residuals of_guess = near < kEveryDigit
-                                 ? system.residuals(start)
-                                 : system.residuals(start, system.relativeVelocitiesAbout(start));
+  const Impulses velocity =
+      near < kEveryDigit ? system.relativeVelocities(start) : system.relativeVelocitiesAbout(start);
   CoulombResult result{CoulombSolver::WarmStart, 0, 0.0, 0.0, 0.0, false};
-  Answer best{start, of_guess, 0};
+  Answer best{start, system.residuals(start, velocity, near), 0};
   if (!best.within(near)) {
     BodyBlocks matrix(system);
     Case at{system, matrix, tolerance, wanted, needed, std::move(best)};

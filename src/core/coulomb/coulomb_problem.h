@@ -96,7 +96,8 @@ struct BoundedRows {
 /// The moments about a centre of unit impulses along the columns of a frame, at r from that centre, m; `axis_W` as in
 /// CoulombPoint.
 inline Mat3 momentsOf(const Vec3& r, const Mat3& frame, const Vec3& axis_W) {
-  Mat3 moments = crossMatrix(r) * frame;
+  Mat3 moments;
+  moments << r.cross(frame.col(0)), r.cross(frame.col(1)), r.cross(frame.col(2));
   moments.col(2) -= momentAbout(axis_W, r, frame.col(2)) * axis_W;
   return moments;
 }

@@ -13,31 +13,14 @@ namespace rbs::coulomb {
 
 namespace {
 
-// L^-1 B. Eigen's own is made for large matrices.
-Mat3 solveLower(const Mat3& L, Mat3 B) {
-  for (int row = 0; row < 3; ++row) {
-    const double inverse = 1.0 / L(row, row);
-    for (int c = 0; c < 3; ++c) {
-      B(row, c) *= inverse;
-      for (int below = row + 1; below < 3; ++below) B(below, c) -= B(row, c) * L(below, row);
-    }
-  }
-  return B;
-}
-
-Mat36 jacobian(double mass, const Mat3& L, const Mat3& frame, const Mat3& moments, double total_mass) {
-  // u = frame^T v + moments^T w, v = y_v/sqrt(m), w = L^-T y_w.
-  Mat36 J;
-  J.leftCols<3>() = frame.transpose() / std::sqrt(mass / total_mass);
-  J.rightCols<3>() = solveLower(L, moments).transpose() * std::sqrt(total_mass);
-  return J;
-}
-
-Mat36 turning(const Mat3& L, const Mat3& frame, double radius, double total_mass) {
-  // u = R frame^T w.
-  Mat36 J = Mat36::Zero();
-  J.rightCols<3>() = radius * solveLower(L, frame).transpose() * std::sqrt(total_mass);
-  return J;
+// The inverse of a lower triangular matrix.
+Mat3 inverseOfLower(const Mat3& L) {
+  const double a = 1.0 / L(0, 0), b = 1.0 / L(1, 1), c = 1.0 / L(2, 2);
+  Mat3 inverse;
+  inverse << a, 0.0, 0.0,        //
+      -b * L(1, 0) * a, b, 0.0,  //
+      c * (L(2, 1) * b * L(1, 0) - L(2, 0)) * a, -c * L(2, 1) * b, c;
+  return inverse;
 }
 
 }  // namespace
@@ -52,37 +35,38 @@ System::System(const CoulombProblem& problem) {
   const auto gives = [](const CoulombPoint& point) { return point.give > 0.0; };
   const auto pads = std::count_if(problem.points.begin(), problem.points.end(), gives);
   free_.setZero(6, static_cast<Eigen::Index>(problem.bodies.size()) + pads);
-  roots_.reserve(problem.bodies.size());
+  responses_.reserve(problem.bodies.size());
   for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
     const CoulombBody& body = problem.bodies[k];
-    turns_.push_back(body.turns);
-    body_turns_ = body_turns_ || body.turns;
-    const Mat3 L = roots_.emplace_back(body.turns ? body.inertia_W : Mat3::Identity()).matrixL();
-    free_.col(k) << std::sqrt(body.mass / total_mass) / speed_ * body.v,
-        L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
-    if (!body.turns) free_.col(k).tail<3>().setZero();
+    Response& response = responses_.emplace_back();
+    response.linear = std::sqrt(total_mass / body.mass);
+    free_.col(k).head<3>() = body.v / (response.linear * speed_);
+    if (!body.turns) continue;
+    body_turns_ = true;
+    const Mat3 L = body.inertia_W.llt().matrixL();
+    response.turning = std::sqrt(total_mass) * inverseOfLower(L).transpose();
+    free_.col(k).tail<3>() = L.transpose() * body.w / (std::sqrt(total_mass) * speed_);
   }
-  // The spin of a body that does not turn is part of the bias of its points.
-  const auto jacobianOf = [&](Index body, const Vec3& arm, const CoulombPoint& point, double sign,
-                              Vec3& bias) {
-    const Mat3 moments = momentsOf(arm, point.frame, point.axis_W);
-    Mat36 J = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), point.frame, moments, total_mass);
-    if (!turns_[body]) {
-      J.rightCols<3>().setZero();
-      bias += sign * (moments.transpose() * problem.bodies[body].w);
-    }
-    return J;
+  // J of a side, of linear and angular rows. The spin of a body that does not turn is part of the bias of its rows.
+  const auto jacobian = [&](Index body, const Mat3& linear, const Mat3& angular, Mat36& J) {
+    J.leftCols<3>() = responses_[body].linear * linear;
+    J.rightCols<3>().noalias() = angular * responses_[body].turning;
   };
-  points_.reserve(problem.points.size());
+  points_.resize(problem.points.size());
   Index pad = static_cast<Index>(problem.bodies.size());
-  for (const CoulombPoint& given : problem.points) {
-    Point point;
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const CoulombPoint& given = problem.points[k];
+    Point& point = points_[k];
     point.i = given.i, point.j = given.j;
-    point.J_i.setZero();
-    point.J_j.setZero();
     point.bias = given.bias;
-    if (given.i != kNone) point.J_i = -jacobianOf(given.i, given.r_i, given, -1.0, point.bias);
-    if (given.j != kNone) point.J_j = jacobianOf(given.j, given.r_j, given, 1.0, point.bias);
+    const auto addSide = [&](Index body, const Vec3& arm, double sign, Mat36& J) {
+      if (body == kNone) return J.setZero(), void();
+      const Mat3 angular = sign * momentsOf(arm, given.frame, given.axis_W).transpose();
+      jacobian(body, sign * given.frame.transpose(), angular, J);
+      if (!problem.bodies[body].turns) point.bias += angular * problem.bodies[body].w;
+    };
+    addSide(given.i, given.r_i, -1.0, point.J_i);
+    addSide(given.j, given.r_j, 1.0, point.J_j);
     point.bias /= speed_;
     // A side gives way like a body of mass 1/give that moves along n alone.
     if (gives(given)) {
@@ -91,22 +75,20 @@ System::System(const CoulombProblem& problem) {
     }
     point.sliding = {given.mu, given.slide};
     point.response = (point.J_i.squaredNorm() + point.J_j.squaredNorm()) / 3.0;
-    points_.push_back(point);
   }
   for (const TorqueConstraint& given : problem.torques) {
     TorqueRows torque;
     torque.i = given.i, torque.j = given.j;
     torque.first = given.first, torque.size = given.size;
     torque.bias = given.bias;
-    const auto turningOf = [&](Index body, double sign) -> Mat36 {
-      if (body == kNone) return Mat36::Zero();
-      if (turns_[body])
-        return sign * turning(roots_[body].matrixLLT(), given.frame, given.radius, total_mass);
-      torque.bias += sign * given.radius * (given.frame.transpose() * problem.bodies[body].w);
-      return Mat36::Zero();
+    const auto addSide = [&](Index body, double sign, Mat36& J) {
+      if (body == kNone) return J.setZero(), void();
+      const Mat3 angular = sign * given.radius * given.frame.transpose();
+      jacobian(body, Mat3::Zero(), angular, J);
+      if (!problem.bodies[body].turns) torque.bias += angular * problem.bodies[body].w;
     };
-    torque.J_i = turningOf(given.i, -1.0);
-    torque.J_j = turningOf(given.j, 1.0);
+    addSide(given.i, -1.0, torque.J_i);
+    addSide(given.j, 1.0, torque.J_j);
     torque.bias /= speed_;
     torque.rolling = {given.roll, given.rolls};
     torque.spinning = {given.spin, FrictionSet<1>::Vec(given.spins)};
@@ -117,19 +99,14 @@ System::System(const CoulombProblem& problem) {
     JointRows joint;
     joint.i = given.i, joint.j = given.j;
     joint.bias = given.bias;
-    const auto rowsOf = [&](Index body, const Mat36& J) -> Mat36 {
-      if (body == kNone) return Mat36::Zero();
-      const Mat3 linear = J.leftCols<3>(), angular = J.rightCols<3>();
-      Mat36 rows = jacobian(problem.bodies[body].mass, roots_[body].matrixLLT(), linear.transpose(),
-                            angular.transpose(), total_mass);
-      if (!turns_[body]) {
-        joint.bias += angular * problem.bodies[body].w;
-        rows.rightCols<3>().setZero();
-      }
-      return rows;
+    const auto addSide = [&](Index body, const Mat36& rows, Mat36& J) {
+      if (body == kNone) return J.setZero(), void();
+      const Mat3 angular = rows.rightCols<3>();
+      jacobian(body, rows.leftCols<3>(), angular, J);
+      if (!problem.bodies[body].turns) joint.bias += angular * problem.bodies[body].w;
     };
-    joint.J_i = rowsOf(given.i, given.J_i);
-    joint.J_j = rowsOf(given.j, given.J_j);
+    addSide(given.i, given.J_i, joint.J_i);
+    addSide(given.j, given.J_j, joint.J_j);
     joint.bias /= speed_;
     joint.box = {given.lo / impulse_, given.hi / impulse_};
     joint.response = (joint.J_i.squaredNorm() + joint.J_j.squaredNorm()) / 3.0;
@@ -177,32 +154,19 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 // A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
 // between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body
 // no room there is no solution: impulses grow without end, and so would what is forgiven them.
-Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
-  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-  constexpr double kMostForgiven = 1e-4;
-  Eigen::VectorXd rounding = free_.colwise().norm().transpose();
-  for (std::size_t k = 0; k < columns(); ++k) {
-    const Rows& point = rows(k);
-    if (point.i != kNone) rounding[point.i] += (point.J_i.transpose() * r.col(k)).norm();
-    if (point.j != kNone) rounding[point.j] += (point.J_j.transpose() * r.col(k)).norm();
-  }
+Residuals System::residuals(const Impulses& r, const Impulses& velocity, double enough) const {
   Residuals worst;
   if (!velocity.allFinite()) {
     worst.signorini = worst.coulomb = worst.dissipation = worst.beyond_rounding =
         std::numeric_limits<double>::infinity();
     return worst;
   }
-  const auto count = [&](const Rows& of, const Vec3& push, double signorini, double coulomb,
-                         double dissipation) {
+  std::vector<double> off(columns());
+  const auto count = [&](std::size_t k, double signorini, double coulomb, double dissipation) {
     worst.signorini = std::max(worst.signorini, signorini);
     worst.coulomb = std::max(worst.coulomb, coulomb);
     worst.dissipation = std::max(worst.dissipation, dissipation);
-    double floor = push.norm() + of.bias.norm();
-    if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
-    if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
-    const double forgiven = std::min(kEpsilon * floor, kMostForgiven);
-    worst.beyond_rounding =
-        std::max(worst.beyond_rounding, std::max(signorini, std::max(coulomb, dissipation)) - forgiven);
+    off[k] = std::max(signorini, std::max(coulomb, dissipation));
   };
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Point& point = points_[k];
@@ -220,7 +184,7 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
       if (length > limit) target *= limit / length;
       dissipation = (push.head<2>() - target).norm();
     }
-    count(point, push, signorini, coulomb, dissipation);
+    count(k, signorini, coulomb, dissipation);
   }
   for (std::size_t k = 0; k < torques_.size(); ++k) {
     const TorqueRows& torque = torques_[k];
@@ -231,13 +195,34 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity) const {
     const double coulomb = std::max({0.0, push.head<2>().norm() - torque.rolling.factor * n,
                                      std::abs(push[2]) - torque.spinning.factor * n});
     const Vec3 target = nearest(torque, push - velocity.col(points_.size() + k), n);
-    count(torque, push, 0.0, coulomb, (push - target).norm());
+    count(points_.size() + k, 0.0, coulomb, (push - target).norm());
   }
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     const JointRows& joint = joints_[k];
     const Impulses::ConstColXpr x = r.col(firstJoint() + k), u = velocity.col(firstJoint() + k);
     const Vec3 target = joint.box.nearest(x - u / joint.response);
-    count(joint, joint.response * x, joint.response * (x - target).norm(), 0.0, 0.0);
+    count(firstJoint() + k, joint.response * (x - target).norm(), 0.0, 0.0);
+  }
+  worst.beyond_rounding = worst.worst() <= enough ? worst.worst() : beyondRounding(r, off);
+  return worst;
+}
+
+double System::beyondRounding(const Impulses& r, const std::vector<double>& off) const {
+  constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+  constexpr double kMostForgiven = 1e-4;
+  Eigen::VectorXd rounding = free_.colwise().norm().transpose();
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& of = rows(k);
+    if (of.i != kNone) rounding[of.i] += (of.J_i.transpose() * r.col(k)).norm();
+    if (of.j != kNone) rounding[of.j] += (of.J_j.transpose() * r.col(k)).norm();
+  }
+  double worst = 0.0;
+  for (std::size_t k = 0; k < columns(); ++k) {
+    const Rows& of = rows(k);
+    double floor = (of.response * r.col(k)).norm() + of.bias.norm();
+    if (of.i != kNone) floor += of.J_i.norm() * rounding[of.i];
+    if (of.j != kNone) floor += of.J_j.norm() * rounding[of.j];
+    worst = std::max(worst, off[k] - std::min(kEpsilon * floor, kMostForgiven));
   }
   return worst;
 }
@@ -269,38 +254,16 @@ Impulses System::noImpulses() const {
 }
 
 void System::store(const Impulses& r, CoulombProblem& problem) const {
-  for (std::size_t k = 0; k < points_.size(); ++k) {
-    CoulombPoint& point = problem.points[k];
-    point.impulse = impulse_ * r.col(k);
-    const Vec3 impulse_W = point.frame * point.impulse;
-    const auto apply = [&](Index body, const Vec3& arm, double sign) {
-      problem.bodies[body].v += sign * impulse_W / problem.bodies[body].mass;
-      if (!turns_[body]) return;
-      const double about = momentAbout(point.axis_W, arm, point.frame.col(2));
-      const Vec3 moment_W = arm.cross(impulse_W) - about * point.impulse[2] * point.axis_W;
-      problem.bodies[body].w += sign * roots_[body].solve(moment_W);
-    };
-    if (point.i != kNone) apply(point.i, point.r_i, -1.0);
-    if (point.j != kNone) apply(point.j, point.r_j, 1.0);
-  }
-  for (std::size_t k = 0; k < torques_.size(); ++k) {
-    TorqueConstraint& torque = problem.torques[k];
-    torque.impulse = impulse_ * r.col(points_.size() + k);
-    const Vec3 turn_W = torque.radius * (torque.frame * torque.impulse);
-    if (torque.i != kNone && turns_[torque.i]) problem.bodies[torque.i].w -= roots_[torque.i].solve(turn_W);
-    if (torque.j != kNone && turns_[torque.j]) problem.bodies[torque.j].w += roots_[torque.j].solve(turn_W);
-  }
-  for (std::size_t k = 0; k < joints_.size(); ++k) {
-    BoundedRows& joint = problem.joints[k];
-    joint.impulse = impulse_ * r.col(firstJoint() + k);
-    const auto apply = [&](Index body, const Mat36& J) {
-      if (body == kNone) return;
-      problem.bodies[body].v += J.leftCols<3>().transpose() * joint.impulse / problem.bodies[body].mass;
-      if (turns_[body])
-        problem.bodies[body].w += roots_[body].solve(Vec3(J.rightCols<3>().transpose() * joint.impulse));
-    };
-    apply(joint.i, joint.J_i);
-    apply(joint.j, joint.J_j);
+  for (std::size_t k = 0; k < points_.size(); ++k) problem.points[k].impulse = impulse_ * r.col(k);
+  for (std::size_t k = 0; k < torques_.size(); ++k)
+    problem.torques[k].impulse = impulse_ * r.col(points_.size() + k);
+  for (std::size_t k = 0; k < joints_.size(); ++k)
+    problem.joints[k].impulse = impulse_ * r.col(firstJoint() + k);
+  Velocities change = Velocities::Zero(6, free_.cols());
+  push(r, change);
+  for (std::size_t k = 0; k < problem.bodies.size(); ++k) {
+    problem.bodies[k].v += speed_ * responses_[k].linear * change.col(k).head<3>();
+    problem.bodies[k].w += speed_ * (responses_[k].turning * change.col(k).tail<3>());
   }
 }
 

@@ -93,8 +93,8 @@ class System {
   Impulses relativeVelocities(const Impulses& r) const { return velocitiesSummedIn<long double>(r); }
   /// The same with the rounding of double, in a fraction of the time.
   Impulses relativeVelocitiesAbout(const Impulses& r) const { return velocitiesSummedIn<double>(r); }
-  /// Of impulses r, with their relative velocities where those are known.
-  Residuals residuals(const Impulses& r, const Impulses& velocity) const;
+  /// Of impulses r, with their relative velocities where those are known. Where all are within `enough`, nothing is forgiven.
+  Residuals residuals(const Impulses& r, const Impulses& velocity, double enough = 0.0) const;
   Residuals residuals(const Impulses& r) const { return residuals(r, relativeVelocities(r)); }
 
   /// The sum of the normal impulses of a torque's points.
@@ -131,11 +131,17 @@ class System {
  private:
   template <class Scalar>
   Impulses velocitiesSummedIn(const Impulses& r) const;
+  double beyondRounding(const Impulses& r, const std::vector<double>& off) const;
 
-  double speed_, impulse_;               // the units, m/s and N s
-  std::vector<Eigen::LLT<Mat3>> roots_;  // by body: of its inertia
-  std::vector<bool> turns_;              // by body
-  bool body_turns_ = false;              // one of them
+  /// What a body makes of y, in units: v = linear y_v, w = turning y_w, where turning is L^-T; zero where it does not turn.
+  struct Response {
+    double linear = 0.0;
+    Mat3 turning = Mat3::Zero();
+  };
+
+  double speed_, impulse_;           // the units, m/s and N s
+  std::vector<Response> responses_;  // by body
+  bool body_turns_ = false;          // one of them
   std::vector<Point> points_;
   std::vector<TorqueRows> torques_;
   std::vector<JointRows> joints_;

@@ -11,16 +11,17 @@ namespace rbs {
 
 Vec3 velocityAt(const CoulombBodies& bodies, const CoulombPoint& law) {
   Vec3 u_W = Vec3::Zero();
-  double about_axis = 0.0;
-  const auto add = [&](Index body, const Vec3& arm, double sign) {
-    if (body == kNone) return;
-    const CoulombBody& b = bodies[body];
-    u_W += sign * (b.v + b.w.cross(arm));
-    about_axis += sign * momentAbout(law.axis_W, arm, law.frame.col(2)) * law.axis_W.dot(b.w);
-  };
-  add(law.j, law.r_j, 1.0);
-  add(law.i, law.r_i, -1.0);
-  return law.frame.transpose() * u_W + law.bias - Vec3(0.0, 0.0, about_axis);
+  if (law.j != kNone) u_W += bodies[law.j].v + bodies[law.j].w.cross(law.r_j);
+  if (law.i != kNone) u_W -= bodies[law.i].v + bodies[law.i].w.cross(law.r_i);
+  Vec3 u = law.frame.transpose() * u_W + law.bias;
+  if (!law.axis_W.isZero(0.0)) {
+    const auto about = [&](const CoulombBody& body, const Vec3& arm) {
+      return momentAbout(law.axis_W, arm, law.frame.col(2)) * law.axis_W.dot(body.w);
+    };
+    if (law.j != kNone) u[2] -= about(bodies[law.j], law.r_j);
+    if (law.i != kNone) u[2] += about(bodies[law.i], law.r_i);
+  }
+  return u;
 }
 
 Vec3 turningAt(const CoulombBodies& bodies, const TorqueConstraint& torque) {
