@@ -224,26 +224,40 @@ Vec3 touchingPoint(const Box& a, const Box& b, RelativePose X_AB, const BoxAxis&
 
 }  // namespace
 
-Manifold collidePair(const Box& box_a, const Pose& X_WA, const Box& box_b, const Pose& X_WB, double margin) {
+namespace {
+
+Manifold manifoldAlong(const BoxAxis& axis, const Box& box_a, const Pose& X_WA, const Box& box_b,
+                       const Pose& X_WB, double margin) {
   const PlacedBox a{0.5 * box_a.size, X_WA}, b{0.5 * box_b.size, X_WB};
   const RelativePose X_AB(X_WA, X_WB);
-  const std::optional<BoxAxis> axis = farthestAxis(a.half, b.half, X_AB, margin);
   Manifold manifold;
-  if (!axis) return manifold;
-  manifold.n_W = X_WA.q_WB * axis->n_A;
-
-  const Vec3 n_B = X_AB.R_AB.transpose() * axis->n_A;
-  const Face face_a = faceAlong(axis->n_A), face_b = faceAlong(-n_B);
+  manifold.n_W = X_WA.q_WB * axis.n_A;
+  const Vec3 n_B = X_AB.R_AB.transpose() * axis.n_A;
+  const Face face_a = faceAlong(axis.n_A), face_b = faceAlong(-n_B);
   if (face_b.alignment > face_a.alignment + kAligned) {
     if (face_b.alignment >= 1.0 - kAligned)
       addFacePoints(manifold, b, a, X_AB.R_AB.transpose(), X_AB.R_AB.transpose() * -X_AB.p_AB, -n_B, face_b,
                     true, margin);
   } else if (face_a.alignment >= 1.0 - kAligned) {
-    addFacePoints(manifold, a, b, X_AB.R_AB, X_AB.p_AB, axis->n_A, face_a, false, margin);
+    addFacePoints(manifold, a, b, X_AB.R_AB, X_AB.p_AB, axis.n_A, face_a, false, margin);
   }
-  if (manifold.size == 0 && axis->edge_a >= 0) addEdgePoint(manifold, a, b, X_AB, *axis, margin);
-  if (manifold.size == 0) manifold = collideConvex(box_a, X_WA, box_b, X_WB, margin);
+  if (manifold.size == 0 && axis.edge_a >= 0) addEdgePoint(manifold, a, b, X_AB, axis, margin);
   return manifold;
+}
+
+}  // namespace
+
+Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin) {
+  const std::optional<BoxAxis> axis =
+      farthestAxis(0.5 * a.size, 0.5 * b.size, RelativePose(X_WA, X_WB), margin);
+  if (!axis) return {};
+  const Manifold manifold = manifoldAlong(*axis, a, X_WA, b, X_WB, margin);
+  return manifold.size > 0 ? manifold : collideConvex(a, X_WA, b, X_WB, margin);
+}
+
+Manifold collideAlongPair(const ConvexGap& gap, const Box& a, const Pose& X_WA, const Box& b,
+                          const Pose& X_WB, double margin) {
+  return manifoldAlong({gap.distance, gap.n_A}, a, X_WA, b, X_WB, margin);
 }
 
 // Overlapping boxes are judged by their axes. So is the direction of a tiny gap, where a face or two edges

@@ -49,6 +49,29 @@ Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
   return std::visit(meet, a, b);
 }
 
+Manifold collideAlong(const Gap& normal, const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                      double margin) {
+  const Vec3 middle_W = 0.5 * (normal.p_WA + normal.p_WB);
+  const auto meet = [&](const auto& kind_a, const auto& kind_b) -> Manifold {
+    using A = std::decay_t<decltype(kind_a)>;
+    using B = std::decay_t<decltype(kind_b)>;
+    if constexpr (std::is_same_v<A, Plane> || std::is_same_v<B, Plane>) {
+      return {};
+    } else if constexpr (orderOf<A>() <= orderOf<B>()) {
+      const Quat q_AW = X_WA.q_WB.conjugate();
+      const ConvexGap gap{normal.distance, q_AW * normal.n_W, q_AW * (middle_W - X_WA.p_WB)};
+      return collideAlongPair(gap, kind_a, X_WA, kind_b, X_WB, margin);
+    } else {
+      const Quat q_BW = X_WB.q_WB.conjugate();
+      const ConvexGap gap{normal.distance, q_BW * -normal.n_W, q_BW * (middle_W - X_WB.p_WB)};
+      Manifold manifold = collideAlongPair(gap, kind_b, X_WB, kind_a, X_WA, margin);
+      manifold.n_W = -manifold.n_W;
+      return manifold;
+    }
+  };
+  return std::visit(meet, a, b);
+}
+
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
                  SeparatingAxis& axis) {
   if (!keepsAxis(a, b)) return collide(a, X_WA, b, X_WB, margin);

@@ -19,6 +19,11 @@ Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X
 Manifold collide(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
                  SeparatingAxis& axis);
 
+/// The manifold of A and B along another normal of theirs: `normal` has a unit vector from A to B, the separation along it and
+/// the points where they are nearest. Empty where no points of the two face each other along it. Neither may be a plane.
+Manifold collideAlong(const Gap& normal, const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                      double margin);
+
 /// The gap of two shapes.
 Gap gap(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB);
 

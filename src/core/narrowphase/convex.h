@@ -160,9 +160,10 @@ Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_
   return spanAbout(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, X_WA.q_WB * gap.n_A);
 }
 
+/// The manifold along the direction of a gap.
 template <class ShapeA, class ShapeB>
-Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
-  const ConvexGap gap = convexGap(a, X_WA, b, X_WB, {margin, nullptr});
+Manifold convexManifold(const ConvexGap& gap, const ShapeA& a, const Pose& X_WA, const ShapeB& b,
+                        const Pose& X_WB, double margin) {
   Manifold manifold;
   manifold.n_W = X_WA.q_WB * gap.n_A;
   if (gap.distance > margin) return manifold;
@@ -177,6 +178,11 @@ Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const
     manifold.add(X_WA.p_WB + X_WA.q_WB * point.p_W, point.separation, point.feature);
   }
   return manifold;
+}
+
+template <class ShapeA, class ShapeB>
+Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
+  return convexManifold(convexGap(a, X_WA, b, X_WB, {margin, nullptr}), a, X_WA, b, X_WB, margin);
 }
 
 // The methods for two kinds of shapes without a method of their own.
@@ -203,6 +209,11 @@ bool withinPair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& 
 template <class ShapeA, class ShapeB>
 Manifold collidePair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
   return collideConvex(a, X_WA, b, X_WB, margin);
+}
+template <class ShapeA, class ShapeB>
+Manifold collideAlongPair(const ConvexGap& gap, const ShapeA& a, const Pose& X_WA, const ShapeB& b,
+                          const Pose& X_WB, double margin) {
+  return convexManifold(gap, a, X_WA, b, X_WB, margin);
 }
 
 }  // namespace rbs

@@ -98,6 +98,52 @@ struct PlacedPair {
   double separation(const Vec3& n_W) const { return separationAlong(n_W, a, X_WA, b, X_WB); }
 };
 
+bool isPolytope(const Shape& shape) {
+  return std::holds_alternative<Box>(shape) || std::holds_alternative<ConvexHull>(shape);
+}
+
+// The outward normals of the faces that hold a point of a manifold, to within a tolerance.
+struct Faces {
+  Normals of_a, of_b;
+};
+
+Faces facesAt(const Manifold& manifold, const PlacedPair& pair, double tolerance) {
+  const double room =
+      tolerance + kChainRounding * std::min(characteristicLength(pair.a), characteristicLength(pair.b));
+  Faces faces;
+  for (int k = 0; k < manifold.size; ++k) {
+    const ManifoldPoint& point = manifold.points[k];
+    const Vec3 half_W = 0.5 * point.separation * manifold.n_W;
+    const Vec3 on_A = pair.X_WA.q_WB.conjugate() * (point.p_W - half_W - pair.X_WA.p_WB);
+    const Vec3 on_B = pair.X_WB.q_WB.conjugate() * (point.p_W + half_W - pair.X_WB.p_WB);
+    std::visit([&](const auto& shape) { addFacesAt(shape, on_A, room, faces.of_a); }, pair.a);
+    std::visit([&](const auto& shape) { addFacesAt(shape, on_B, room, faces.of_b); }, pair.b);
+  }
+  return faces;
+}
+
+// The manifold on the face that separates the two most, of those that `isWanted` and meet where the nearest points are. Where two
+// edges meet along each other, the normals of both faces of either may separate the two alike, and rounding would choose one of
+// them, anew in each query. Empty where no such face separates the two by as much as the nearest axis does, to within a tolerance.
+template <class IsWanted>
+Manifold manifoldOnFace(const Manifold& nearest, const PlacedPair& pair, double margin, double tolerance,
+                        const IsWanted& isWanted) {
+  const auto deepest = std::min_element(
+      nearest.points.begin(), nearest.points.begin() + nearest.size,
+      [](const ManifoldPoint& a, const ManifoldPoint& b) { return a.separation < b.separation; });
+  Gap best{-std::numeric_limits<double>::infinity(), Vec3::Zero(), deepest->p_W, deepest->p_W};
+  const auto consider = [&](const Vec3& n_W) {
+    if (!isWanted(n_W)) return;
+    const double separation = pair.separation(n_W);
+    if (separation > best.distance) best.distance = separation, best.n_W = n_W;
+  };
+  const Faces faces = facesAt(nearest, pair, tolerance);
+  for (int k = 0; k < faces.of_a.size; ++k) consider(pair.X_WA.q_WB * faces.of_a.normals[k]);
+  for (int k = 0; k < faces.of_b.size; ++k) consider(pair.X_WB.q_WB * -faces.of_b.normals[k]);
+  if (!(best.distance >= deepest->separation - tolerance)) return {};
+  return collideAlong(best, pair.a, pair.X_WA, pair.b, pair.X_WB, margin);
+}
+
 // By how much an axis closes in an interval, m, negative: what brings the two nearer than the tolerance, from
 // a separation s_0 to s_1.
 double closing(double s_0, double s_1, double tolerance) {
@@ -123,11 +169,17 @@ Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b,
 
   const double turning = turningOf(a, motion_a) + turningOf(b, motion_b);
   const double time = std::min(until - from, kLinearTurn / turning), turn = time * turning;
-  if (loaded_W.dot(nearest.n_W) > 0.0 && loaded_W.cross(nearest.n_W).norm() <= 2.0 * turn + kNormalRounding)
-    return nearest;
+  const auto isLoaded = [&](const Vec3& n_W) {
+    return loaded_W.dot(n_W) > 0.0 && loaded_W.cross(n_W).norm() <= 2.0 * turn + kNormalRounding;
+  };
+  if (isLoaded(nearest.n_W)) return nearest;
+  const double tolerance = limits.tolerance;
+  const auto isOfLoadedFace = [&](const Vec3& n_W) { return loaded_W.dot(n_W) >= kSameNormal; };
+  if (!loaded_W.isZero(0.0) && isPolytope(a) && isPolytope(b)) {
+    const Manifold kept = manifoldOnFace(nearest, now, margin, tolerance, isOfLoadedFace);
+    if (kept.size > 0) return kept;
+  }
 
-  const double length = std::min(characteristicLength(a), characteristicLength(b)),
-               tolerance = limits.tolerance;
   const Twist twist_a = motion_a.twistAt(from), twist_b = motion_b.twistAt(from);
   const auto relativeVelocity = [&](const Vec3& p_W) -> Vec3 {
     return velocityAt(twist_b, p_W - now.X_WB.p_WB) - velocityAt(twist_a, p_W - now.X_WA.p_WB);
@@ -144,25 +196,16 @@ Manifold lastingManifold(const Shape& a, const Motion& motion_a, const Shape& b,
   if (nearest_closing >= -limits.slowest * time) return nearest;
 
   const PlacedPair then{a, b, motion_a.at(from + time), motion_b.at(from + time)};
-  Normals of_a, of_b;
-  const double room = tolerance + kChainRounding * length;
-  for (int k = 0; k < nearest.size; ++k) {
-    const ManifoldPoint& point = nearest.points[k];
-    const Vec3 half_W = 0.5 * point.separation * nearest.n_W;
-    const Vec3 on_A = now.X_WA.q_WB.conjugate() * (point.p_W - half_W - now.X_WA.p_WB);
-    const Vec3 on_B = now.X_WB.q_WB.conjugate() * (point.p_W + half_W - now.X_WB.p_WB);
-    std::visit([&](const auto& shape) { addFacesAt(shape, on_A, room, of_a); }, a);
-    std::visit([&](const auto& shape) { addFacesAt(shape, on_B, room, of_b); }, b);
-  }
+  const Faces faces = facesAt(nearest, now, tolerance);
   std::array<FaceAxis, 2 * Normals::kMost> axes;
   int size = 0;
   const auto add = [&](const FaceAxis& face) {
     if (now.separation(face.n_W) >= -tolerance) axes[size++] = face;
   };
-  for (int k = 0; k < of_a.size; ++k)
-    add({now.X_WA.q_WB * of_a.normals[k], then.X_WA.q_WB * of_a.normals[k]});
-  for (int k = 0; k < of_b.size; ++k)
-    add({now.X_WB.q_WB * -of_b.normals[k], then.X_WB.q_WB * -of_b.normals[k]});
+  for (int k = 0; k < faces.of_a.size; ++k)
+    add({now.X_WA.q_WB * faces.of_a.normals[k], then.X_WA.q_WB * faces.of_a.normals[k]});
+  for (int k = 0; k < faces.of_b.size; ++k)
+    add({now.X_WB.q_WB * -faces.of_b.normals[k], then.X_WB.q_WB * -faces.of_b.normals[k]});
   const FaceAxis* chosen = nullptr;
   double least_closing = limits.closing * nearest_closing;
   for (int k = 0; k < size; ++k) {

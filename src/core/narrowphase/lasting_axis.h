@@ -23,7 +23,8 @@ struct LastingLimits {
 /// Its normal is that of collide(), unless the two close along it while the normal of a face near their
 /// contact separates them for the whole time, or until they have turned by 0.01 rad. Then the points are
 /// those of the end of that time, seen from `from`: their separation is the one from which the motion leads
-/// there. Empty where the two pass each other. A normal along which the pair already bears a force stays:
+/// there. Empty where the two pass each other. A normal along which the pair already bears a force stays, of two
+/// polytopes also where another one separates them by up to the tolerance more, as where their edges meet:
 /// `loaded_W` is that direction, and zero where there is none. `axis` is the separating axis of the pair's
 /// last query (collide.h).
 ///

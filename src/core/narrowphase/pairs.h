@@ -9,7 +9,8 @@
 
 namespace rbs {
 
-struct Search;  // convex.h
+struct ConvexGap;  // convex.h
+struct Search;
 
 Manifold collidePair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB, double margin);
 Gap gapPair(const Sphere& a, const Pose& X_WA, const Sphere& b, const Pose& X_WB);
@@ -24,6 +25,9 @@ Gap gapPair(const Sphere& a, const Pose& X_WA, const Plane& b, const Pose& X_WB)
 /// for boxes with neither, their closest points. The normal is the separating axis on which the
 /// boxes are farthest apart (or overlap least).
 Manifold collidePair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin);
+/// The points along the normal of a face.
+Manifold collideAlongPair(const ConvexGap& gap, const Box& a, const Pose& X_WA, const Box& b,
+                          const Pose& X_WB, double margin);
 Gap gapPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, const Search& search);
 bool withinPair(const Box& a, const Pose& X_WA, const Box& b, const Pose& X_WB, double margin, Vec3& n_W);
 
