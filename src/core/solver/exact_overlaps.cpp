@@ -13,9 +13,9 @@ namespace rbs::exact_step {
 
 namespace {
 
-// Share of the smaller length of a pair: an overlap beyond it is taken away, if it is more than what kicks leave that are
-// right to ten times the wanted tolerance.
-constexpr double kOverlap = 1e-11;
+// Share of the smaller length of a pair: an overlap beyond it is taken away, if it is more than what so many kicks leave that
+// are right to ten times the wanted tolerance.
+constexpr double kOverlap = 1e-11, kKicks = 10.0;
 // Share of it up to which an overlap may be taken away at any time: drifts leave such.
 constexpr double kSmall = 1e-4;
 // Of all overlaps together: the longest displacement that is a way out of them.
@@ -42,7 +42,7 @@ bool Stepper::isWayOut(const CoulombProblem& problem) const {
 // friction and with lengths for velocities.
 bool Stepper::correctOverlaps() {
   squeezed_.clear();
-  const double left_by_kicks = 10.0 * wanted_tolerance_ * island_.loadSpeed() * step_.h();
+  const double left_by_kicks = kKicks * 10.0 * wanted_tolerance_ * island_.loadSpeed() * step_.h();
   // What a pair may be parted by until the end of the next segment, without what it has been: that may have been for longer than
   // its segment was in the end.
   const double seconds = now_ + nextLength() - (end_ - span_);
