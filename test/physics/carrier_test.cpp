@@ -89,8 +89,8 @@ double afterANudge(Fidelity fidelity, double step, double k, int boxes, double n
   return stateOf(world, "lowest").pose.p_WB.head<2>().norm() - 1.0;
 }
 
-// They stop after v^2/(2 mu g (1 - k^2)) at the latest. They crept on at w^2 r h/2 where k^2 > 1/2, for ever. `accurate` misses the
-// instant at which three of them stop in a quarter of such runs, by up to 1.6 mm.
+// They stop after v^2/(2 mu g (1 - k^2)) at the latest. They crept on at w^2 r h/2 where k^2 > 1/2, for ever; and three of them slid
+// on for a second at `accurate`, by 26 mm, where friction was at its bound at some corners of a face that held, and not at others.
 TEST(Carrier, BoxesThatHaveSlippedOnATurntableStickAgain) {
   for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
     for (const double step : {1.0 / 60.0, 1.0 / 240.0})
@@ -98,8 +98,7 @@ TEST(Carrier, BoxesThatHaveSlippedOnATurntableStickAgain) {
         for (const double nudge : {0.0, 0.02})
           for (const int boxes : {1, 3}) {
             const double most = nudge * nudge / (2.0 * 0.3 * kGravity * (1.0 - k * k));
-            const bool misses = fidelity == Fidelity::Accurate && boxes > 1;
-            EXPECT_LE(std::abs(afterANudge(fidelity, step, k, boxes, nudge)), most + (misses ? 2e-3 : 5e-4))
+            EXPECT_LE(std::abs(afterANudge(fidelity, step, k, boxes, nudge)), most + 5e-4)
                 << fidelityName(fidelity) << ", 1/" << 1.0 / step << " s, k = " << k << ", " << nudge
                 << " m/s, " << boxes << " boxes";
           }

@@ -221,22 +221,23 @@ std::optional<TouchingPoints> Stepper::withUnforeseen(const Segment& segment, do
   return all;
 }
 
-// By point: whether friction holds it at the start. It is closed, and it does not slide: its slip is none, or its
-// force is within the cone, and the slip is what a solve has left. One that slides at the start may be held by the
-// first kick. None is held in groups in which pairs resist rolling: there `reference` does not always reach its
-// tolerance with the mean slip of a drift.
-std::vector<char> Stepper::heldPoints(const CoulombBodies& bodies) const {
-  std::vector<char> held(touching_.points.size());
-  if (!touching_.torques.empty()) return held;
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    const TouchingPoint& point = touching_.points[k];
-    const bool closed = point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
-    const CoulombPoint& law = touching_.law[k];
-    if (!closed || law.mu == 0.0) continue;
-    held[k] = velocityAt(bodies, law).head<2>().norm() <= slow_ ||
-              isWithinCone(law.frame.transpose() * point.force_W, law.mu);
+// Adds the points that friction holds: of those that `pushes`, the ones that slip no faster than another point of their contact
+// whose force is within the cone, or not at all. Friction of the corners of a face that sticks may be at its bound at some of
+// them, and those are held like the others: held alone, the others would drag the face along. None is held in groups in which
+// pairs resist rolling: there `reference` does not always reach its tolerance with the mean slip of a drift.
+template <class Pushes>
+void Stepper::addHeld(const CoulombBodies& bodies, const std::vector<CoulombPoint>& laws,
+                      const Pushes& pushes, std::vector<char>& held) const {
+  if (!touching_.torques.empty()) return;
+  const auto slipOf = [&](std::size_t k) { return velocityAt(bodies, laws[k]).head<2>().norm(); };
+  for (std::size_t first = 0, end = 0; first < laws.size(); first = end) {
+    double fastest = slow_;
+    for (; end < laws.size() && touching_.points[end].contact == touching_.points[first].contact; ++end)
+      if (pushes(end) && isWithinCone(laws[end].impulse, laws[end].mu))
+        fastest = std::max(fastest, slipOf(end));
+    for (std::size_t k = first; k < end; ++k)
+      held[k] = held[k] || (pushes(k) && laws[k].mu > 0.0 && slipOf(k) <= fastest);
   }
-  return held;
 }
 
 // Goes over a segment and back: the bodies are where they were, and the end is in what is returned.
@@ -284,7 +285,14 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
                             Segment& segment) {
   const std::vector<BodyMotion> start = island_.save();
   const CoulombBodies loaded = kick.bodies;
-  std::vector<char> held = heldPoints(at_start);
+  std::vector<char> held(kick.points.size());
+  addHeld(
+      at_start, kick.points,
+      [&](std::size_t k) {
+        const TouchingPoint& point = touching_.points[k];
+        return point.gap <= (point.force_W.isZero(0.0) ? kTouch : kPushedGap) * point.length;
+      },
+      held);
   std::vector<Vec3> curvature(kick.points.size(), Vec3::Zero());
   if (corrections_ > 0 && island_.indices().size() == 1 && turnsBy(tau) > kStraight) {
     // The turn of a body tells most of it, where no others push it.
@@ -302,8 +310,8 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
     }
     kick.bodies = loaded;
     segment.first = solveKick(kick, tau);
-    for (std::size_t k = 0; k < held.size() && touching_.torques.empty(); ++k)
-      held[k] = held[k] || isWithinCone(kick.points[k].impulse, kick.points[k].mu);
+    addHeld(
+        kick.bodies, kick.points, [&](std::size_t k) { return kick.points[k].impulse[2] > 0.0; }, held);
     island_.drift(kick.bodies, tau);
     segment.touching = find(now_ + tau, {&touching_, &kick.points, 0.5 * tau});
     const bool matters =

@@ -106,7 +106,9 @@ class Stepper : public InnerRows {
   void widenMargin();
   bool hasMissedContact(const TouchingPoints& later) const;
   double deepestShare(const TouchingPoints& touching) const;
-  std::vector<char> heldPoints(const CoulombBodies& bodies) const;
+  template <class Pushes>
+  void addHeld(const CoulombBodies& bodies, const std::vector<CoulombPoint>& laws, const Pushes& pushes,
+               std::vector<char>& held) const;
   Segment trySegment(double tau, Friction friction, const Open* open = nullptr);
   CoulombProblem firstKick(const Slip& slip, double tau, Friction friction) const;
   void solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start, double tau, Segment& segment);
