@@ -193,6 +193,40 @@ TEST(LandingFast, ATetrahedronThatFallsGainsNothing) {
   EXPECT_LT(worst, 3e-3);
 }
 
+// A plate or a cube without friction that slides in a drum of tiles, and what it has lost to their joints after 1.6 s. A corner
+// that closes on the far end of the next tile, and passes it, was stopped as if it came down there: 0.46 and 0.40 m g R lost in
+// place of 0.29 and 0.32 with 24 tiles at 1/60 s. What is left are the soft steps of `interactive`, 1e-3.
+TEST_P(Landing, NothingIsStoppedByTheTilesOfADrumThatItPasses) {
+  constexpr double kRadius = 0.5, kStart = 1.2;  // m, rad
+  const auto lost = [&](const Vec3& size, int tiles, Fidelity setting, double step) {
+    SceneDef scene = emptySpace(step);
+    scene.gravity = -kGravity * Vec3::UnitZ();
+    scene.fidelity = setting;
+    const double length = 2.0 * (kRadius + 0.2) * std::tan(kPi / tiles);
+    for (int k = 0; k < tiles; ++k) {
+      const double angle = 2.0 * kPi * k / tiles;
+      scene.bodies.push_back(box("tile_" + std::to_string(k), {length, 1.0, 0.2},
+                                 (kRadius + 0.1) * Vec3(std::sin(angle), 0.0, -std::cos(angle))));
+      scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()));
+      scene.bodies.back().kind = BodyKind::Static;
+    }
+    scene.bodies.push_back(
+        box("slider", size, (kRadius - 0.065) * Vec3(std::sin(kStart), 0.0, -std::cos(kStart))));
+    scene.bodies.back().pose.q_WB = Quat(Eigen::AngleAxisd(-kStart, Vec3::UnitY()));
+    scene.bodies.back().mass = 1.0;
+    for (BodyDef& body : scene.bodies) body.material.friction = 0.0;
+    World world(ordered(scene));
+    const double before = energy(world);
+    advance(world, 1.6);
+    return (before - energy(world)) / (kGravity * kRadius);
+  };
+  const auto [setting, step] = GetParam();
+  for (const Vec3& size : {Vec3(0.2, 0.1, 0.05), Vec3(0.1, 0.1, 0.1)})
+    for (const int tiles : {12, 24})
+      EXPECT_NEAR(lost(size, tiles, setting, step), lost(size, tiles, Fidelity::Reference, 1.0 / 240.0), 3e-3)
+          << tiles << " tiles, " << size.transpose();
+}
+
 INSTANTIATE_TEST_SUITE_P(Settings, Landing,
                          ::testing::Combine(::testing::Values(Fidelity::Interactive, Fidelity::Accurate,
                                                               Fidelity::Reference),

@@ -7,6 +7,11 @@
 // go their way without the points that the first kick would stop, and the time is sought at which the lowest of these has no
 // gap. What has landed goes on until the next segment begins, which first makes the velocities obey the law: an impact without
 // restitution of all points that touch, in no time, so that no load acts in it.
+//
+// Not all that the first kick stops comes down. It takes the gap that a point will have from how that closes now, and features
+// pass each other: a corner of a box that slides in a drum of tiles closes on the far end of the next tile, and is on the other
+// side of its edge when it gets there. Such a point is not there after the drift, and is let go. Where the drift without it ends in
+// an overlap, that is at points which it has there (addUnforeseen()).
 #include "solver/exact_stepper.h"
 
 #include "base/bracket.h"
@@ -71,6 +76,35 @@ Stepper::Landing Stepper::landingAfter(double tau, const Open& open) {
              law.frame.col(2).dot(p_j - p_i) / point.length};
   }
   return first;
+}
+
+// Lets go what the first kick has stopped for nothing. What has pushed before in this step stays, so that its impulse is not lost,
+// and so does what would be on the other side of the contact without it.
+void Stepper::letGo(double tau, Segment& segment) {
+  while (cuts_ > 0 && !budget_.isSpent()) {
+    std::vector<Index> stopped;
+    for (const Index k : segment.landing) {
+      const TouchingPoint& point = touching_.points[k];
+      const Index m = segment.touching.matching(point);
+      const bool is_there = m != kNone && segment.touching.points[m].gap <= kPushedGap * point.length;
+      if (!is_there && point.impulse_W.isZero(0.0)) stopped.push_back(k);
+    }
+    if (stopped.empty()) return;
+    cuts_ -= static_cast<int>(touching_.points.size());
+    TouchingPoints rest = touching_.without(stopped);
+    std::swap(rest, touching_);
+    Segment free = trySegment(tau, Friction::Free);
+    const auto passes = [&](Index k) {
+      const std::size_t m = free.touching.firstOf(rest.points[k].contact);
+      return m == free.touching.points.size() ||
+             free.touching.law[m].frame.col(2).dot(rest.law[k].frame.col(2)) <= 0.0;
+    };
+    if (std::any_of(stopped.begin(), stopped.end(), passes)) {
+      std::swap(rest, touching_);
+      return;
+    }
+    segment = std::move(free);
+  }
 }
 
 // Finds where the first of what lands does so, by false position on its gap, and cuts the segment there. False: nothing

@@ -92,6 +92,7 @@ void Stepper::findSegment() {
     const std::size_t stops = stops_.size(), losses = losses_.size();
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
+    letGo(tau_, segment_);
     const bool lands = apart_ && (!segment_.landing.empty() || withUnforeseen(segment_, tau_));
     if (lands && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
       cuts_ -= points;

@@ -197,7 +197,7 @@ std::optional<TouchingPoints> Stepper::withUnforeseen(const Segment& segment, do
   for (std::size_t m = 0; m < segment.touching.points.size(); ++m) {
     TouchingPoint point = segment.touching.points[m];
     CoulombPoint law = segment.touching.law[m];
-    if (point.gap >= -kLeftOverlap * point.length || !touching_.has(point.contact)) continue;
+    if (point.gap >= -kLeftOverlap * point.length) continue;
     const Contact& contact = context_.scene.contacts.active[point.contact];
     const Vec3 n_W = law.frame.col(2);
     const auto [p_i, p_j] = takenBack(point, law, start, segment.end, tau);

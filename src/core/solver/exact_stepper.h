@@ -160,6 +160,7 @@ class Stepper : public InnerRows {
   bool comesDown(const TouchingPoint& point, const CoulombPoint& law, const Open& open,
                  const std::vector<BodyMotion>& start, const std::vector<BodyMotion>& end, double tau) const;
   Landing landingAfter(double tau, const Open& open);
+  void letGo(double tau, Segment& segment);
   bool cutAtLanding(double& tau, Segment& segment);
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.

@@ -106,11 +106,11 @@ std::size_t TouchingPoints::firstOf(Index contact) const {
 }
 
 void TouchingPoints::add(const TouchingPoint& point, const CoulombPoint& its_law) {
-  auto place = static_cast<std::ptrdiff_t>(firstOf(point.contact));
-  while (place < static_cast<std::ptrdiff_t>(points.size()) && points[place].contact == point.contact)
-    ++place;
-  points.insert(points.begin() + place, point);
-  law.insert(law.begin() + place, its_law);
+  const auto next =
+      std::upper_bound(points.begin(), points.end(), point.contact,
+                       [](Index contact, const TouchingPoint& other) { return contact < other.contact; });
+  law.insert(law.begin() + (next - points.begin()), its_law);
+  points.insert(next, point);
   for (TouchingTorque& torque : torques) {
     if (torque.contact == point.contact) ++torque.law.size;
     if (torque.contact > point.contact) ++torque.law.first;

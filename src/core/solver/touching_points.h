@@ -46,7 +46,7 @@ struct TouchingPoints {
   std::size_t firstOf(Index contact) const;  ///< its first point; points.size() when it has none
   /// The torque constraint of the same contact; kNone when there is none.
   Index matching(const TouchingTorque& other) const;
-  /// Adds a point to a contact that has some.
+  /// Adds a point, after those of its contact.
   void add(const TouchingPoint& point, const CoulombPoint& its_law);
   /// These points but for some, which are given in rising order.
   TouchingPoints without(const std::vector<Index>& left_out) const;
