@@ -105,6 +105,7 @@ class SoftStep : public InnerRows {
   void collide() { contacts_.find(t0_, dt_, h_); }
   void prepare() {
     lanes_.take();
+    warm_start::leaveBearable(context_, contacts_, lanes_, soft_);
     forKinds([&](auto& kind) { kind.prepare(context_, batch_, contacts_, h_); });
     energy_.find(context_, contacts_, too_fast_);
     rolling_.find(context_, contacts_);

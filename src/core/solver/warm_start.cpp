@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -105,6 +106,34 @@ void limit(const Context& context, SolverContacts& contacts, ContactLanes& lanes
     const Index k = islands.placeOf(contacts.islandOf(block));
     return k == kNone ? 1.0 : sums[k].share();
   });
+}
+
+void leaveBearable(const Context& context, SolverContacts& contacts, ContactLanes& lanes,
+                   const Softness& soft) {
+  const std::vector<Contact>& active = context.scene.contacts.active;
+  const auto isExact = [&](const SolverBlock& block) { return active[block.contact].exact; };
+  if (std::none_of(contacts.blocks.begin(), contacts.blocks.end(), isExact)) return;
+  lanes.writePoints();
+  std::map<Index, double> shares;  // by island
+  for (const SolverBlock& block : contacts.blocks) {
+    if (!isExact(block)) continue;
+    for (int k = block.first; k < block.first + block.size; ++k) {
+      const SolverPoint& point = contacts.points[k];
+      const double most = soft.mass / soft.impulse * point.mass_n * block.pair.push;
+      if (point.l_n <= most) continue;
+      double& share = shares.emplace(contacts.islandOf(block), 1.0).first->second;
+      share = std::min(share, most / point.l_n);
+    }
+  }
+  if (shares.empty()) return;
+  const auto shareOf = [&](const SolverBlock& block) {
+    const auto known = shares.find(contacts.islandOf(block));
+    return known == shares.end() ? 1.0 : known->second;
+  };
+  lanes.scaleImpulses(shareOf);
+  for (const SolverBlock& block : contacts.blocks)
+    for (int k = block.first; k < block.first + block.size; ++k)
+      contacts.points[k].warm_n *= shareOf(block), contacts.points[k].warm_t_W *= shareOf(block);
 }
 
 }  // namespace rbs::warm_start

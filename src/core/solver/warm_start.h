@@ -19,6 +19,14 @@
 // With v_0 the velocity of a body without its warm start, dv what that changes, and the same for spins,
 //   l_0.A l_0 = sum m dv.dv,   l_0.u = sum m dv.v_0 + sum p.v_k,
 // where the last sum goes over the impulses p that kinematic bodies are given, and their velocities v_k there.
+//
+// Forces that an exact step has found may be more than soft contacts can bear. Rigid bodies that friction jams have forces of
+// any size that balance each other (1e6 N on a needle of 1 kg). They add nothing as a guess; but each soft contact gives up the share c
+// of its impulse l, one after the other, and the light body leaves with c l/m. A soft contact at rest bears what its bias
+// b s <= V asks for (soft_step.h):
+//   a m b s = c l,   so   l <= (a/c) m V,
+// with V the speed at which overlaps part. The impulses of an island are begun with as that share of them which no point is
+// above its own bound with: of what is in balance a multiple is.
 #pragma once
 
 #include "solver/contact_lanes.h"
@@ -33,5 +41,9 @@ inline constexpr double kFalls = 100.0;
 /// body where none becomes faster by more than what its load does; else up to 30 ns a body and, beside kinematic bodies
 /// that move, a point.
 void limit(const Context& context, SolverContacts& contacts, ContactLanes& lanes, double h);
+
+/// Of the forces of an exact step, leaves what soft contacts can bear, before the first sub-step.
+void leaveBearable(const Context& context, SolverContacts& contacts, ContactLanes& lanes,
+                   const Softness& soft);
 
 }  // namespace rbs::warm_start
