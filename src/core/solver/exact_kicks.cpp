@@ -226,10 +226,12 @@ bool Stepper::updateCurvature(const CoulombBodies& drifting, const std::vector<C
     if (m == kNone || point.gap < -kEditOverlap * point.length) continue;
     const CoulombPoint &law = touching_.law[k], &law_later = later.law[m];
     if (isElsewhere(takenBack(later.points[m], law_later, start, end, tau), point)) continue;
+    const double same_way = law.frame.col(2).dot(law_later.frame.col(2));
+    if (same_way <= 0.0) continue;  // it went through, and is open on the other side
     const Vec3 u = velocityAt(drifting, law);
     const Vec3 u_later = law.frame.transpose() * (law_later.frame * velocityAt(drifted, law_later));
     Vec3 c = 0.5 * tau * (u_later - u);
-    if (!held[k] || law.frame.col(2).dot(law_later.frame.col(2)) < kSameWay) c.setZero();
+    if (!held[k] || same_way < kSameWay) c.setZero();
     c[2] = later.points[m].gap - point.gap - tau * u[2];
     const double enough = kCurved * point.length;
     const bool pushes = laws[k].impulse[2] > 0.0;

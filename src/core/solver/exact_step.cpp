@@ -415,6 +415,7 @@ void Stepper::solve() {
   const std::vector<BodyMotion> start = island_.save();
   const double kinematic_before = workByKinematic(touching_, opened_);
   solveVelocities();
+  if (apart_) limitSegment();  // what has landed turns otherwise now
   findSegment();
   const Outcome failure = budget_.isOut() ? Outcome::OverBudget : Outcome::NoSolution;
   if (isGoing() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);
