@@ -101,8 +101,8 @@ const QTreeWidgetItem* PipelineTree::costliest() const {
 }
 
 void PipelineTree::build(const std::vector<rigid_body_sim::StageStatus>& pipeline) {
-  clear();
   rows_.clear();
+  clear();
   std::map<std::string, QTreeWidgetItem*> stages;
   for (const rigid_body_sim::StageStatus& stage : pipeline) {
     const auto whole = stages.find(stage.part_of);

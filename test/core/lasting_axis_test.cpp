@@ -76,5 +76,21 @@ TEST(LastingAxis, ANormalGoesThatSeparatesTheTwoLess) {
   }
 }
 
+// A cube on the edge of another one that has gone past it holds nothing there, however deep its soft contact had sunk in.
+TEST(LastingAxis, AFaceHoldsNothingBesideIt) {
+  const Vec3 size = Vec3::Constant(0.1);
+  const LastingLimits soft{4e-3, 1e-3, 0.1};
+  for (const bool hull : {false, true})
+    for (const double past : {1e-5, 1e-4, 1e-3}) {
+      const Shape cube = hull ? hullOf(size) : Shape(Box{size});
+      Motion below, above;
+      above.pose.p_WB = Vec3(0.1 + past, 0.0, 0.1 - 1e-4);
+      SeparatingAxis axis;
+      const Manifold manifold =
+          lastingManifold(cube, below, cube, above, 0.0, 1.0 / 60.0, 1e-2, soft, Vec3::UnitZ(), axis);
+      EXPECT_LT(manifold.n_W.z(), 0.9) << "past by " << past << (hull ? ", hulls" : ", boxes");
+    }
+}
+
 }  // namespace
 }  // namespace rbs

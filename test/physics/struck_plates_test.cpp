@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace rbs::test {
@@ -98,8 +99,11 @@ TEST(StruckPlates, AreNotPushedIntoEachOther) {
       for (const SceneDef& ordered : inBothOrders(scene)) {
         World world(ordered);
         for (int step = 0; step < 4; ++step) {
-          EXPECT_LE(world.step().repeated, 2 * scene.bodies.size()) << "seed " << seed;
-          EXPECT_LE(deepestOverlap(world), 1e-4)
+          const StepReport& report = world.step();
+          EXPECT_LE(report.repeated, 2 * scene.bodies.size()) << "seed " << seed;
+          const bool solved = std::all_of(report.residuals.begin(), report.residuals.end(),
+                                          [](const IslandResiduals& island) { return island.converged; });
+          EXPECT_LE(deepestOverlap(world), solved ? 1e-4 : 1e-3)
               << "seed " << seed << ", start " << start << ", step " << step;
         }
       }

@@ -11,8 +11,6 @@
 #include "coulomb/coulomb_problem.h"
 #include "coulomb/friction_set.h"
 
-#include <Eigen/Cholesky>
-
 #include <vector>
 
 namespace rbs::coulomb {

@@ -160,19 +160,19 @@ Gap gapConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_
   return spanAbout(X_WA.p_WB + X_WA.q_WB * gap.middle_A, gap.distance, X_WA.q_WB * gap.n_A);
 }
 
-/// The manifold along the direction of a gap.
+/// The manifold along the direction of a gap. `is_nearest`: its closest points are, so that there is a point of contact at least.
 template <class ShapeA, class ShapeB>
-Manifold convexManifold(const ConvexGap& gap, const ShapeA& a, const Pose& X_WA, const ShapeB& b,
-                        const Pose& X_WB, double margin) {
+Manifold convexManifold(const ConvexGap& gap, bool is_nearest, const ShapeA& a, const Pose& X_WA,
+                        const ShapeB& b, const Pose& X_WB, double margin) {
   Manifold manifold;
   manifold.n_W = X_WA.q_WB * gap.n_A;
   if (gap.distance > margin) return manifold;
   const RelativePose X_AB(X_WA, X_WB);
   Facet facet_b = facetTowards(b, X_AB.R_AB.transpose() * -gap.n_A);
   for (int k = 0; k < facet_b.size; ++k) facet_b.corners[k] = X_AB.p_AB + X_AB.R_AB * facet_b.corners[k];
-  const Manifold patch = patchOf(
-      {facetTowards(a, gap.n_A), facet_b, coreRadius(a), coreRadius(b), gap.n_A, gap.middle_A, gap.distance},
-      margin);
+  const Manifold patch = patchOf({facetTowards(a, gap.n_A), facet_b, coreRadius(a), coreRadius(b), gap.n_A,
+                                  gap.middle_A, gap.distance, is_nearest},
+                                 margin);
   for (int k = 0; k < patch.size; ++k) {
     const ManifoldPoint& point = patch.points[k];
     manifold.add(X_WA.p_WB + X_WA.q_WB * point.p_W, point.separation, point.feature);
@@ -182,7 +182,7 @@ Manifold convexManifold(const ConvexGap& gap, const ShapeA& a, const Pose& X_WA,
 
 template <class ShapeA, class ShapeB>
 Manifold collideConvex(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const Pose& X_WB, double margin) {
-  return convexManifold(convexGap(a, X_WA, b, X_WB, {margin, nullptr}), a, X_WA, b, X_WB, margin);
+  return convexManifold(convexGap(a, X_WA, b, X_WB, {margin, nullptr}), true, a, X_WA, b, X_WB, margin);
 }
 
 // The methods for two kinds of shapes without a method of their own.
@@ -213,7 +213,7 @@ Manifold collidePair(const ShapeA& a, const Pose& X_WA, const ShapeB& b, const P
 template <class ShapeA, class ShapeB>
 Manifold collideAlongPair(const ConvexGap& gap, const ShapeA& a, const Pose& X_WA, const ShapeB& b,
                           const Pose& X_WB, double margin) {
-  return convexManifold(gap, a, X_WA, b, X_WB, margin);
+  return convexManifold(gap, false, a, X_WA, b, X_WB, margin);
 }
 
 }  // namespace rbs

@@ -22,6 +22,7 @@
 #include "narrowphase/lasting_axis.h"
 
 #include "base/algebra.h"
+#include "base/tolerances.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/tolerances.h"
 
@@ -124,7 +125,8 @@ Faces facesAt(const Manifold& manifold, const PlacedPair& pair, double tolerance
 
 // The manifold on the face that separates the two most, of those that `isWanted` and meet where the nearest points are. Where two
 // edges meet along each other, the normals of both faces of either may separate the two alike, and rounding would choose one of
-// them, anew in each query. Empty where no such face separates the two by as much as the nearest axis does, to within a tolerance.
+// them, anew in each query. Empty where no such face separates the two by as much as the nearest axis does, to within a tolerance;
+// of two that are apart, to within rounding.
 template <class IsWanted>
 Manifold manifoldOnFace(const Manifold& nearest, const PlacedPair& pair, double margin, double tolerance,
                         const IsWanted& isWanted) {
@@ -140,7 +142,9 @@ Manifold manifoldOnFace(const Manifold& nearest, const PlacedPair& pair, double 
   const Faces faces = facesAt(nearest, pair, tolerance);
   for (int k = 0; k < faces.of_a.size; ++k) consider(pair.X_WA.q_WB * faces.of_a.normals[k]);
   for (int k = 0; k < faces.of_b.size; ++k) consider(pair.X_WB.q_WB * -faces.of_b.normals[k]);
-  if (!(best.distance >= deepest->separation - tolerance)) return {};
+  const double length = std::min(characteristicLength(pair.a), characteristicLength(pair.b));
+  const double less = deepest->separation > 0.0 ? std::min(tolerance, kTouch * length) : tolerance;
+  if (!(best.distance >= deepest->separation - less)) return {};
   return collideAlong(best, pair.a, pair.X_WA, pair.b, pair.X_WB, margin);
 }
 

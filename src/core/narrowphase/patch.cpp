@@ -204,7 +204,8 @@ class Patch {
       else
         addFaces(on_a, on_b);
     }
-    if (deepest_ > facing_.distance + kCovers * size_) manifold_.add(facing_.middle, facing_.distance, 0);
+    if (facing_.has_middle && deepest_ > facing_.distance + kCovers * size_)
+      manifold_.add(facing_.middle, facing_.distance, 0);
     return manifold_;
   }
 

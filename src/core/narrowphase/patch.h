@@ -14,10 +14,11 @@ struct FacingFacets {
   Vec3 n;                     ///< unit, from A to B
   Vec3 middle;                ///< midway between the nearest (or deepest) points
   double distance;            ///< separation of these along n, m; negative is penetration
+  bool has_middle = true;     ///< whether `middle` is a point of contact where no corner comes as near
 };
 
 /// The corners of the patch that A's facet, seen along n, shares with B's, those whose gap along n is at most
-/// `margin`; and the point `middle` where no corner comes as near as that. In A's frame.
+/// `margin`; and the point `middle` where no corner comes as near as that, if it is one. In A's frame.
 Manifold patchOf(const FacingFacets& facing, double margin);
 
 }  // namespace rbs

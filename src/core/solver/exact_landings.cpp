@@ -99,7 +99,7 @@ void Stepper::letGo(double tau, Segment& segment) {
       return m == free.touching.points.size() ||
              free.touching.law[m].frame.col(2).dot(rest.law[k].frame.col(2)) <= 0.0;
     };
-    if (std::any_of(stopped.begin(), stopped.end(), passes)) {
+    if (!free.first.converged || std::any_of(stopped.begin(), stopped.end(), passes)) {
       std::swap(rest, touching_);
       return;
     }

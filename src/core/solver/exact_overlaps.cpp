@@ -14,8 +14,8 @@ namespace rbs::exact_step {
 namespace {
 
 // Share of the smaller length of a pair: an overlap beyond it is taken away, if it is more than what so many kicks leave that
-// are right to ten times the wanted tolerance.
-constexpr double kOverlap = 1e-11, kKicks = 10.0;
+// are right to ten times the wanted tolerance, or than a share of what trips a body at a joint.
+constexpr double kOverlap = 1e-11, kKicks = 10.0, kOfTouch = 0.5;
 // Share of it up to which an overlap may be taken away at any time: drifts leave such.
 constexpr double kSmall = 1e-4;
 // Of all overlaps together: the longest displacement that is a way out of them.
@@ -57,7 +57,8 @@ bool Stepper::correctOverlaps() {
     CoulombPoint& law = problem.points[k];
     law.mu = 0.0;
     law.bias = Vec3(0.0, 0.0, std::max(point.gap, -std::max(mostOf(point), kSmall * point.length)));
-    if (point.gap < -std::max(kOverlap * point.length, left_by_kicks))
+    const double left = std::min(left_by_kicks, kOfTouch * kTouch * point.length);
+    if (point.gap < -std::max(kOverlap * point.length, left))
       problem.speed_unit = std::max(problem.speed_unit, -law.bias[2]);
   }
   if (problem.speed_unit == 0.0) return false;

@@ -165,6 +165,8 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
         context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
       touchAt(now, from);
+      const Vec3 load_W = b.trajectory.a_W - a.trajectory.a_W;
+      prediction.bears = !prediction.impact && load_W.dot(now.manifold.n_W) < 0.0;
       if (prediction.impact || !rebounds) return prediction;
       prediction.touches = false;
     }
@@ -209,14 +211,15 @@ bool isFree(const Context& context, Index i) {
 
 namespace {
 
-// What comes of one contact. It changes nothing but that.
-void predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts) {
+// What comes of one contact. It changes nothing but that. Whether its bodies bear on each other, and something may come of that:
+// one of them is not known to be supported.
+bool predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts) {
   const StepStore& step = context.step;
   const auto [i, j] = std::pair(contact.i, contact.j);
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
-  if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return;
-  if (contact.state.isSeparated()) return;
-  if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
+  if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return false;
+  if (contact.state.isSeparated()) return false;
+  if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return false;
   const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
   if (prediction.impact) {
     impacts.push_back(*prediction.impact);
@@ -224,20 +227,49 @@ void predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
   } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
     contact.state.separate();
   }
+  const auto falls = [&](Index k) {
+    return context.scene.bodies.traits[k].moved_by_forces() && !step.supported[k];
+  };
+  return prediction.bears && (falls(i) || falls(j));
 }
 
 }  // namespace
 
+// No force is known yet of what has just been put where it lies. It is not in free fall: it would meet the side of a tile that lies
+// flush with the one that bears it. So what bears supports, and what comes of the other pairs of its bodies is predicted again.
 void predict(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
   constexpr std::size_t kPairsOfAPart = 128;
-  std::vector<std::vector<PendingImpact>> parts(Workers::parts(contacts.size(), kPairsOfAPart));
+  struct Part {
+    std::vector<PendingImpact> impacts;
+    std::vector<std::size_t> bearing;
+  };
+  std::vector<Part> parts(Workers::parts(contacts.size(), kPairsOfAPart));
   step.workers->share(contacts.size(), kPairsOfAPart, [&](auto part, auto begin, auto end) {
-    for (std::size_t k = begin; k < end; ++k) predictOf(context, contacts[k], parts[part]);
+    for (std::size_t k = begin; k < end; ++k)
+      if (predictOf(context, contacts[k], parts[part].impacts)) parts[part].bearing.push_back(k);
   });
-  for (const std::vector<PendingImpact>& part : parts)
-    step.impacts.insert(step.impacts.end(), part.begin(), part.end());
+  std::vector<Index> found;
+  for (const Part& part : parts) {
+    step.impacts.insert(step.impacts.end(), part.impacts.begin(), part.impacts.end());
+    for (const std::size_t k : part.bearing)
+      for (const Index i : {contacts[k].i, contacts[k].j}) {
+        if (!context.scene.bodies.traits[i].moved_by_forces() || step.supported[i]) continue;
+        step.supported[i] = true;
+        found.push_back(i);
+      }
+  }
+  if (found.empty()) return;
+  std::sort(found.begin(), found.end());
+  const auto isFound = [&](Index i) { return std::binary_search(found.begin(), found.end(), i); };
+  const auto isOld = [&](const PendingImpact& impact) { return isFound(impact.i) || isFound(impact.j); };
+  step.impacts.erase(std::remove_if(step.impacts.begin(), step.impacts.end(), isOld), step.impacts.end());
+  for (Contact& contact : contacts) {
+    if (!isFound(contact.i) && !isFound(contact.j)) continue;
+    if (contact.state.awaitsImpact() || contact.state.isSeparated()) contact.state.open();
+    predictOf(context, contact, step.impacts);
+  }
 }
 
 namespace {
