@@ -64,18 +64,25 @@ void classify(Context& context) {
     contact.state.touch();
     for (const Index i : {contact.i, contact.j}) context.step.supported[i] = isMoved(context, i);
   }
+  for (const Edge& edge : constraints::otherEdges(context.scene))
+    for (const Index i : edge.bodies)
+      if (i != kNone) context.step.supported[i] = isMoved(context, i);
+  separateResting(context, [](const Contact&) { return true; });
+}
+
+void separateResting(Context& context, const std::function<bool(const Contact&)>& of) {
+  if (context.step.solver.exact) return;
   std::vector<char> tied;  // by body, by constraints of other kinds; empty: none is
   for (const Edge& edge : constraints::otherEdges(context.scene)) {
     tied.resize(context.scene.bodies.size(), 0);
     for (const Index i : edge.bodies)
-      if (i != kNone) tied[i] = context.step.supported[i] = isMoved(context, i);
+      if (i != kNone) tied[i] = isMoved(context, i);
   }
-  if (context.step.solver.exact) return;
+  std::vector<Contact>& contacts = context.scene.contacts.active;
   context.step.workers->share(contacts.size(), kPairsOfAPart, [&](auto, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k) {
       PairState& state = contacts[k].state;
-      if (!state.isTouching() && !state.isDepenetrating() && stayApart(context, contacts[k], tied))
-        state.separate();
+      if (state.isCandidate() && of(contacts[k]) && stayApart(context, contacts[k], tied)) state.separate();
     }
   });
 }

@@ -5,6 +5,8 @@
 
 #include "state/context.h"
 
+#include <functional>
+
 namespace rbs::contact_states {
 
 /// Makes the pairs that touch `Touching`, and the bodies that forces move in them supported (StepStore::supported). Then, at
@@ -13,5 +15,9 @@ namespace rbs::contact_states {
 /// size, and a pair that is missed costs them more than many that do not touch. Costs all active contacts, and a query of
 /// the narrow phase for each that rests and does not touch.
 void classify(Context& context);
+
+/// Makes those candidates `of` which this holds `Separated` that rest and are not to touch in this step. Nothing at the exact
+/// settings.
+void separateResting(Context& context, const std::function<bool(const Contact&)>& of);
 
 }  // namespace rbs::contact_states

@@ -2,11 +2,13 @@
 #include "step/impacts.h"
 
 #include "base/text.h"
+#include "base/tolerances.h"
 #include "narrowphase/collide.h"
 #include "narrowphase/time_of_impact.h"
 #include "solver/contact_preparation.h"
 #include "solver/impact_law.h"
 #include "solver/rolling.h"
+#include "step/contact_states.h"
 
 #include <algorithm>
 #include <cmath>
@@ -124,12 +126,12 @@ struct OnTrajectory {
   Twist twist;
 };
 
-// How far two trajectories bring the surfaces together in `left` s at most, m.
-double approachOf(const OnTrajectory& a, const OnTrajectory& b, double left) {
+// How far two trajectories bring the surfaces together in `left` s at most, m, where a_W is the acceleration of the one against the
+// other, m/s².
+double approachOf(const OnTrajectory& a, const OnTrajectory& b, double left, const Vec3& a_W) {
   const Vec3 p_W = a.pose.p_WB - b.pose.p_WB, u_W = a.twist.v_WB - b.twist.v_WB;
   return approach(left, u_W, reachOf(a.traits, b.traits, p_W, u_W, left) * a.trajectory.spinBounds().w,
-                  reachOf(b.traits, a.traits, p_W, u_W, left) * b.trajectory.spinBounds().w,
-                  a.trajectory.a_W - b.trajectory.a_W);
+                  reachOf(b.traits, a.traits, p_W, u_W, left) * b.trajectory.spinBounds().w, a_W);
 }
 
 }  // namespace
@@ -142,7 +144,8 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   const StepStore& step = context.step;
   const OnTrajectory a(context, i, from), b(context, j, from);
   const Shape &shape_a = a.traits.shape, &shape_b = b.traits.shape;
-  const double near = approachOf(a, b, step.t1 - from) + marginOf(context, i, j);
+  const double left = step.t1 - from;
+  const double near = approachOf(a, b, left, a.trajectory.a_W - b.trajectory.a_W) + marginOf(context, i, j);
   if (!areWithin(shape_a, a.pose, shape_b, b.pose, near, axis)) return {};
   Prediction prediction;
   const auto isSimple = [](const Traits& traits) { return traits.round || traits.unbounded; };
@@ -165,8 +168,10 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
         context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
       touchAt(now, from);
-      const Vec3 load_W = b.trajectory.a_W - a.trajectory.a_W;
-      prediction.bears = !prediction.impact && load_W.dot(now.manifold.n_W) < 0.0;
+      const double closed = kTouch * smallerLength(context.scene.bodies, i, j);
+      const bool moves = approachOf(a, b, left, Vec3::Zero()) > closed;
+      if (!prediction.impact && moves && leastSeparation(now.manifold) <= closed)
+        prediction.rest_W = now.manifold.n_W;
       if (prediction.impact || !rebounds) return prediction;
       prediction.touches = false;
     }
@@ -211,15 +216,25 @@ bool isFree(const Context& context, Index i) {
 
 namespace {
 
-// What comes of one contact. It changes nothing but that. Whether its bodies bear on each other, and something may come of that:
-// one of them is not known to be supported.
-bool predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts) {
+// Two that touch as the step begins, move on each other and do not collide.
+struct Rest {
+  Index i, j;
+  Vec3 n_W;  // from i to j
+};
+
+bool falls(const Context& context, Index i) {
+  return context.scene.bodies.traits[i].moved_by_forces() && !context.step.supported[i];
+}
+
+// What comes of one contact. It changes nothing but that.
+void predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts,
+               std::vector<Rest>& rests) {
   const StepStore& step = context.step;
   const auto [i, j] = std::pair(contact.i, contact.j);
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
-  if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return false;
-  if (contact.state.isSeparated()) return false;
-  if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return false;
+  if (contact.state.isDepenetrating() || (step.isCrowded(i) && step.isCrowded(j))) return;
+  if (contact.state.isSeparated()) return;
+  if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
   const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
   if (prediction.impact) {
     impacts.push_back(*prediction.impact);
@@ -227,49 +242,64 @@ bool predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
   } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
     contact.state.separate();
   }
-  const auto falls = [&](Index k) {
-    return context.scene.bodies.traits[k].moved_by_forces() && !step.supported[k];
+  if (prediction.rest_W && (falls(context, i) || falls(context, j)))
+    rests.push_back({i, j, *prediction.rest_W});
+}
+
+// Those bodies, in rising order, that have been found to rest on what does not fall. They are supported now.
+std::vector<Index> findSupported(Context& context, const std::vector<Rest>& rests) {
+  StepStore& step = context.step;
+  std::vector<Index> found;
+  const auto support = [&](Index below, Index above, const Vec3& up_W) {
+    if (falls(context, below) || !falls(context, above)) return false;
+    if (!(step.load[above].a_W.dot(up_W) < 0.0)) return false;
+    step.supported[above] = true;
+    found.push_back(above);
+    return true;
   };
-  return prediction.bears && (falls(i) || falls(j));
+  for (bool more = true; more;) {
+    more = false;
+    for (const Rest& rest : rests)
+      if (support(rest.i, rest.j, rest.n_W) || support(rest.j, rest.i, -rest.n_W)) more = true;
+  }
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 }  // namespace
 
-// No force is known yet of what has just been put where it lies. It is not in free fall: it would meet the side of a tile that lies
-// flush with the one that bears it. So what bears supports, and what comes of the other pairs of its bodies is predicted again.
+// No force is known yet of what has just been put where it lies and moves on. It is not in free fall: it would meet the side of a tile
+// that lies flush with the one that bears it. So what bears it supports it, and what comes of its other pairs is predicted again.
 void predict(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
   constexpr std::size_t kPairsOfAPart = 128;
   struct Part {
     std::vector<PendingImpact> impacts;
-    std::vector<std::size_t> bearing;
+    std::vector<Rest> rests;
   };
   std::vector<Part> parts(Workers::parts(contacts.size(), kPairsOfAPart));
   step.workers->share(contacts.size(), kPairsOfAPart, [&](auto part, auto begin, auto end) {
     for (std::size_t k = begin; k < end; ++k)
-      if (predictOf(context, contacts[k], parts[part].impacts)) parts[part].bearing.push_back(k);
+      predictOf(context, contacts[k], parts[part].impacts, parts[part].rests);
   });
-  std::vector<Index> found;
+  std::vector<Rest> rests;
   for (const Part& part : parts) {
     step.impacts.insert(step.impacts.end(), part.impacts.begin(), part.impacts.end());
-    for (const std::size_t k : part.bearing)
-      for (const Index i : {contacts[k].i, contacts[k].j}) {
-        if (!context.scene.bodies.traits[i].moved_by_forces() || step.supported[i]) continue;
-        step.supported[i] = true;
-        found.push_back(i);
-      }
+    rests.insert(rests.end(), part.rests.begin(), part.rests.end());
   }
+  const std::vector<Index> found = findSupported(context, rests);
   if (found.empty()) return;
-  std::sort(found.begin(), found.end());
   const auto isFound = [&](Index i) { return std::binary_search(found.begin(), found.end(), i); };
   const auto isOld = [&](const PendingImpact& impact) { return isFound(impact.i) || isFound(impact.j); };
   step.impacts.erase(std::remove_if(step.impacts.begin(), step.impacts.end(), isOld), step.impacts.end());
-  for (Contact& contact : contacts) {
-    if (!isFound(contact.i) && !isFound(contact.j)) continue;
-    if (contact.state.awaitsImpact() || contact.state.isSeparated()) contact.state.open();
-    predictOf(context, contact, step.impacts);
-  }
+  const auto isOfFound = [&](const Contact& contact) { return isFound(contact.i) || isFound(contact.j); };
+  for (Contact& contact : contacts)
+    if (isOfFound(contact) && (contact.state.awaitsImpact() || contact.state.isSeparated()))
+      contact.state.open();
+  contact_states::separateResting(context, isOfFound);
+  for (Contact& contact : contacts)
+    if (isOfFound(contact)) predictOf(context, contact, step.impacts, rests);
 }
 
 namespace {
