@@ -46,8 +46,8 @@ inline constexpr bool kKeepsAxis =
     kSearched<ShapeA, ShapeB> && !(std::is_same_v<ShapeA, Box> && std::is_same_v<ShapeB, Box>);
 
 /// Options of a search for a gap. Where the gap is above `beyond` (m), the result is only some number between
-/// the two, with the last direction that was searched. `kept` is the last simplex of an earlier search for this pair at nearby poses (of size 0: none),
-/// and then that of this search.
+/// the two, with the last direction that was searched. `kept` is the last simplex of an earlier search for this
+/// pair at nearby poses (of size 0: none), and then that of this search.
 struct Search {
   double beyond = std::numeric_limits<double>::infinity();
   Simplex* kept = nullptr;
