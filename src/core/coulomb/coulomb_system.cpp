@@ -150,10 +150,6 @@ template Impulses System::velocitiesSummedIn<long double>(const Impulses&) const
 // rolling and of its spinning, whichever is worse. The rows of a joint have in place of the first
 //   |response r - P(response r - u)|, P onto response times their bounds,
 // with the response that their scale gives.
-//
-// A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
-// between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body
-// no room there is no solution: impulses grow without end, and so would what is forgiven them.
 Residuals System::residuals(const Impulses& r, const Impulses& velocity, double enough) const {
   Residuals worst;
   if (!velocity.allFinite()) {
@@ -207,6 +203,9 @@ Residuals System::residuals(const Impulses& r, const Impulses& velocity, double 
   return worst;
 }
 
+// A velocity is known to within the rounding of what it is summed from, epsilon sum |J^T r|; a light body
+// between heavy ones feels the last digit of their impulses. Where motions are prescribed that leave a body
+// no room there is no solution: impulses grow without end, and so would what is forgiven them.
 double System::beyondRounding(const Impulses& r, const std::vector<double>& off) const {
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
   constexpr double kMostForgiven = 1e-4;

@@ -222,10 +222,8 @@ Vec3 touchingPoint(const Box& a, const Box& b, RelativePose X_AB, const BoxAxis&
   return gjk(difference, difference.centre()).simplex.witnessA();
 }
 
-}  // namespace
-
-namespace {
-
+// The points along an axis: where the faces that look along it lie over each other, else where its two edges cross. Empty where
+// there are neither.
 Manifold manifoldAlong(const BoxAxis& axis, const Box& box_a, const Pose& X_WA, const Box& box_b,
                        const Pose& X_WB, double margin) {
   const PlacedBox a{0.5 * box_a.size, X_WA}, b{0.5 * box_b.size, X_WB};

@@ -196,7 +196,7 @@ struct StepStore {
   std::vector<double> submerged;  ///< by body: share of its volume in the fluid; empty without a fluid
   std::vector<Bounds> bounds;     ///< by body: where it may be during the step
   std::vector<char>
-      supported;  ///< by body: some contact carried it in the last step, or another kind of constraint ties it
+      supported;  ///< by body: a contact carried it in the last step, or bears it from the start; or another kind of constraint ties it
   std::vector<char>
       touched;  ///< by body: an impact of this step, or a solve before one, has left it in contact
   std::vector<char> crowded;           ///< by body: some contact of it is depenetrating; empty: of none
