@@ -64,6 +64,8 @@ TEST(ImpactBudget, OfASetIsForIt) {
   EXPECT_TRUE(budget.takeCut(2, 3, 260)) << "another set";
   EXPECT_TRUE(budget.takeJoin(0, 1, 260)) << "another kind";
   EXPECT_FALSE(budget.takeJoin(0, 1, 1));
+  EXPECT_FALSE(budget.takeLanding(0, 1, 257)) << "contacts would stop it as well";
+  EXPECT_TRUE(budget.takeLanding(0, 1, 256));
 }
 
 TEST(ImpactBudget, OfSetsThatBecomeOneAddsUp) {
@@ -122,6 +124,37 @@ TEST(ImpactBudget, APileIsNotSolvedAnewForEachThatJoinsIt) {
     for (const BodyState& state : world.snapshot().states)
       EXPECT_GT(state.pose.p_WB.z(), -0.01) << "nothing goes through the floor";
   }
+}
+
+// Balls come down on a plank that lies on many others, each at a time of its own, and one right behind each. No ball rebounds, so
+// that contacts stop them in the solve of the step. They know of the second ball, which was predicted to follow the first through
+// the plank.
+TEST(ImpactBudget, WhatLandsOnALargeGroupIsStoppedByContacts) {
+  constexpr int kSupports = 140, kLanding = 10;
+  constexpr double kUnder = 0.05, kThick = 0.1, kRadius = 0.1, kSpeed = 3.0, kBehind = 0.01, kStep = 1.0 / 60.0;
+  SceneDef scene = onFloor(kStep, 0.5);
+  scene.fidelity = Fidelity::Accurate;
+  scene.bodies.push_back(
+      body("plank", Box{{2.2 * kUnder * kSupports, 0.5, kThick}}, {0.0, 0.0, 2 * kUnder + kThick / 2}));
+  for (int k = 0; k < kSupports; ++k)
+    scene.bodies.push_back(ball("under" + std::to_string(k), kUnder,
+                                {2.2 * kUnder * (k + 0.5 - kSupports / 2), k % 2 ? 0.2 : -0.2, kUnder}));
+  for (int k = 0; k < kLanding; ++k)
+    for (int second = 0; second < 2; ++second) {
+      const double way = kSpeed * kStep * (3.0 + 0.09 * k);
+      const double z = 2 * kUnder + kThick + kRadius + way + second * (2 * kRadius + kBehind);
+      scene.bodies.push_back(ball((second ? "b" : "a") + std::to_string(k), kRadius, {1.4 * (k - 4.5), 0.0, z}));
+      scene.bodies.back().twist.v_WB.z() = -kSpeed;
+    }
+  World world(scene);
+  std::uint32_t left = 0;
+  for (int k = 0; k < 8; ++k) {
+    const StepReport report = world.step();
+    left += report.deferred_impacts;
+    EXPECT_EQ(report.repeated, 0u) << "step " << k;
+    EXPECT_LT(report.deepest_penetration, 1e-6) << "step " << k;
+  }
+  EXPECT_GE(left, static_cast<std::uint32_t>(kLanding) - 2) << "as many as the budget does not allow";
 }
 
 }  // namespace

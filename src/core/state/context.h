@@ -140,6 +140,7 @@ struct PendingImpact {
   double time;
   Index i, j;                      ///< i < j
   std::uint32_t stamp_i, stamp_j;  ///< valid while both bodies still carry these stamps
+  bool rebounds;                   ///< its rebound may last for longer than the step
 };
 
 /// Gives the bodies of a problem their places in it. The array that it fills goes by all bodies, is lent by

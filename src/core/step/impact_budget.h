@@ -60,6 +60,8 @@ class ImpactBudget {
   /// Takes off a cut of islands that have `contacts` in all, for bodies i and j, whose sets become one. False: their set
   /// has less left, and keeps it.
   bool takeCut(Index i, Index j, std::uint64_t contacts) { return take(&Left::cuts, i, j, contacts); }
+  /// Takes off such a cut for an impact that contacts stop as well.
+  bool takeLanding(Index i, Index j, std::uint64_t contacts) { return take(&Left::landings, i, j, contacts); }
   /// Takes off the solve of the island that is behind, which has `contacts`, where the islands of i and j become one.
   bool takeJoin(Index i, Index j, std::uint64_t contacts) { return take(&Left::joins, i, j, contacts); }
 
@@ -67,7 +69,7 @@ class ImpactBudget {
   static constexpr std::uint64_t kQueriesPerImpact = 20;
   /// Contacts that a set may still solve again.
   struct Left {
-    std::uint64_t cuts = 256, joins = 256;
+    std::uint64_t cuts = 256, landings = 256, joins = 256;
   };
 
   bool take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t contacts);

@@ -5,6 +5,7 @@
 #include "broadphase/bounds_tree.h"
 #include "effects/effects.h"
 #include "effects_built.h"
+#include "narrowphase/collide.h"
 #include "solver/contact_preparation.h"
 #include "step/early_impacts.h"
 #include "step/impact_budget.h"
@@ -103,11 +104,13 @@ class ImpactLoop {
   Island& islandOf(const PendingImpact& impact) { return *islandOf(step_.movedOf(impact.i, impact.j)); }
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
-  // Whether soft contacts stop a pair as well as an impact does: it does not rebound, and no sub-step takes one
-  // far into the other. An open point may close no faster than its gap in a sub-step.
+  // Whether contacts stop a pair as well as an impact does: it does not rebound, and no sub-step, or at the exact settings the
+  // step, takes one far into the other. An open point may close no faster than its gap in that time.
   bool isStoppedByContacts(const PendingImpact& impact) const {
-    constexpr double kStoppedTravel = 0.25;  // in a sub-step, of the smaller length
-    if (step_.solver.exact || context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
+    constexpr double kStoppedTravel = 0.25;  // in that time, of the smaller length
+    if (impact.rebounds) return false;
+    if (!step_.solver.exact && context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
+    const int parts = step_.solver.exact ? 1 : step_.solver.sub_steps;
     const Bodies& bodies = context_.scene.bodies;
     const auto speedOf = [&](Index i) {
       const double turn = bodies.twist[i].w_WB.norm();
@@ -115,7 +118,7 @@ class ImpactLoop {
       return bodies.twist[i].v_WB.norm() + fall +
              (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
     };
-    const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / step_.solver.sub_steps;
+    const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / parts;
     return travel <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
@@ -138,8 +141,10 @@ class ImpactLoop {
       if (island.time < impact.time && island.constraints() > kSmallIsland) cost += island.constraints();
       watched = watched || isWatched(step_, island, impact.time);
     }
-    if (cost > 0 && isStoppedByContacts(impact)) return Brought::Expensive;
-    if (!budget_.takeCut(step_.movedOf(impact.i, impact.j), step_.movedOf(impact.j, impact.i), cost))
+    const bool is_stopped = cost > 0 && isStoppedByContacts(impact);
+    if (is_stopped && !step_.solver.exact) return Brought::Expensive;
+    const Index a = step_.movedOf(impact.i, impact.j), b = step_.movedOf(impact.j, impact.i);
+    if (!(is_stopped ? budget_.takeLanding(a, b, cost) : budget_.takeCut(a, b, cost)))
       return Brought::Expensive;
     if (!watched) {
       for (const Index place : brought) advanceTo(context_, step_.islands[place], impact.time);
@@ -223,6 +228,7 @@ class ImpactLoop {
       ++islandOf(impact).deferred_impacts;
       if (brought == Brought::Expensive) leaveToRebounds(impact);
       leaveToContacts(impact.i, impact.j);
+      if (step_.solver.exact) watchBehind(impact);
       return;
     }
     const impacts::Outcome outcome =
@@ -326,6 +332,33 @@ class ImpactLoop {
                                             : context_.scene.contacts.active[contact].state.isSeparated();
       if (is_left) contacts_.connect(a, b, false);
     }
+  }
+
+  // What contacts stop was predicted to go on, and others behind it were predicted not to reach it. They do as soon as it has been
+  // stopped, and stop in their turn.
+  void watchBehind(const PendingImpact& impact) {
+    std::vector<Index> stopped{impact.i, impact.j};
+    for (std::size_t k = 0; k < stopped.size(); ++k) {
+      if (step_.island[stopped[k]] == kNone || !tree_.holds(stopped[k])) continue;
+      for (const Index j : tree_.of(stopped[k])) {
+        if (step_.island[j] == kNone || !mayReach(j, stopped[k], impact.time)) continue;
+        contacts_.connect(std::min(j, stopped[k]), std::max(j, stopped[k]), false);
+        if (std::find(stopped.begin(), stopped.end(), j) == stopped.end()) stopped.push_back(j);
+      }
+    }
+  }
+
+  // Whether body j, which no contact keeps apart from body i, would come to it if that stopped at `time`.
+  bool mayReach(Index j, Index i, double time) const {
+    const Bodies& bodies = context_.scene.bodies;
+    if (!mayCollide(bodies.traits[std::min(i, j)], bodies.traits[std::max(i, j)])) return false;
+    const Index contact = contacts_.find(std::min(i, j), std::max(i, j));
+    if (contact != kNone && !context_.scene.contacts.active[contact].state.isSeparated()) return false;
+    const Motion of_i = impacts::trajectoryOf(context_, i), of_j = impacts::trajectoryOf(context_, j);
+    const double left = step_.t1 - time;
+    const double turning = bodies.traits[j].round ? 0.0 : bodies.traits[j].bounding_radius * of_j.spinBounds().w;
+    const double way = approach(left, of_j.twistAt(time).v_WB, 0.0, turning, of_j.a_W);
+    return areWithin(bodies.traits[i].shape, of_i.at(time), bodies.traits[j].shape, of_j.at(time), way);
   }
 
   void promoteCrushed(Island& island) {

@@ -156,11 +156,13 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   };
   const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-    if (closingSpeed(at_impact.a, at_impact.b, at_impact.manifold) <=
-        slowest(context, i, j, at_impact.manifold.n_W))
-      return;
+    const Vec3& n_W = at_impact.manifold.n_W;
+    const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
+    if (speed <= slowest(context, i, j, n_W)) return;
     const auto [first, second] = std::minmax(i, j);
-    prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second]};
+    const bool rebounds = context.scene.restitutionOf(i, j) * speed > slowestRebound(context, n_W);
+    prediction.impact =
+        PendingImpact{time, first, second, step.stamp[first], step.stamp[second], rebounds};
   };
   if (!simple) {
     const ImpactContact now = contactAt(from);
