@@ -123,15 +123,15 @@ TEST(ChoiceOfSolver, ATowerWhoseBlocksFallOnEachOtherIsExact) {
   EXPECT_LT(sideways, 2e-3);            // 5e-4 m
 }
 
-// Sixty of them: 30 stand on a cube that was exact alone when the rest came down on it, and 16 of the others have no more than 300
-// pairs. The soft step takes what is left as long as it moves.
+// Sixty towers whose cubes slide on each other at first: 16 of them have no more than 300 pairs. The soft step takes what is left as
+// long as it moves.
 TEST(ChoiceOfSolver, OfManyTowersThatMoveSomeAreExact) {
   constexpr int kTowers = 60, kBlocks = 18;
   SceneDef scene = onFloor(1.0 / 30.0, 0.5);
   for (int tower = 0; tower < kTowers; ++tower)
     for (int k = 0; k < kBlocks; ++k)
-      scene.bodies.push_back(box("", {0.1, 0.1, 0.1}, {0.5 * tower, 0.0, 0.05 + (0.1 + 2e-5) * k}));
-  World world(ordered(scene));
+      scene.bodies.push_back(box("", {0.1, 0.1, 0.1}, {0.5 * tower, 0.0, 0.05 + 0.1 * k}));
+  World world(ordered(sliding(scene, 0.3)));
   int least = kTowers;
   for (int step = 0; step < 60; ++step) {
     const std::vector<IslandResiduals> islands = world.step().residuals;
@@ -139,7 +139,7 @@ TEST(ChoiceOfSolver, OfManyTowersThatMoveSomeAreExact) {
     const int exact = static_cast<int>(std::count_if(islands.begin(), islands.end(), isExact));
     if (exact > 0) least = std::min(least, exact);
   }
-  EXPECT_GE(least, 30);
+  EXPECT_GE(least, 16);
   EXPECT_LT(least, kTowers);
   for (const BodyState& state : world.snapshot().states) EXPECT_LT(std::abs(state.pose.p_WB.y()), 0.01);
 }

@@ -156,9 +156,14 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   };
   const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-    const Vec3& n_W = at_impact.manifold.n_W;
+const Vec3& n_W = at_impact.manifold.n_W;
     const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
-    if (speed <= slowest(context, i, j, n_W)) return;
+    if (speed <= slowest(context, i, j, n_W)) {
+      const double closed = kTouch * smallerLength(context.scene.bodies, i, j);
+      if (time == from && at_impact.manifold.size > 0 && leastSeparation(at_impact.manifold) <= closed)
+        prediction.rest_W = n_W;
+      return;
+    }
     const auto [first, second] = std::minmax(i, j);
     const bool rebounds = context.scene.restitutionOf(i, j) * speed > slowestRebound(context, n_W);
     prediction.impact =
@@ -170,10 +175,6 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
         context.scene.restitutionOf(i, j) > 0.0 && isAlone(context, i) && isAlone(context, j);
     if (now.manifold.size > 0) {
       touchAt(now, from);
-      const double closed = kTouch * smallerLength(context.scene.bodies, i, j);
-      const bool moves = approachOf(a, b, left, Vec3::Zero()) > closed;
-      if (!prediction.impact && moves && leastSeparation(now.manifold) <= closed)
-        prediction.rest_W = now.manifold.n_W;
       if (prediction.impact || !rebounds) return prediction;
       prediction.touches = false;
     }
@@ -218,10 +219,23 @@ bool isFree(const Context& context, Index i) {
 
 namespace {
 
-// Two that touch as the step begins, move on each other and do not collide.
+// Two that touch as the step begins, and do not collide.
 struct Rest {
   Index i, j;
   Vec3 n_W;  // from i to j
+};
+
+// What is predicted of pairs, beside their states.
+struct Predicted {
+  std::vector<PendingImpact> impacts;
+  std::vector<Rest> rests;
+  IndexPairs
+      holds;  // touch in this step, and are left to contacts, though no prediction of a body knows of it
+  void add(const Predicted& other) {
+    impacts.insert(impacts.end(), other.impacts.begin(), other.impacts.end());
+    rests.insert(rests.end(), other.rests.begin(), other.rests.end());
+    holds.insert(holds.end(), other.holds.begin(), other.holds.end());
+  }
 };
 
 bool falls(const Context& context, Index i) {
@@ -229,8 +243,7 @@ bool falls(const Context& context, Index i) {
 }
 
 // What comes of one contact. It changes nothing but that.
-void predictOf(const Context& context, Contact& contact, std::vector<PendingImpact>& impacts,
-               std::vector<Rest>& rests) {
+void predictOf(const Context& context, Contact& contact, Predicted& predicted) {
   const StepStore& step = context.step;
   const auto [i, j] = std::pair(contact.i, contact.j);
   // In a crowd bodies are no further from each other than contacts can tell: its impacts would be without number.
@@ -239,13 +252,14 @@ void predictOf(const Context& context, Contact& contact, std::vector<PendingImpa
   if (contact.state.isTouching() && context.scene.restitutionOf(i, j) == 0.0) return;
   const Prediction prediction = predict(context, i, j, step.t0, contact.axis);
   if (prediction.impact) {
-    impacts.push_back(*prediction.impact);
+    predicted.impacts.push_back(*prediction.impact);
     contact.state.awaitImpact();
   } else if (!prediction.touches && isFree(context, i) && isFree(context, j)) {
     contact.state.separate();
   }
-  if (prediction.rest_W && (falls(context, i) || falls(context, j)))
-    rests.push_back({i, j, *prediction.rest_W});
+  if (!falls(context, i) && !falls(context, j)) return;
+  if (prediction.rest_W && !prediction.impact) predicted.rests.push_back({i, j, *prediction.rest_W});
+  if (prediction.touches && !prediction.impact) predicted.holds.emplace_back(i, j);
 }
 
 // Those bodies, in rising order, that have been found to rest on what does not fall. They are supported now.
@@ -268,40 +282,81 @@ std::vector<Index> findSupported(Context& context, const std::vector<Rest>& rest
   return found;
 }
 
+// What comes of the pairs of bodies that have been found to be supported is predicted again. Others may be found to rest on them.
+void predictAgain(Context& context, Predicted& predicted) {
+  std::vector<Contact>& contacts = context.scene.contacts.active;
+  for (;;) {
+    const std::vector<Index> found = findSupported(context, predicted.rests);
+    if (found.empty()) return;
+    const auto isFound = [&](Index i) { return std::binary_search(found.begin(), found.end(), i); };
+    const auto isOld = [&](const PendingImpact& impact) { return isFound(impact.i) || isFound(impact.j); };
+    auto& impacts = predicted.impacts;
+    impacts.erase(std::remove_if(impacts.begin(), impacts.end(), isOld), impacts.end());
+    const auto isOfFound = [&](const Contact& contact) { return isFound(contact.i) || isFound(contact.j); };
+    for (Contact& contact : contacts)
+      if (isOfFound(contact) && (contact.state.awaitsImpact() || contact.state.isSeparated()))
+        contact.state.open();
+    contact_states::separateResting(context, isOfFound);
+    for (Contact& contact : contacts)
+      if (isOfFound(contact)) predictOf(context, contact, predicted);
+  }
+}
+
+// Whether two meet in this step where contacts hold those that are `held` from falling, all the time or some of it.
+bool meetWhereHeld(const Context& context, const Contact& contact, const std::vector<char>& held) {
+  const StepStore& step = context.step;
+  const auto [i, j] = std::pair(contact.i, contact.j);
+  const OnTrajectory a(context, i, step.t0), b(context, j, step.t0);
+  SeparatingAxis axis = contact.axis;
+  for (const auto& [stops_i, stops_j] : {std::pair(true, false), {false, true}, {true, true}}) {
+    if ((stops_i && !held[i]) || (stops_j && !held[j])) continue;
+    Motion way_i = a.trajectory, way_j = b.trajectory;
+    if (stops_i) way_i.a_W = Vec3::Zero();
+    if (stops_j) way_j.a_W = Vec3::Zero();
+    const double near = approachOf(a, b, step.h(), way_i.a_W - way_j.a_W) + marginOf(context, i, j);
+    if (areWithin(a.traits.shape, a.pose, b.traits.shape, b.pose, near, axis) &&
+        timeOfImpact(a.traits.shape, way_i, b.traits.shape, way_j, step.t0, step.t1))
+      return true;
+  }
+  return false;
+}
+
+// Two that were to fall alike stay apart only while nothing holds the one. Contacts do not tell how long they hold a body that is not
+// known to be supported; what it may meet then is left to them too.
+void openBesideHeld(Context& context, const IndexPairs& holds) {
+  std::vector<char> held(context.scene.bodies.size(), 0);
+  const auto hold = [&](Index i) { held[i] = falls(context, i); };
+  for (const auto& [i, j] : holds) hold(i), hold(j);
+  if (std::find(held.begin(), held.end(), 1) == held.end()) return;
+  for (bool more = true; more;) {
+    more = false;
+    for (Contact& contact : context.scene.contacts.active) {
+      if (!contact.state.isSeparated() || !(held[contact.i] || held[contact.j])) continue;
+      if (!meetWhereHeld(context, contact, held)) continue;
+      contact.state.open();
+      hold(contact.i), hold(contact.j);
+      more = true;
+    }
+  }
+}
+
 }  // namespace
 
-// No force is known yet of what has just been put where it lies and moves on. It is not in free fall: it would meet the side of a tile
-// that lies flush with the one that bears it. So what bears it supports it, and what comes of its other pairs is predicted again.
+// No force is known yet of what has just been put where it lies. It is not in free fall: it would meet the side of a tile that lies
+// flush with the one that bears it, and what stands on it would fall into it. So what bears it supports it.
 void predict(Context& context) {
   StepStore& step = context.step;
   std::vector<Contact>& contacts = context.scene.contacts.active;
   constexpr std::size_t kPairsOfAPart = 128;
-  struct Part {
-    std::vector<PendingImpact> impacts;
-    std::vector<Rest> rests;
-  };
-  std::vector<Part> parts(Workers::parts(contacts.size(), kPairsOfAPart));
+  std::vector<Predicted> parts(Workers::parts(contacts.size(), kPairsOfAPart));
   step.workers->share(contacts.size(), kPairsOfAPart, [&](auto part, auto begin, auto end) {
-    for (std::size_t k = begin; k < end; ++k)
-      predictOf(context, contacts[k], parts[part].impacts, parts[part].rests);
+    for (std::size_t k = begin; k < end; ++k) predictOf(context, contacts[k], parts[part]);
   });
-  std::vector<Rest> rests;
-  for (const Part& part : parts) {
-    step.impacts.insert(step.impacts.end(), part.impacts.begin(), part.impacts.end());
-    rests.insert(rests.end(), part.rests.begin(), part.rests.end());
-  }
-  const std::vector<Index> found = findSupported(context, rests);
-  if (found.empty()) return;
-  const auto isFound = [&](Index i) { return std::binary_search(found.begin(), found.end(), i); };
-  const auto isOld = [&](const PendingImpact& impact) { return isFound(impact.i) || isFound(impact.j); };
-  step.impacts.erase(std::remove_if(step.impacts.begin(), step.impacts.end(), isOld), step.impacts.end());
-  const auto isOfFound = [&](const Contact& contact) { return isFound(contact.i) || isFound(contact.j); };
-  for (Contact& contact : contacts)
-    if (isOfFound(contact) && (contact.state.awaitsImpact() || contact.state.isSeparated()))
-      contact.state.open();
-  contact_states::separateResting(context, isOfFound);
-  for (Contact& contact : contacts)
-    if (isOfFound(contact)) predictOf(context, contact, step.impacts, rests);
+  Predicted predicted;
+  for (const Predicted& part : parts) predicted.add(part);
+  predictAgain(context, predicted);
+  openBesideHeld(context, predicted.holds);
+  step.impacts.insert(step.impacts.end(), predicted.impacts.begin(), predicted.impacts.end());
 }
 
 namespace {

@@ -18,9 +18,8 @@ void predict(Context& context);
 struct Prediction {
   std::optional<PendingImpact> impact;  ///< the first, unless it is left to the contact solver
   bool touches = false;                 ///< they touch, impact or not
-  std::optional<Vec3>
-      rest_W;  ///< the normal, i to j, where they touch from the start, move on each other and do not collide
-  int queries = 0;  ///< closest points and manifolds it took; none where a form is closed
+  std::optional<Vec3> rest_W;  ///< the normal, i to j, where they touch from the start and do not collide
+  int queries = 0;             ///< closest points and manifolds it took; none where a form is closed
 };
 /// `axis` is that of the contact of the pair, i before j; of a pair without one: none.
 Prediction predict(const Context& context, Index i, Index j, double from, SeparatingAxis& axis);
