@@ -7,6 +7,7 @@
 //   arches         thrust, which friction holds only while the bodies stand as they were put
 //   weight near an edge, and bodies that lie on a free one by a point or a line: what sinks in also tilts
 //   crushed bodies a light one that a heavy one presses on sinks in until it is squirted out
+//   what has lost its support: its warm start is that of forces which are gone
 //   what slides, tips over or rolls alone: the solve of one body takes not much longer than its sub-steps.
 // A direct solve minds none of them. It is cheap where the forces of the last step still hold, and expensive where bodies
 // tumble; there the errors of the soft step do not show. So only islands are promoted that are small and calm: nothing moves
@@ -52,6 +53,8 @@ constexpr double kRunsAlong = 1e-3;
 // tip where one of their points has less than this share of the force of another; and it is crushed where the
 // force is more than this many times its weight.
 constexpr double kThrust = 0.1, kNearEdge = 0.2, kCrushed = 100.0;
+// The forces of the last step do not hold an island any more where they push a body along its load by more than this share of gravity.
+constexpr double kAlongLoad = 0.25;
 
 // The most contacts on the shortest way from a body to something that forces do not move.
 std::uint32_t heightOf(const Context& context, const std::vector<Index>& contacts) {
@@ -110,6 +113,33 @@ Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
     forces.crushes = forces.crushes || (both && normal > kCrushed * gravity * std::min(a.mass, b.mass));
   }
   return forces;
+}
+
+// The largest acceleration that the forces of the last step give a body along its load in this one, m/s²; of a body without a load the
+// largest one. What is held is pushed against its load. So these are forces of another scene: a support is gone, or gravity has
+// turned or ended. The soft step would begin with them, and its passes mend one contact after the other.
+double pushAlongLoad(const Context& context, const Island& island) {
+  const Bodies& bodies = context.scene.bodies;
+  std::map<Index, Vec3> force_W;
+  for (const Index i : island.bodies) force_W[i].setZero();
+  const auto add = [&](Index i, const Vec3& f_W) {
+    if (const auto known = force_W.find(i); known != force_W.end()) known->second += f_W;
+  };
+  for (const Index k : island.contacts) {
+    const Contact& contact = context.scene.contacts.active[k];
+    for (const SolvedPoint& point : contact.points) {
+      const Vec3 f_W = point.normal * point.n_W + point.friction_W;
+      add(contact.i, -f_W);
+      add(contact.j, f_W);
+    }
+  }
+  double most = 0.0;
+  for (const auto& [i, f_W] : force_W) {
+    const Vec3& load_W = context.step.load[i].a_W;
+    const double along = load_W.isZero(0.0) ? f_W.norm() : f_W.dot(load_W.normalized());
+    most = std::max(most, along / bodies.traits[i].mass);
+  }
+  return most;
 }
 
 // How fast the surface of a body moves at most as seen from what carries it, which turns on under it. kNone is the world.
@@ -235,6 +265,13 @@ Promotion promotionOf(const Context& context, const Island& island) {
   if (forces.crushes) return kAlways;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
   if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return kAlways;
+  if (few && forces.known) {
+    const double a = pushAlongLoad(context, island);
+    const double most = std::max(fall, a * context.step.h());
+    if (a > kAlongLoad * orEarths(context.scene.gravity_W.norm()) &&
+        isCalm(context, island, bounds.speed * most))
+      return kWhileSomeMove;
+  }
   const auto isTall = [&] {
     return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
   };
