@@ -126,7 +126,7 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   promoted_ = settings.promotes;
   corrections_ = std::max(settings.corrections, apart_ || isCarriedRound(context, active_) ? 1 : 0);
   cuts_ = promoted_ && !apart_ ? 0 : settings.cuts;
-  slow_ = std::max(kSlip, kSlipOverTolerance * wanted_tolerance_) * island_.loadSpeed();
+  slow_ = std::max(kSlip, kSlipOverTolerance * tolerance_) * island_.loadSpeed();
 }
 
 TouchingPoints Stepper::find(double time, const LastNormals& last) {
