@@ -131,7 +131,8 @@ TEST(ImpactBudget, APileIsNotSolvedAnewForEachThatJoinsIt) {
 // the plank.
 TEST(ImpactBudget, WhatLandsOnALargeGroupIsStoppedByContacts) {
   constexpr int kSupports = 140, kLanding = 10;
-  constexpr double kUnder = 0.05, kThick = 0.1, kRadius = 0.1, kSpeed = 3.0, kBehind = 0.01, kStep = 1.0 / 60.0;
+  constexpr double kUnder = 0.05, kThick = 0.1, kRadius = 0.1, kSpeed = 3.0, kBehind = 0.01,
+                   kStep = 1.0 / 60.0;
   SceneDef scene = onFloor(kStep, 0.5);
   scene.fidelity = Fidelity::Accurate;
   scene.bodies.push_back(
@@ -143,7 +144,8 @@ TEST(ImpactBudget, WhatLandsOnALargeGroupIsStoppedByContacts) {
     for (int second = 0; second < 2; ++second) {
       const double way = kSpeed * kStep * (3.0 + 0.09 * k);
       const double z = 2 * kUnder + kThick + kRadius + way + second * (2 * kRadius + kBehind);
-      scene.bodies.push_back(ball((second ? "b" : "a") + std::to_string(k), kRadius, {1.4 * (k - 4.5), 0.0, z}));
+      scene.bodies.push_back(
+          ball((second ? "b" : "a") + std::to_string(k), kRadius, {1.4 * (k - 4.5), 0.0, z}));
       scene.bodies.back().twist.v_WB.z() = -kSpeed;
     }
   World world(scene);

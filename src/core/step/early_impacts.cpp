@@ -164,8 +164,8 @@ std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vec
   for (const auto& [i, j] : pairsOf(context, islands, others)) {
     const std::optional<double> then = timeOfEarlyImpact(context, trajectories, i, j, time);
     if (then && (!first || *then < first->time))
-      first = PendingImpact{*then, i, j, step.stamp[i], step.stamp[j],
-                            context.scene.restitutionOf(i, j) > 0.0};
+      first =
+          PendingImpact{*then, i, j, step.stamp[i], step.stamp[j], context.scene.restitutionOf(i, j) > 0.0};
   }
   if (first)
     for (const IslandBefore& island : before) island.putBack(context);

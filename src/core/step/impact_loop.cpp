@@ -356,7 +356,8 @@ class ImpactLoop {
     if (contact != kNone && !context_.scene.contacts.active[contact].state.isSeparated()) return false;
     const Motion of_i = impacts::trajectoryOf(context_, i), of_j = impacts::trajectoryOf(context_, j);
     const double left = step_.t1 - time;
-    const double turning = bodies.traits[j].round ? 0.0 : bodies.traits[j].bounding_radius * of_j.spinBounds().w;
+    const double turning =
+        bodies.traits[j].round ? 0.0 : bodies.traits[j].bounding_radius * of_j.spinBounds().w;
     const double way = approach(left, of_j.twistAt(time).v_WB, 0.0, turning, of_j.a_W);
     return areWithin(bodies.traits[i].shape, of_i.at(time), bodies.traits[j].shape, of_j.at(time), way);
   }

@@ -156,7 +156,7 @@ Prediction predict(const Context& context, Index i, Index j, double from, Separa
   };
   const auto touchAt = [&](const ImpactContact& at_impact, double time) {
     prediction.touches = true;
-const Vec3& n_W = at_impact.manifold.n_W;
+    const Vec3& n_W = at_impact.manifold.n_W;
     const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
     if (speed <= slowest(context, i, j, n_W)) {
       const double closed = kTouch * smallerLength(context.scene.bodies, i, j);
@@ -166,8 +166,7 @@ const Vec3& n_W = at_impact.manifold.n_W;
     }
     const auto [first, second] = std::minmax(i, j);
     const bool rebounds = context.scene.restitutionOf(i, j) * speed > slowestRebound(context, n_W);
-    prediction.impact =
-        PendingImpact{time, first, second, step.stamp[first], step.stamp[second], rebounds};
+    prediction.impact = PendingImpact{time, first, second, step.stamp[first], step.stamp[second], rebounds};
   };
   if (!simple) {
     const ImpactContact now = contactAt(from);
