@@ -228,7 +228,7 @@ class ImpactLoop {
       ++islandOf(impact).deferred_impacts;
       if (brought == Brought::Expensive) leaveToRebounds(impact);
       leaveToContacts(impact.i, impact.j);
-      if (step_.solver.exact) watchBehind(impact);
+      if (brought == Brought::Expensive && step_.solver.exact) watchBehind(impact);
       return;
     }
     const impacts::Outcome outcome =
