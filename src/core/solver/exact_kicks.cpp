@@ -295,7 +295,7 @@ void Stepper::expectSecondKick(const CoulombProblem& kick, double lasting, doubl
     point.impulse_W += impulse_W;
     if (m == kNone) {
       if (!point.impulse_W.isZero(0.0))
-        segment.opened.emplace_back(point.contact, solvedPoint(point, law.frame.col(2)));
+        segment.opened.emplace_back(point.contact, openedPoint(point, law.frame.col(2)));
       continue;
     }
     later.points[m].force_W = expectedNext(point.force_W, 2.0 / tau * impulse_W, lasting);

@@ -148,7 +148,7 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
     if (m != kNone)
       segment.touching.points[m].impulse_W += point.impulse_W;
     else
-      segment.opened.emplace_back(point.contact, solvedPoint(point, touching_.law[k].frame.col(2)));
+      segment.opened.emplace_back(point.contact, openedPoint(point, touching_.law[k].frame.col(2)));
   }
   return true;
 }

@@ -161,6 +161,12 @@ SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W) {
   return solved;
 }
 
+SolvedPoint openedPoint(const TouchingPoint& point, const Vec3& n_W) {
+  SolvedPoint opened = solvedPoint(point, n_W);
+  opened.separation = std::max(opened.separation, 0.0);
+  return opened;
+}
+
 void TouchingPoints::inherit(const TouchingPoints& other, PointsOfContacts& opened) {
   for (TouchingPoint& point : points) {
     const Index m = other.matching(point);
@@ -174,7 +180,7 @@ void TouchingPoints::inherit(const TouchingPoints& other, PointsOfContacts& open
   }
   for (std::size_t k = 0; k < other.points.size(); ++k)
     if (!other.points[k].impulse_W.isZero(0.0) && matching(other.points[k]) == kNone)
-      opened.emplace_back(other.points[k].contact, solvedPoint(other.points[k], other.law[k].frame.col(2)));
+      opened.emplace_back(other.points[k].contact, openedPoint(other.points[k], other.law[k].frame.col(2)));
 }
 
 void expectLastForces(const Contacts& contacts, TouchingPoints& touching) {
