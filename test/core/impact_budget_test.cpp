@@ -75,6 +75,8 @@ TEST(ImpactBudget, OfSetsThatBecomeOneAddsUp) {
   EXPECT_EQ(pairs.sets.root(3), 0u);
   EXPECT_FALSE(budget.takeCut(3, 0, 1));
   EXPECT_TRUE(budget.takeJoin(3, 0, 520));
+  EXPECT_TRUE(budget.takeLanding(3, 0, 512));
+  EXPECT_FALSE(budget.takeLanding(3, 0, 1));
 }
 
 TEST(ImpactBudget, EndsImpactsThatLoseEnergyAndQueries) {

@@ -54,7 +54,7 @@ bool ImpactBudget::take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t
   const auto [a, b] = std::minmax({sets_.root(i), sets_.root(j)});
   if (a != b) {
     sets_.unite(a, b);
-    left_[a].cuts += left_[b].cuts, left_[a].joins += left_[b].joins;
+    left_[a].cuts += left_[b].cuts, left_[a].landings += left_[b].landings, left_[a].joins += left_[b].joins;
   }
   std::uint64_t& left = left_[a].*of;
   if (contacts > left) return false;
