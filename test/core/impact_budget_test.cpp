@@ -144,9 +144,9 @@ SceneDef plankOnBalls() {
   return scene;
 }
 
-// A ball that comes down on the plank at 3 m/s in the fourth step.
+// A ball that comes down on the plank at 1 m/s in the fourth step.
 BodyDef landing(const std::string& name, double x, double higher) {
-  constexpr double kRadius = 0.1, kSpeed = 3.0;
+  constexpr double kRadius = 0.1, kSpeed = 1.0;
   BodyDef falls = ball(name, kRadius, {x, 0.0, kTop + kRadius + 3.0 * kStep * kSpeed + higher});
   falls.twist.v_WB.z() = -kSpeed;
   return falls;
@@ -158,32 +158,33 @@ TEST(ImpactBudget, WhatLandsOnALargeGroupIsStoppedByContacts) {
   constexpr int kLanding = 10;
   SceneDef scene = plankOnBalls();
   for (int k = 0; k < kLanding; ++k) {
-    const double x = 1.4 * (k - 4.5), higher = 0.0045 * k;
+    const double x = 1.4 * (k - 4.5), higher = 0.0015 * k;
     scene.bodies.push_back(landing("a" + std::to_string(k), x, higher));
     scene.bodies.push_back(landing("b" + std::to_string(k), x, higher + 0.21));
   }
   World world(scene);
-  std::uint32_t left = 0;
+  std::uint32_t left = 0, taken = 0;
   for (int k = 0; k < 8; ++k) {
     const StepReport report = world.step();
-    left += report.deferred_impacts;
+    left += report.deferred_impacts, taken += report.impacts;
     EXPECT_EQ(report.repeated, 0u) << "step " << k;
     EXPECT_LT(report.deepest_penetration, 1e-6) << "step " << k;
   }
-  EXPECT_GE(left, static_cast<std::uint32_t>(kLanding) - 2) << "as many as the budget does not allow";
+  EXPECT_GE(left, static_cast<std::uint32_t>(kLanding));
+  EXPECT_LT(taken, 5u) << "the group is hardly cut for them: six times by the budget of rebounds";
 }
 
 TEST(ImpactBudget, WhatReboundsFromALargeGroupDoesSo) {
   SceneDef scene = plankOnBalls();
   for (int k = 0; k < 3; ++k) {
-    scene.bodies.push_back(landing("a" + std::to_string(k), k - 1.0, 0.015 * k));
-    scene.bodies.back().material.restitution = 0.5;
+    scene.bodies.push_back(landing("a" + std::to_string(k), k - 1.0, 0.005 * k));
+    scene.bodies.back().material.restitution = 0.9;
   }
   World world(scene);
   for (int k = 0; k < 6; ++k) world.step();
   for (int k = 0; k < 3; ++k)
-    EXPECT_GT(stateOf(world, "a" + std::to_string(k)).twist.v_WB.z(), 0.9)
-        << "half of 3 m/s, less the fall since";
+    EXPECT_GT(stateOf(world, "a" + std::to_string(k)).twist.v_WB.z(), 0.4)
+        << "0.9 of 1 m/s, less the fall since";
 }
 
 }  // namespace

@@ -123,7 +123,7 @@ class ImpactLoop {
   }
 
   enum class Brought {
-    Both,       ///< both are where the impact is
+    Both,       ///< both are where the impact is, or the one that the other strikes stays behind
     Early,      ///< something else comes first: the impact is awaited again
     Expensive,  ///< the budget does not allow it
   };
@@ -145,7 +145,7 @@ class ImpactLoop {
     if (is_stopped && !step_.solver.exact) return Brought::Expensive;
     const Index a = step_.movedOf(impact.i, impact.j), b = step_.movedOf(impact.j, impact.i);
     if (!(is_stopped ? budget_.takeLanding(a, b, cost) : budget_.takeCut(a, b, cost)))
-      return Brought::Expensive;
+      return bringToGroup(impact, brought) ? Brought::Both : Brought::Expensive;
     if (!watched) {
       for (const Index place : brought) advanceTo(context_, step_.islands[place], impact.time);
       return Brought::Both;
@@ -156,6 +156,20 @@ class ImpactLoop {
     queueEarly(*early);
     if (early->i != impact.i || early->j != impact.j) queue_.push(impact);
     return Brought::Early;
+  }
+
+  // Brings what strikes a body of a large group, and not the group, to the impact, at the exact settings: by contacts the one would
+  // not rebound. The group feels the impact a part of a step too early. What is supported there moves on as if at a constant velocity,
+  // so that the impact is as strong as it would be.
+  bool bringToGroup(const PendingImpact& impact, const std::vector<Index>& islands) {
+    if (!step_.solver.exact || !impact.rebounds || islands.size() != 2) return false;
+    const auto isGroup = [&](Index place) { return step_.islands[place].constraints() > kSmallIsland; };
+    const bool first = isGroup(islands[0]), second = isGroup(islands[1]);
+    const Index struck = step_.island[impact.i] == islands[first ? 0 : 1] ? impact.i : impact.j;
+    Island& strikes = step_.islands[islands[first ? 1 : 0]];
+    if (first == second || !step_.supported[struck] || isWatched(step_, strikes, impact.time)) return false;
+    advanceTo(context_, strikes, impact.time);
+    return true;
   }
 
   // Whether contacts have brought a pair together too often in the step: then one of theirs is to keep the two apart.
@@ -248,7 +262,7 @@ class ImpactLoop {
     budget_.chargeImpact([&] {
       for (const Index i : {impact.i, impact.j}) {
         if (step_.island[i] == kNone) continue;  // no impact changes the trajectory of a body in no island
-        beginAnew(i, impact.time);
+        beginAnew(i, step_.timeOf(i));
       }
     });
   }
