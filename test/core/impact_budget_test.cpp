@@ -117,7 +117,8 @@ TEST(ImpactBudget, APileIsNotSolvedAnewForEachThatJoinsIt) {
     World world(scene);
     const double energy = world.totals().kinetic_energy + world.totals().potential_energy;
     const StepReport report = world.step();
-    EXPECT_GE(report.impacts, static_cast<std::uint32_t>(kPairs)) << "the pairs meet in the air";
+    EXPECT_GE(report.impacts, kPairs * 9u / 10u)
+        << "the pairs meet in the air, but for some whose lower ball the row has stopped by then";
     EXPECT_GE(report.deferred_impacts, static_cast<std::uint32_t>(kPairs)) << "the row stops them";
     EXPECT_LT(report.axis_queries, 7u * report.pairs);
     for (int k = 0; k < 60; ++k) {

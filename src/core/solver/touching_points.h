@@ -34,7 +34,7 @@ struct TouchingTorque {
 /// A point with its normal and its impulse, and without its force.
 SolvedPoint solvedPoint(const TouchingPoint& point, const Vec3& n_W);
 /// The same of a point that is not there any more. Its separation is at least 0: what was taken back from the end of a segment may have
-/// been behind the other body along a normal of later, and never overlapped.
+/// been behind the other body along a normal of later, and never overlapped. Where the two do overlap, the points that are there tell it.
 SolvedPoint openedPoint(const TouchingPoint& point, const Vec3& n_W);
 
 struct TouchingPoints {

@@ -104,6 +104,13 @@ class ImpactLoop {
   Island& islandOf(const PendingImpact& impact) { return *islandOf(step_.movedOf(impact.i, impact.j)); }
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
+  // How fast turning moves the surface of a body, m/s.
+  double turningOf(Index i) const {
+    const Bodies& bodies = context_.scene.bodies;
+    const double w = bodies.traits[i].round ? 0.0 : bodies.twist[i].w_WB.norm();
+    return w > 0.0 ? w * bodies.traits[i].bounding_radius : 0.0;  // that of a plane is infinite
+  }
+
   // Whether contacts stop a pair as well as an impact does: it does not rebound, and no sub-step, or at the exact settings the
   // step, takes one far into the other. An open point may close no faster than its gap in that time.
   bool isStoppedByContacts(const PendingImpact& impact) const {
@@ -112,14 +119,10 @@ class ImpactLoop {
     if (!step_.solver.exact && context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
     const int parts = step_.solver.exact ? 1 : step_.solver.sub_steps;
     const Bodies& bodies = context_.scene.bodies;
-    const auto speedOf = [&](Index i) {
-      const double turn = bodies.twist[i].w_WB.norm();
-      const double fall = step_.h() * step_.load[i].a_W.norm();
-      return bodies.twist[i].v_WB.norm() + fall +
-             (turn > 0.0 ? turn * bodies.traits[i].bounding_radius : 0.0);
-    };
-    const double travel = (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / parts;
-    return travel <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
+    const Vec3 u_W = bodies.twist[impact.j].v_WB - bodies.twist[impact.i].v_WB;
+    const Vec3 a_W = step_.load[impact.j].a_W - step_.load[impact.i].a_W;
+    const double speed = u_W.norm() + turningOf(impact.i) + turningOf(impact.j) + step_.h() * a_W.norm();
+    return speed * step_.h() / parts <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
   enum class Brought {
@@ -349,31 +352,47 @@ class ImpactLoop {
   }
 
   // What contacts stop was predicted to go on, and others behind it were predicted not to reach it. They do as soon as it has been
-  // stopped, and stop in their turn.
+  // stopped, and stop in their turn. Where they rebound, an impact of the next step does it.
   void watchBehind(const PendingImpact& impact) {
-    std::vector<Index> stopped{impact.i, impact.j};
+    const std::vector<Twist>& twist = context_.scene.bodies.twist;
+    watchBehind(impact.i, twist[impact.j].v_WB, impact.time);
+    watchBehind(impact.j, twist[impact.i].v_WB, impact.time);
+  }
+
+  // Of a body that may come to move with a velocity at `time`.
+  void watchBehind(Index first, const Vec3& v_W, double time) {
+    std::set<Index> known{first};
+    std::vector<Index> stopped{first};
     for (std::size_t k = 0; k < stopped.size(); ++k) {
       if (step_.island[stopped[k]] == kNone || !tree_.holds(stopped[k])) continue;
       for (const Index j : tree_.of(stopped[k])) {
-        if (step_.island[j] == kNone || !mayReach(j, stopped[k], impact.time)) continue;
+        if (!mayReach(j, stopped[k], v_W, time)) continue;
         contacts_.connect(std::min(j, stopped[k]), std::max(j, stopped[k]), false);
-        if (std::find(stopped.begin(), stopped.end(), j) == stopped.end()) stopped.push_back(j);
+        if (known.insert(j).second) stopped.push_back(j);
       }
     }
   }
 
-  // Whether body j, which no contact keeps apart from body i, would come to it if that stopped at `time`.
-  bool mayReach(Index j, Index i, double time) const {
+  // Whether body j, which no contact keeps apart from body i and which does not rebound from it, would come to it if that moved on
+  // with a velocity from `time` on. With n from i to j the two are apart by d + n u t at least, where d is their gap and u the
+  // velocity of j against i.
+  bool mayReach(Index j, Index i, const Vec3& v_W, double time) const {
     const Bodies& bodies = context_.scene.bodies;
+    const Traits &a = bodies.traits[i], &b = bodies.traits[j];
     if (!mayCollide(bodies.traits[std::min(i, j)], bodies.traits[std::max(i, j)])) return false;
+    if (b.asleep || step_.timeOf(j) > time || context_.scene.restitutionOf(i, j) > 0.0) return false;
     const Index contact = contacts_.find(std::min(i, j), std::max(i, j));
     if (contact != kNone && !context_.scene.contacts.active[contact].state.isSeparated()) return false;
-    const Motion of_i = impacts::trajectoryOf(context_, i), of_j = impacts::trajectoryOf(context_, j);
+    const Pose X_i = impacts::trajectoryOf(context_, i).at(time);
+    const Motion of_j = impacts::trajectoryOf(context_, j);
+    const auto [X_j, twist_j] = of_j.stateAt(time);
     const double left = step_.t1 - time;
-    const double turning =
-        bodies.traits[j].round ? 0.0 : bodies.traits[j].bounding_radius * of_j.spinBounds().w;
-    const double way = approach(left, of_j.twistAt(time).v_WB, 0.0, turning, of_j.a_W);
-    return areWithin(bodies.traits[i].shape, of_i.at(time), bodies.traits[j].shape, of_j.at(time), way);
+    const Vec3 u_W = twist_j.v_WB - v_W;
+    if (!areWithin(a.shape, X_i, b.shape, X_j, approach(left, u_W, 0.0, turningOf(j), of_j.a_W)))
+      return false;
+    const Gap between = gap(a.shape, X_i, b.shape, X_j);
+    return between.distance + between.n_W.dot(u_W) * left <=
+           approach(left, Vec3::Zero(), 0.0, turningOf(j), of_j.a_W);
   }
 
   void promoteCrushed(Island& island) {

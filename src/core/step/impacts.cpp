@@ -323,10 +323,10 @@ bool meetWhereHeld(const Context& context, const Contact& contact, const std::ve
 // Two that were to fall alike stay apart only while nothing holds the one. Contacts do not tell how long they hold a body that is not
 // known to be supported; what it may meet then is left to them too.
 void openBesideHeld(Context& context, const IndexPairs& holds) {
+  if (holds.empty()) return;
   std::vector<char> held(context.scene.bodies.size(), 0);
   const auto hold = [&](Index i) { held[i] = falls(context, i); };
   for (const auto& [i, j] : holds) hold(i), hold(j);
-  if (std::find(held.begin(), held.end(), 1) == held.end()) return;
   for (bool more = true; more;) {
     more = false;
     for (Contact& contact : context.scene.contacts.active) {

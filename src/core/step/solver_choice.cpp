@@ -116,14 +116,14 @@ Forces forcesOf(const Context& context, const std::vector<Index>& contacts) {
 }
 
 // The largest acceleration that the forces of the last step give a body along its load in this one, m/s²; of a body without a load the
-// largest one. What is held is pushed against its load. So these are forces of another scene: a support is gone, or gravity has
-// turned or ended. The soft step would begin with them, and its passes mend one contact after the other.
+// largest one. What is held is pushed against its load. So these forces do not hold any more: a support is gone, gravity has turned or
+// ended, or a blow is over. The soft step would begin with them, and its passes mend one contact after the other.
 double pushAlongLoad(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
-  std::map<Index, Vec3> force_W;
-  for (const Index i : island.bodies) force_W[i].setZero();
+  std::vector<Vec3> force_W(island.bodies.size(), Vec3::Zero());  // by place in island.bodies, which rise
   const auto add = [&](Index i, const Vec3& f_W) {
-    if (const auto known = force_W.find(i); known != force_W.end()) known->second += f_W;
+    const auto known = std::lower_bound(island.bodies.begin(), island.bodies.end(), i);
+    if (known != island.bodies.end() && *known == i) force_W[known - island.bodies.begin()] += f_W;
   };
   for (const Index k : island.contacts) {
     const Contact& contact = context.scene.contacts.active[k];
@@ -134,10 +134,10 @@ double pushAlongLoad(const Context& context, const Island& island) {
     }
   }
   double most = 0.0;
-  for (const auto& [i, f_W] : force_W) {
-    const Vec3& load_W = context.step.load[i].a_W;
-    const double along = load_W.isZero(0.0) ? f_W.norm() : f_W.dot(load_W.normalized());
-    most = std::max(most, along / bodies.traits[i].mass);
+  for (std::size_t k = 0; k < force_W.size(); ++k) {
+    const Vec3& load_W = context.step.load[island.bodies[k]].a_W;
+    const double along = load_W.isZero(0.0) ? force_W[k].norm() : force_W[k].dot(load_W.normalized());
+    most = std::max(most, along / bodies.traits[island.bodies[k]].mass);
   }
   return most;
 }
@@ -245,9 +245,9 @@ struct Promotion {
 constexpr Promotion kNever{0, 0}, kAlways{~std::size_t{0}, kWorkPerBody}, kWhileSomeMove{300, kWorkPerBody},
     kWhileFew{30, kWorkPerBody}, kWhileFewMove{30, 2'000'000};
 
-// Whether the soft step would do badly on an island that a direct solve can afford. An island that was exact in the last step
-// stays so until it is clearly no longer that kind (hysteresis).
-Promotion promotionOf(const Context& context, const Island& island) {
+// Whether the soft step would do badly on an island of its form that a direct solve can afford. An island that was exact in the last
+// step stays so until it is clearly no longer that kind (hysteresis).
+Promotion promotionByForm(const Context& context, const Island& island) {
   const Bodies& bodies = context.scene.bodies;
   const auto& list = context.scene.contacts.active;
   std::vector<Index> touching;
@@ -265,13 +265,6 @@ Promotion promotionOf(const Context& context, const Island& island) {
   if (forces.crushes) return kAlways;
   const double fall = context.scene.gravity_W.norm() * context.step.h();
   if (few && isJolted(context, island, bounds.jolt * fall, kStay.speed * fall)) return kAlways;
-  if (few && forces.known) {
-    const double a = pushAlongLoad(context, island);
-    const double most = std::max(fall, a * context.step.h());
-    if (a > kAlongLoad * orEarths(context.scene.gravity_W.norm()) &&
-        isCalm(context, island, bounds.speed * most))
-      return kWhileSomeMove;
-  }
   const auto isTall = [&] {
     return touching.size() >= bounds.height && heightOf(context, touching) >= bounds.height;
   };
@@ -292,6 +285,21 @@ Promotion promotionOf(const Context& context, const Island& island) {
   }
   const bool stiff = mass_ratio >= bounds.mass_ratio || slenderness >= bounds.slenderness || isTall();
   return stiff ? kAlways : simple ? kWhileFew : kNever;
+}
+
+// Whether the forces of the last step push a few bodies along their loads, which may just have begun to move.
+bool hasLostSupport(const Context& context, const Island& island) {
+  if (island.contacts.size() > kFewPairs) return false;
+  const double a = pushAlongLoad(context, island), g = orEarths(context.scene.gravity_W.norm());
+  const double h = context.step.h();
+  return a > kAlongLoad * g &&
+         isCalm(context, island, std::min(kEnter.speed * std::max(g, a) * h, kFewCalm * g * h));
+}
+
+Promotion promotionOf(const Context& context, const Island& island) {
+  const Promotion by_form = promotionByForm(context, island);
+  const bool is_weaker = by_form.most_pairs < kWhileSomeMove.most_pairs;
+  return is_weaker && hasLostSupport(context, island) ? kWhileSomeMove : by_form;
 }
 
 // Whether an exact solve could find the forces that move an island. It knows contacts alone.
