@@ -93,10 +93,12 @@ void Stepper::findSegment() {
     const double uncut = tau_;
     const int points = static_cast<int>(touching_.points.size() + touching_.torques.size());
     letGo(tau_, segment_);
-    const bool lands = apart_ && (!segment_.landing.empty() || withUnforeseen(segment_, tau_));
-    if (lands && cuts_ >= kLandingWork * points && !budget_.isSpent()) {
-      cuts_ -= points;
-      if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * points;
+    const bool lands = locatesLandings() && (!segment_.landing.empty() || withUnforeseen(segment_, tau_));
+    // In a group a trial costs more, and what one of its bodies does matters less to the others.
+    const int landing_work = apart_ ? points : points * static_cast<int>(island_.indices().size());
+    if (lands && cuts_ >= kLandingWork * landing_work && !budget_.isSpent()) {
+      cuts_ -= landing_work;
+      if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * landing_work;
     }
     if (segment_.slip_left.share <= 1e-9 && cuts_ >= points && !budget_.isSpent()) {
       cuts_ -= points;

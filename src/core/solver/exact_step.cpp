@@ -29,8 +29,8 @@
 // What resists turning (TorqueConstraint) is friction with torques for forces: all that is said of sliding holds
 // for rolling and spinning.
 //
-// Events. A velocity jumps where an open point comes down. The segment of bodies that do not touch each other is cut there
-// (exact_landings.cpp). Two things make the force jump. One is a stop: a sliding point that comes to rest (or begins to roll)
+// Events. A velocity jumps where an open point comes down. The segment is cut there (exact_landings.cpp). Two things make the
+// force jump. One is a stop: a sliding point that comes to rest (or begins to roll)
 // within the segment, or a pair that stops rolling. The segment is then cut where its sliding speed, with friction still
 // against the old direction, passes zero. The other is the loss of a support: a ball runs over an edge. The segment is then cut
 // where it comes. The onset of sliding, and lift-off from what goes on below, are continuous in the force, so a step that
@@ -415,7 +415,7 @@ void Stepper::solve() {
   const std::vector<BodyMotion> start = island_.save();
   const double kinematic_before = workByKinematic(touching_, opened_);
   solveVelocities();
-  if (apart_) limitSegment();  // what has landed turns otherwise now
+  if (locatesLandings()) limitSegment();  // what has landed turns otherwise now
   findSegment();
   const Outcome failure = budget_.isOut() ? Outcome::OverBudget : Outcome::NoSolution;
   if (isGoing() && gainOf(start, kinematic_before) > kRunsAway) return giveUp(failure);

@@ -162,6 +162,8 @@ class Stepper : public InnerRows {
   Landing landingAfter(double tau, const Open& open);
   void letGo(double tau, Segment& segment);
   bool cutAtLanding(double& tau, Segment& segment);
+  // Where there is a soft step, it does as well for groups.
+  bool locatesLandings() const { return apart_ || !promoted_; }
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
   Slip slipNow() const;
