@@ -125,7 +125,7 @@ bool Stepper::cutAtLanding(double& tau, Segment& segment) {
       share_now > kLanded && whole.share < -kLanded && whole.speed < -kGentle * island_.loadSpeed();
   Bracket landing(0.0, share_now, tau, whole.share);
   double at = tau, share = whole.share;
-  for (int k = 0; lands && k < kTrials && std::abs(share) > kLanded; ++k) {
+  for (int k = 0; lands && k < kTrials && std::abs(share) > kLanded && hasRoomForLandings(); ++k) {
     at = landing.guess();
     share = std::min(landingAfter(at, open).share, share_now);
     landing.narrow(at, share);

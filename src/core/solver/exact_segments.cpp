@@ -84,7 +84,7 @@ void Stepper::findSegment() {
   for (;; --halvings_) {
     tau_ = nextLength();
     segment_ = trySegment(tau_, Friction::Free);
-    while (reach_ < kFarthest && segment_.first.converged && hasMissedContact(segment_.touching)) {
+    while (reach_ < kFarthest && tellsWay(segment_.first) && hasMissedContact(segment_.touching)) {
       widenMargin();
       segment_ = trySegment(tau_, Friction::Free);
     }
@@ -96,7 +96,7 @@ void Stepper::findSegment() {
     const bool lands = locatesLandings() && (!segment_.landing.empty() || withUnforeseen(segment_, tau_));
     // In a group a trial costs more, and what one of its bodies does matters less to the others.
     const int landing_work = apart_ ? points : points * static_cast<int>(island_.indices().size());
-    if (lands && cuts_ >= kLandingWork * landing_work && !budget_.isSpent()) {
+    if (lands && cuts_ >= kLandingWork * landing_work && hasRoomForLandings()) {
       cuts_ -= landing_work;
       if (cutAtLanding(tau_, segment_)) cuts_ -= (kLandingWork - 1) * landing_work;
     }
@@ -113,7 +113,7 @@ void Stepper::findSegment() {
       }
     addUnforeseen();
     const double most_sunk = promoted_ ? kSoftSunk : kMostSunk;
-    const bool sunk = segment_.first.converged && deepestShare(segment_.touching) > deepest + most_sunk;
+    const bool sunk = tellsWay(segment_.first) && deepestShare(segment_.touching) > deepest + most_sunk;
     const bool solved = segment_.first.converged && segment_.second.converged;
     const bool gains = solved && gainOf(start, kinematic_before) > kMostGained;
     if (!(sunk || gains)) return lengthen();

@@ -318,7 +318,7 @@ void Stepper::solveAndDrift(CoulombProblem& kick, const CoulombBodies& at_start,
         updateCurvature(kick.bodies, kick.points, held, start, segment.touching, tau, curvature);
     const double before = std::exchange(deepest, deepestShare(segment.touching));
     const bool helps = !promoted_ || deepest < kHelps * before;
-    const bool deep = segment.first.converged && deepest > kLeftOverlap && helps;
+    const bool deep = tellsWay(segment.first) && deepest > kLeftOverlap && helps;
     if (!matters || corrections >= (deep ? kMostCorrections : corrections_) || budget_.isSpent()) break;
     island_.restore(start);
   }
@@ -390,14 +390,14 @@ bool Stepper::beginSubStep() {
 
 // Goes over the segment again with the points that it met and that were not among those of now.
 void Stepper::addUnforeseen() {
-  for (int more = 0; more < kMostCorrections && segment_.first.converged; ++more) {
+  for (int more = 0; more < kMostCorrections && tellsWay(segment_.first); ++more) {
     std::optional<TouchingPoints> other = withUnforeseen(segment_, tau_);
     if (!other) return;
     std::swap(touching_, *other);
     Segment next = trySegment(tau_, Friction::Free);
     // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
     const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
-    if (!next.first.converged || energyOf(next.end) > most) {
+    if (!tellsWay(next.first) || energyOf(next.end) > most) {
       std::swap(touching_, *other);
       return;
     }

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <optional>
@@ -39,6 +40,11 @@ inline bool isWithinCone(const Vec3& force, double mu) {
 inline constexpr double kPushedGap = 1e-3;
 /// The least that is asked of a solve, however short the drift or small the overlap that it is about.
 inline constexpr double kCoarsest = 1e-6;
+
+/// Whether an answer tells where bodies go: it has converged, or not quite.
+inline bool tellsWay(const CoulombResult& result) {
+  return result.converged || std::max({result.signorini, result.coulomb, result.dissipation}) <= kCoarsest;
+}
 
 class Stepper : public InnerRows {
  public:
@@ -164,6 +170,8 @@ class Stepper : public InnerRows {
   bool cutAtLanding(double& tau, Segment& segment);
   // Where there is a soft step, it does as well for groups.
   bool locatesLandings() const { return apart_ || !promoted_; }
+  // Searches end with what the island has of its own: the rest of the step, and other islands, need what all have in common.
+  bool hasRoomForLandings() const { return budget_.left > kCommonWork && !budget_.isSpent(); }
 
   // Where a force jumps, a segment ends (exact_stops.cpp): sliding stops, or a contact comes off.
   Slip slipNow() const;
