@@ -138,10 +138,9 @@ struct StepReport {
   std::uint32_t islands = 0;  ///< islands that the contact solver handled; bodies in free flight are in none
   std::uint32_t flying = 0;   ///< dynamic bodies in free flight
   std::uint32_t impacts = 0;  ///< impacts located in time and resolved in order
-  /// Located impacts left to the contact solver: contacts stop the body as well, cutting a large island for them
-  /// would cost too much, or the
-  /// pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of
-  /// the warning "impact_budget" are not counted.
+  /// Located impacts left to the contact solver: contacts stop the body as well, cutting a large island for them would cost too much,
+  /// or the pair meets again and again with hardly any time between (inelastic collapse). Those beyond the budget of the warning
+  /// "impact_budget" are not counted.
   std::uint32_t deferred_impacts = 0;
   /// Dynamic bodies that the step took once more, because contacts had pushed one into another that it was
   /// predicted to pass; each time counts. Where a sleeping body is reached, all dynamic bodies that are awake take the step once
