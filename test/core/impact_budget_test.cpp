@@ -194,17 +194,5 @@ TEST(ImpactBudget, WhatReboundsFromALargeGroupDoesSo) {
         << "0.9 of 1 m/s, less the fall since";
 }
 
-// What follows behind waits for its impact, where it rebounds: contacts would take the rebound.
-TEST(ImpactBudget, WhatReboundsBehindABodyThatLandsDoesSo) {
-  SceneDef scene = plankOnBalls();
-  scene.bodies.push_back(landing("a", 0.0, 0.01));
-  scene.bodies.push_back(landing("b", 0.0, 0.01 + 0.205));
-  scene.bodies.back().material.restitution = 0.9;
-  scene.bodies.back().density = 20.0;
-  World world(scene);
-  for (int k = 0; k < 5; ++k) world.step();
-  EXPECT_GT(stateOf(world, "b").twist.v_WB.z(), 0.2);
-}
-
 }  // namespace
 }  // namespace rbs

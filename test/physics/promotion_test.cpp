@@ -156,7 +156,9 @@ TEST(ChoiceOfSolver, OfManyTowersWhoseGravityTurnsAllAreExact) {
   for (int k = 0; k < 30; ++k) world.step();
   world.setGravity({5.0, 0.0, 5.0});
   const std::vector<IslandResiduals> islands = world.step().residuals;
-  const auto isExact = [](const IslandResiduals& island) { return std::string(island.method) != "soft_step"; };
+  const auto isExact = [](const IslandResiduals& island) {
+    return std::string(island.method) != "soft_step";
+  };
   EXPECT_EQ(std::count_if(islands.begin(), islands.end(), isExact), kTowers);
 }
 
