@@ -123,20 +123,30 @@ TEST(ChoiceOfSolver, ATowerWhoseBlocksFallOnEachOtherIsExact) {
   EXPECT_LT(sideways, 2e-3);            // 5e-4 m
 }
 
+constexpr int kTowers = 60;
+
+SceneDef towers(double step, int blocks, double size) {
+  SceneDef scene = onFloor(step, 0.5);
+  for (int tower = 0; tower < kTowers; ++tower)
+    for (int k = 0; k < blocks; ++k)
+      scene.bodies.push_back(box("", Vec3::Constant(size), {5.0 * size * tower, 0.0, size * (k + 0.5)}));
+  return scene;
+}
+
+// Takes a step, and counts the islands that the exact step solved in it.
+int stepExactly(World& world) {
+  const std::vector<IslandResiduals> islands = world.step().residuals;
+  const auto isExact = [](const IslandResiduals& r) { return std::string(r.method) != "soft_step"; };
+  return static_cast<int>(std::count_if(islands.begin(), islands.end(), isExact));
+}
+
 // Sixty towers whose cubes slide on each other at first: 16 of them have no more than 300 pairs. The soft step takes what is left as
 // long as it moves.
 TEST(ChoiceOfSolver, OfManyTowersThatMoveSomeAreExact) {
-  constexpr int kTowers = 60, kBlocks = 18;
-  SceneDef scene = onFloor(1.0 / 30.0, 0.5);
-  for (int tower = 0; tower < kTowers; ++tower)
-    for (int k = 0; k < kBlocks; ++k)
-      scene.bodies.push_back(box("", {0.1, 0.1, 0.1}, {0.5 * tower, 0.0, 0.05 + 0.1 * k}));
-  World world(ordered(sliding(scene, 0.3)));
+  World world(ordered(sliding(towers(1.0 / 30.0, 18, 0.1), 0.3)));
   int least = kTowers;
   for (int step = 0; step < 60; ++step) {
-    const std::vector<IslandResiduals> islands = world.step().residuals;
-    const auto isExact = [](const IslandResiduals& r) { return std::string(r.method) != "soft_step"; };
-    const int exact = static_cast<int>(std::count_if(islands.begin(), islands.end(), isExact));
+    const int exact = stepExactly(world);
     if (exact > 0) least = std::min(least, exact);
   }
   EXPECT_GE(least, 16);
@@ -147,19 +157,10 @@ TEST(ChoiceOfSolver, OfManyTowersThatMoveSomeAreExact) {
 // Towers that are exact for their height stay so where their gravity turns, however many there are: what has lost its support is
 // solved exactly in small numbers alone.
 TEST(ChoiceOfSolver, OfManyTowersWhoseGravityTurnsAllAreExact) {
-  constexpr int kTowers = 60, kBlocks = 7;
-  SceneDef scene = onFloor(1.0 / 60.0, 0.5);
-  for (int tower = 0; tower < kTowers; ++tower)
-    for (int k = 0; k < kBlocks; ++k)
-      scene.bodies.push_back(box("", {0.2, 0.2, 0.2}, {0.6 * tower, 0.0, 0.1 + 0.2 * k}));
-  World world(scene);
+  World world(towers(1.0 / 60.0, 7, 0.2));
   for (int k = 0; k < 30; ++k) world.step();
   world.setGravity({5.0, 0.0, 5.0});
-  const std::vector<IslandResiduals> islands = world.step().residuals;
-  const auto isExact = [](const IslandResiduals& island) {
-    return std::string(island.method) != "soft_step";
-  };
-  EXPECT_EQ(std::count_if(islands.begin(), islands.end(), isExact), kTowers);
+  EXPECT_EQ(stepExactly(world), kTowers);
 }
 
 // A body that slides, tips over or rolls costs little more by a direct solve than by sub-steps, as long as they are few.

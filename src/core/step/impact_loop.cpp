@@ -111,18 +111,33 @@ class ImpactLoop {
     return w > 0.0 ? w * bodies.traits[i].bounding_radius : 0.0;  // that of a plane is infinite
   }
 
+  // Velocity of the centre of mass of an island, m/s, when it is asked first in this step.
+  const Vec3& velocityOf(Index place) {
+    const auto [known, is_new] = velocity_.try_emplace(place, Vec3::Zero());
+    if (!is_new) return known->second;
+    const Bodies& bodies = context_.scene.bodies;
+    double mass = 0.0;
+    for (const Index i : step_.islands[place].bodies) {
+      known->second += bodies.traits[i].mass * bodies.twist[i].v_WB;
+      mass += bodies.traits[i].mass;
+    }
+    return known->second /= mass;
+  }
+
   // Whether contacts stop a pair as well as an impact does: it does not rebound, and no sub-step, or at the exact settings the
-  // step, takes one far into the other. An open point may close no faster than its gap in that time.
-  bool isStoppedByContacts(const PendingImpact& impact) const {
+  // step, takes one far into the other. An open point may close no faster than its gap in that time. Speeds are those that the group
+  // sees, `group_W` is its velocity: it stops them, also those of a body that has just joined it.
+  bool isStoppedByContacts(const PendingImpact& impact, const Vec3& group_W) const {
     constexpr double kStoppedTravel = 0.25;  // in that time, of the smaller length
     if (impact.rebounds) return false;
     if (!step_.solver.exact && context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
     const int parts = step_.solver.exact ? 1 : step_.solver.sub_steps;
     const Bodies& bodies = context_.scene.bodies;
-    const Vec3 u_W = bodies.twist[impact.j].v_WB - bodies.twist[impact.i].v_WB;
-    const Vec3 a_W = step_.load[impact.j].a_W - step_.load[impact.i].a_W;
-    const double speed = u_W.norm() + turningOf(impact.i) + turningOf(impact.j) + step_.h() * a_W.norm();
-    return speed * step_.h() / parts <= kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
+    const auto speedOf = [&](Index i) {
+      return (bodies.twist[i].v_WB - group_W).norm() + step_.h() * step_.load[i].a_W.norm() + turningOf(i);
+    };
+    return (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / parts <=
+           kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
   enum class Brought {
@@ -136,15 +151,17 @@ class ImpactLoop {
     std::uint64_t cost = 0;
     std::vector<Index> brought;  // islands
     bool watched = false;
+    Vec3 group_W = Vec3::Zero();  // of the last one that is cut
     for (const Index i : {impact.i, impact.j}) {
       const Index place = step_.island[i];
       if (place == kNone || (!brought.empty() && brought.front() == place)) continue;
       brought.push_back(place);
       const Island& island = step_.islands[place];
-      if (island.time < impact.time && island.constraints() > kSmallIsland) cost += island.constraints();
+      if (island.time < impact.time && island.constraints() > kSmallIsland)
+        cost += island.constraints(), group_W = velocityOf(place);
       watched = watched || isWatched(step_, island, impact.time);
     }
-    const bool is_stopped = cost > 0 && isStoppedByContacts(impact);
+    const bool is_stopped = cost > 0 && isStoppedByContacts(impact, group_W);
     if (is_stopped && !step_.solver.exact) return Brought::Expensive;
     const Index a = step_.movedOf(impact.i, impact.j), b = step_.movedOf(impact.j, impact.i);
     if (!(is_stopped ? budget_.takeLanding(a, b, cost) : budget_.takeCut(a, b, cost)))
@@ -177,7 +194,6 @@ class ImpactLoop {
 
   // Whether contacts have brought a pair together too often in the step: then one of theirs is to keep the two apart.
   bool isPushedTogether(Index i, Index j) const {
-    constexpr int kMostEarly = 4;  // a steady approach takes one
     const auto known = early_.find({i, j});
     return known != early_.end() && known->second >= kMostEarly;
   }
@@ -254,7 +270,7 @@ class ImpactLoop {
       const auto later = predict(impact.i, impact.j, impact.time).impact;
       if (later && later->time > impact.time) {
         queue_.push(*later);
-      } else {
+      } else if (!waitsForRebound(impact)) {
         contacts_.connect(impact.i, impact.j, false);
       }
       return;
@@ -268,6 +284,19 @@ class ImpactLoop {
         beginAnew(i, step_.timeOf(i));
       }
     });
+  }
+
+  // Whether two that contacts have brought together early are not on their way to each other yet, and will rebound: contacts act later
+  // in the step, and push the two together in what is left of it. They would take the rebound, and the next step gives it. So the two
+  // are left alone.
+  bool waitsForRebound(const PendingImpact& impact) {
+    const auto early = early_.find({impact.i, impact.j});
+    if (!step_.solver.exact || early == early_.end()) return false;
+    if (context_.scene.restitutionOf(impact.i, impact.j) == 0.0) return false;
+    early->second = kMostEarly;
+    PairState& state = contacts_.contactOf(impact.i, impact.j).state;
+    if (state.awaitsImpact()) state.separate();
+    return true;
   }
 
   // Of the two methods only the soft one lets contacts rebound.
@@ -458,6 +487,9 @@ class ImpactLoop {
     }
   }
 
+  static constexpr int kMostEarly =
+      4;  // times that a pair is brought together early: a steady approach takes one
+
   Context& context_;
   StepStore& step_;
   std::vector<Index> order_;
@@ -469,6 +501,7 @@ class ImpactLoop {
   std::vector<char> struck_;  // by body: an impact of its own was predicted when the step began
   std::priority_queue<PendingImpact, std::vector<PendingImpact>, Later> queue_;
   std::map<std::pair<Index, Index>, int> early_;  // how often a pair came before its time
+  std::map<Index, Vec3> velocity_;                // of islands, see velocityOf()
   std::set<Index> warned_;                        // roots of sets whose impacts went over a budget
 };
 
