@@ -104,13 +104,6 @@ class ImpactLoop {
   Island& islandOf(const PendingImpact& impact) { return *islandOf(step_.movedOf(impact.i, impact.j)); }
   Island* islandOf(Index i) { return step_.island[i] == kNone ? nullptr : &step_.islands[step_.island[i]]; }
 
-  // How fast turning moves the surface of a body, m/s.
-  double turningOf(Index i) const {
-    const Bodies& bodies = context_.scene.bodies;
-    const double w = bodies.traits[i].round ? 0.0 : bodies.twist[i].w_WB.norm();
-    return w > 0.0 ? w * bodies.traits[i].bounding_radius : 0.0;  // that of a plane is infinite
-  }
-
   // Velocity of the centre of mass of an island, m/s, when it is asked first in this step.
   const Vec3& velocityOf(Index place) {
     const auto [known, is_new] = velocity_.try_emplace(place, Vec3::Zero());
@@ -122,22 +115,6 @@ class ImpactLoop {
       mass += bodies.traits[i].mass;
     }
     return known->second /= mass;
-  }
-
-  // Whether contacts stop a pair as well as an impact does: it does not rebound, and no sub-step, or at the exact settings the
-  // step, takes one far into the other. An open point may close no faster than its gap in that time. Speeds are those that the group
-  // sees, `group_W` is its velocity: it stops them, also those of a body that has just joined it.
-  bool isStoppedByContacts(const PendingImpact& impact, const Vec3& group_W) const {
-    constexpr double kStoppedTravel = 0.25;  // in that time, of the smaller length
-    if (impact.rebounds) return false;
-    if (!step_.solver.exact && context_.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
-    const int parts = step_.solver.exact ? 1 : step_.solver.sub_steps;
-    const Bodies& bodies = context_.scene.bodies;
-    const auto speedOf = [&](Index i) {
-      return (bodies.twist[i].v_WB - group_W).norm() + step_.h() * step_.load[i].a_W.norm() + turningOf(i);
-    };
-    return (speedOf(impact.i) + speedOf(impact.j)) * step_.h() / parts <=
-           kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
   }
 
   enum class Brought {
@@ -161,7 +138,7 @@ class ImpactLoop {
         cost += island.constraints(), group_W = velocityOf(place);
       watched = watched || isWatched(step_, island, impact.time);
     }
-    const bool is_stopped = cost > 0 && isStoppedByContacts(impact, group_W);
+    const bool is_stopped = cost > 0 && impacts::isStoppedByContacts(context_, impact, group_W);
     if (is_stopped && !step_.solver.exact) return Brought::Expensive;
     const Index a = step_.movedOf(impact.i, impact.j), b = step_.movedOf(impact.j, impact.i);
     if (!(is_stopped ? budget_.takeLanding(a, b, cost) : budget_.takeCut(a, b, cost)))
@@ -187,7 +164,8 @@ class ImpactLoop {
     const bool first = isGroup(islands[0]), second = isGroup(islands[1]);
     const Index struck = step_.island[impact.i] == islands[first ? 0 : 1] ? impact.i : impact.j;
     Island& strikes = step_.islands[islands[first ? 1 : 0]];
-    if (first == second || !step_.supported[struck] || isWatched(step_, strikes, impact.time)) return false;
+    const bool rests = step_.supported[struck] || step_.touched[struck];
+    if (first == second || !rests || isWatched(step_, strikes, impact.time)) return false;
     advanceTo(context_, strikes, impact.time);
     return true;
   }
@@ -415,13 +393,12 @@ class ImpactLoop {
     const Pose X_i = impacts::trajectoryOf(context_, i).at(time);
     const Motion of_j = impacts::trajectoryOf(context_, j);
     const auto [X_j, twist_j] = of_j.stateAt(time);
-    const double left = step_.t1 - time;
+    const double left = step_.t1 - time, turning = impacts::turningSpeed(bodies, j);
     const Vec3 u_W = twist_j.v_WB - v_W;
-    if (!areWithin(a.shape, X_i, b.shape, X_j, approach(left, u_W, 0.0, turningOf(j), of_j.a_W)))
-      return false;
+    if (!areWithin(a.shape, X_i, b.shape, X_j, approach(left, u_W, 0.0, turning, of_j.a_W))) return false;
     const Gap between = gap(a.shape, X_i, b.shape, X_j);
     return between.distance + between.n_W.dot(u_W) * left <=
-           approach(left, Vec3::Zero(), 0.0, turningOf(j), of_j.a_W);
+           approach(left, Vec3::Zero(), 0.0, turning, of_j.a_W);
   }
 
   void promoteCrushed(Island& island) {

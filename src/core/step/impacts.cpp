@@ -216,6 +216,26 @@ bool isFree(const Context& context, Index i) {
   return turn * traits.bounding_radius <= (step.solver.exact ? kTight : kWide) * traits.length;
 }
 
+double turningSpeed(const Bodies& bodies, Index i) {
+  const double w = bodies.traits[i].round ? 0.0 : bodies.twist[i].w_WB.norm();
+  return w > 0.0 ? w * bodies.traits[i].bounding_radius : 0.0;  // that of a plane is infinite
+}
+
+bool isStoppedByContacts(const Context& context, const PendingImpact& impact, const Vec3& group_W) {
+  constexpr double kStoppedTravel = 0.25;  // in that time, of the smaller length
+  const StepStore& step = context.step;
+  if (impact.rebounds) return false;
+  if (!step.solver.exact && context.scene.restitutionOf(impact.i, impact.j) > 0.0) return false;
+  const int parts = step.solver.exact ? 1 : step.solver.sub_steps;
+  const Bodies& bodies = context.scene.bodies;
+  const auto speedOf = [&](Index i) {
+    return (bodies.twist[i].v_WB - group_W).norm() + step.h() * step.load[i].a_W.norm() +
+           turningSpeed(bodies, i);
+  };
+  return (speedOf(impact.i) + speedOf(impact.j)) * step.h() / parts <=
+         kStoppedTravel * smallerLength(bodies, impact.i, impact.j);
+}
+
 namespace {
 
 // Two that touch as the step begins, and do not collide.

@@ -34,6 +34,14 @@ bool isFree(const Context& context, Index i);
 /// Whether the impacts of a pair take energy away, by their restitution or by friction.
 bool losesEnergy(const SceneStore& scene, Index i, Index j);
 
+/// How fast turning moves the surface of a body, m/s.
+double turningSpeed(const Bodies& bodies, Index i);
+
+/// Whether contacts stop a pair as well as an impact does: it does not rebound, and no sub-step, or at the exact settings the
+/// step, takes one far into the other. An open point may close no faster than its gap in that time. Speeds are those that a group
+/// sees that moves with `group_W`, m/s: it stops them, also those of a body that has just joined it.
+bool isStoppedByContacts(const Context& context, const PendingImpact& impact, const Vec3& group_W);
+
 enum class Outcome {
   Rebound,  ///< the bodies part
   Stay,     ///< they stay together: from here on a contact
