@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
 #include <vector>
 
 using namespace rbs;
@@ -91,6 +93,41 @@ TEST(FlightInAir, ABoxThatTumblesIsWhereShortStepsSay) {
     };
     EXPECT_LT(error(60), 2e-3) << w_WB.transpose();
     EXPECT_LT(error(240), 2e-4) << w_WB.transpose();
+  }
+}
+
+// Still air takes energy away from what flies through it and turns in it, however fast: 300 needles and plates that turn by up to
+// 100 rad in a step. Before, their air was that of one attitude for all of the step, and one gained 70 % in ten steps.
+TEST(FlightInAir, StillAirNeverAddsEnergy) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 generator(seed);
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(generator);
+    };
+    const auto vector = [&](double most) {
+      const double x = between(-most, most), y = between(-most, most);
+      return Vec3(x, y, between(-most, most));
+    };
+    SceneDef scene;
+    scene.gravity.setZero();
+    scene.step = 1.0 / between(30.0, 240.0);
+    scene.air = Air{std::pow(10.0, between(-2.0, 3.0))};
+    const double length = std::pow(10.0, between(-1.5, 0.0)), thin = between(0.04, 0.08);
+    const double flat = seed % 2 == 0 ? thin : between(0.04, 1.0);
+    scene.bodies.push_back(box("body", length * Vec3(1.0, thin, flat), Vec3::Zero()));
+    scene.bodies.back().density = std::pow(10.0, between(1.0, 3.0));
+    scene.bodies.back().pose.q_WB = rotationBy(vector(3.0));
+    scene.bodies.back().twist.v_WB = vector(std::pow(10.0, between(-1.0, 2.0)));
+    scene.bodies.back().twist.w_WB = vector(std::pow(10.0, between(0.0, 3.5)));
+    World world(ordered(scene));
+    double before = world.snapshot().totals.kinetic_energy;
+    const double start = before;
+    for (int k = 0; k < 100; ++k) {
+      world.step();
+      const double now = world.snapshot().totals.kinetic_energy;
+      ASSERT_LE(now, before + 1e-9 * start) << "seed " << seed << ", step " << k;
+      before = now;
+    }
   }
 }
 
