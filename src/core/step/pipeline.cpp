@@ -87,11 +87,11 @@ constexpr std::array kStages{
           [](const SceneStore& scene, const StepStore&) {
             return bodyItems(scene.lists.in_islands.size() + scene.lists.ballistic.size());
           }},
-    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
     Stage{"forces.wrench", wrenches::need, wrenches::run,
           [](const SceneStore& scene, const StepStore&) {
             return Items{scene.wrenches.size(), "wrench", "wrenches"};
           }},
+    Stage{"forces.buoyancy", needOf<Effect::Buoyancy>, buoyancy::run, feeling<Effect::Buoyancy>},
     Stage{"user_force.spring", grabs::need, grabs::run,
           [](const SceneStore& scene, const StepStore&) { return bodyItems(scene.grabs.size()); }},
     Stage{"forces.drag", needOf<Effect::Drag>, drag::run, feeling<Effect::Drag>},
