@@ -18,6 +18,8 @@ namespace {
 constexpr double kWarmStart = 10.0;
 // A residual from which Newton's method needs no better start.
 constexpr double kNearlySolved = 1e-3;
+// How much more kinetic energy an answer may give to the changes of all velocities than one that nearly obeys the law.
+constexpr double kFar = 1e4;
 // A warm start that misses by more than this is worth a try of Newton's method with so many points at most: with more, some change
 // their state whatever the method does.
 constexpr double kWorthATry = 2e-2;
@@ -41,6 +43,20 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
     fastest = std::max(fastest, -u_n);
   }
   return fastest;
+}
+
+// Coulomb's law may have several answers, and where the one that continues the last forces ends (a body that is pushed over a floor
+// loses one of its points) it may leave only one that is far away: impulses that grow against each other until they have
+// turned the body about the gap between floor and pusher. Of all answers the one counts whose change of velocities,
+// M^-1 J^T r, has the least kinetic energy (Gauss' principle of least constraint). Where impulses obey the law nearly, none is
+// taken that changes velocities by a hundred times as much.
+bool isFar(const System& system, const Impulses& r, const Impulses& near) {
+  const auto change = [&](const Impulses& impulses) {
+    Velocities y = Velocities::Zero(6, system.free().cols());
+    system.push(impulses, y);
+    return y.squaredNorm();
+  };
+  return change(r) > kFar * std::max(change(near), 1.0);
 }
 
 // A problem, and the best answer to it so far.
@@ -193,6 +209,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wan
     const auto consider = [&](CoulombSolver solver, const Answer& answer) {
       result.iterations += answer.iterations;
       if (answer.residuals.beyond_rounding >= at.best.residuals.beyond_rounding) return;
+      if (at.is_warm && at.best.within(kNearlySolved) && isFar(system, answer.r, at.best.r)) return;
       at.best = answer;
       result.solver = solver;
     };
