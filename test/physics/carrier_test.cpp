@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 
 namespace rbs::test {
@@ -187,6 +188,49 @@ TEST(Carrier, WhatABeltTakesAlongIsSolvedExactly) {
           EXPECT_NEAR(stateOf(world, "rider").twist.v_WB.dot(velocity) / speed, expected, 1e-3 * speed);
         }
       }
+}
+
+// Nature does not know who looks: what comes down on a floor that moves at a constant velocity does so as on one at rest, seen from
+// it. What decides how long a segment is was the energy as the world sees it. Of 200 bodies of eight shapes 9 ended more than 1 %
+// of their size off, cylinders and cones, up to 66 %.
+TEST(Carrier, WhatComesDownOnItDoesSoAsOnAFloorAtRest) {
+  constexpr double kSize = 0.2;
+  for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
+    for (unsigned seed = 0; seed < 60; ++seed) {
+      std::mt19937 generator(seed);
+      const auto between = [&](double low, double high) {
+        return std::uniform_real_distribution<double>(low, high)(generator);
+      };
+      const auto vector = [&](double most) {
+        const double x = between(-most, most), y = between(-most, most);
+        return Vec3(x, y, between(-most, most));
+      };
+      const double radius = kSize * between(0.15, 0.5), length = kSize * between(0.3, 1.0);
+      const Shape shape = seed % 2 == 0 ? Shape(Cylinder{radius, 0.5 * length}) : Shape(Cone{radius, length});
+      BodyDef def = body("body", shape, {0.0, 0.0, kSize * between(0.9, 1.5)});
+      def.pose.q_WB = rotationBy(vector(3.0));
+      def.twist = {vector(2.0), vector(5.0)};
+      def.material.friction = seed % 3 == 0 ? 0.0 : between(0.1, 1.0);
+      const Vec3 V = vector(3.0);
+      const double step = 1.0 / between(30.0, 120.0);
+      const auto endsAt = [&](const Vec3& V_W) -> Vec3 {
+        SceneDef scene;
+        scene.step = step;
+        scene.fidelity = fidelity;
+        BodyDef floor = box("floor", {10.0, 10.0, 0.4}, {0.0, 0.0, -0.2});
+        floor.kind = V_W.isZero(0.0) ? BodyKind::Static : BodyKind::Kinematic;
+        floor.twist.v_WB = V_W;
+        floor.material.friction = def.material.friction;
+        BodyDef moving = def;
+        moving.twist.v_WB += V_W;
+        scene.bodies = {floor, moving};
+        World world(ordered(scene));
+        for (int k = 0; k < 1.0 / step; ++k) world.step();
+        return stateOf(world, "body").pose.p_WB - world.time() * V_W;
+      };
+      EXPECT_LE((endsAt(V) - endsAt(Vec3::Zero())).norm(), 1e-4 * kSize)
+          << shapeName(shape) << " at " << fidelityName(fidelity) << ", seed " << seed;
+    }
 }
 
 }  // namespace

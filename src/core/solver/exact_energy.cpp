@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The energy of an island over a segment: what it has, what it is given, and how much more it has at the end.
+//
+// Energy and work depend on who looks, and what they decide must not: so they are those of one frame that moves with the scene,
+// that of the side which no force moves and to which the island is nearest to rest, or of its own centre of mass where it touches
+// none. That frame keeps its velocity for the interval.
 #include "solver/exact_stepper.h"
 
 #include <algorithm>
@@ -9,21 +13,45 @@
 
 namespace rbs::exact_step {
 
-// Kinetic energy of the island, and its potential energy in the field of the loads, J.
-double Stepper::energyOf(const std::vector<BodyMotion>& motions) const {
+// The kinetic energy against a side that moves at u is that against the centre of mass, and M |u - v|^2/2 with v of the latter: it
+// is least for the u that is nearest to v.
+Vec3 Stepper::frameOfEnergy() const {
+  const Bodies& bodies = context_.scene.bodies;
+  double mass = 0.0;
+  Vec3 mean_W = Vec3::Zero();
+  for (const Index i : island_.indices()) {
+    mass += bodies.traits[i].mass;
+    mean_W += bodies.traits[i].mass * bodies.twist[i].v_WB;
+  }
+  mean_W /= mass;
+  Vec3 frame_W = mean_W;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Index k : active_)
+    for (const Index i : {context_.scene.contacts.active[k].i, context_.scene.contacts.active[k].j}) {
+      const double off = (bodies.twist[i].v_WB - mean_W).squaredNorm();
+      if (bodies.traits[i].moved_by_forces() || off >= least) continue;
+      least = off;
+      frame_W = bodies.twist[i].v_WB;
+    }
+  return frame_W;
+}
+
+// Kinetic energy of the island, and its potential energy in the field of the loads, J, so many seconds from now on.
+double Stepper::energyOf(const std::vector<BodyMotion>& motions, double seconds) const {
   const Bodies& bodies = context_.scene.bodies;
   double energy = 0.0;
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const Index i = island_.indices()[k];
     const auto& [pose, twist] = motions[k];
-    energy += bodies.traits[i].mass * (0.5 * twist.v_WB.squaredNorm() - step_.load[i].a_W.dot(pose.p_WB)) +
+    const Vec3 v = twist.v_WB - frame_v_W_, p = pose.p_WB - seconds * frame_v_W_;
+    energy += bodies.traits[i].mass * (0.5 * v.squaredNorm() - step_.load[i].a_W.dot(p)) +
               bodies.spinEnergy(i, pose.q_WB, twist.w_WB);
   }
   return energy;
 }
 
 double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
-  double energy = energyOf(motions);
+  double energy = energyOf(motions, 0.0);
   for (std::size_t k = 0; k < motions.size(); ++k) {
     const Index i = island_.indices()[k];
     energy += context_.scene.bodies.traits[i].mass * step_.load[i].a_W.dot(motions[k].pose.p_WB);
@@ -31,17 +59,17 @@ double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
   return energy;
 }
 
-// The work that kinematic bodies have done by the impulses of these points, J.
+// The work that sides which no force moves have done by the impulses of these points, J.
 double Stepper::workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const {
   const Bodies& bodies = context_.scene.bodies;
   double work = 0.0;
   const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
     const Contact& contact = context_.scene.contacts.active[k];
-    for (const auto& [kinematic, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
-      if (!bodies.traits[kinematic].is_kinematic()) continue;
-      const Twist& twist = bodies.twist[kinematic];
-      const Vec3 r = p_W - step_.poseAt(bodies, kinematic, now_).p_WB;
-      work += sign * impulse_W.dot(twist.v_WB + twist.w_WB.cross(r));
+    for (const auto& [side, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
+      if (bodies.traits[side].moved_by_forces()) continue;
+      const Twist& twist = bodies.twist[side];
+      const Vec3 r = p_W - step_.poseAt(bodies, side, now_).p_WB;
+      work += sign * impulse_W.dot(twist.v_WB - frame_v_W_ + twist.w_WB.cross(r));
     }
   };
   for (const TouchingPoint& point : touching.points) add(point.contact, point.p_W, point.impulse_W);
@@ -69,7 +97,7 @@ double Stepper::gainOf(const std::vector<BodyMotion>& start, double kinematic_be
   const double given = std::abs(by_kinematic) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
   const double unit = kineticOf(start) + given + fall;
-  return (energyOf(segment_.end) - energyOf(start) - 2.0 * given) /
+  return (energyOf(segment_.end, tau_) - energyOf(start, 0.0) - 2.0 * given) /
          std::max(unit, std::numeric_limits<double>::min());
 }
 

@@ -365,6 +365,7 @@ void Stepper::collide() {
 
 void Stepper::prepare() {
   start_ = island_.save();
+  frame_v_W_ = frameOfEnergy();
   before_solves_ = island().residuals;
   was_cut_short_ = island().cut_short;
   expectLastForces(context_.scene.contacts, touching_);
@@ -396,8 +397,8 @@ void Stepper::addUnforeseen() {
     std::swap(touching_, *other);
     Segment next = trySegment(tau_, Friction::Free);
     // A point more takes energy away. Where it adds some, what was foreseen of it was wrong.
-    const double most = std::max(energyOf(island_.save()), energyOf(segment_.end));
-    if (!tellsWay(next.first) || energyOf(next.end) > most) {
+    const double most = std::max(energyOf(island_.save(), 0.0), energyOf(segment_.end, tau_));
+    if (!tellsWay(next.first) || energyOf(next.end, tau_) > most) {
       std::swap(touching_, *other);
       return;
     }

@@ -199,7 +199,8 @@ class Stepper : public InnerRows {
 
   // Energy that nothing has given (exact_energy.cpp).
   double kineticOf(const std::vector<BodyMotion>& motions) const;
-  double energyOf(const std::vector<BodyMotion>& motions) const;
+  Vec3 frameOfEnergy() const;
+  double energyOf(const std::vector<BodyMotion>& motions, double seconds) const;
   double workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const;
   double workOfTorques(const std::vector<BodyMotion>& start) const;
   double gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const;
@@ -226,6 +227,7 @@ class Stepper : public InnerRows {
   std::vector<Stop> stops_;      // at which segments have been cut
   std::vector<Index> losses_;    // contacts at whose loss segments have been cut, or would have been
   std::vector<BodyMotion> start_;
+  Vec3 frame_v_W_ = Vec3::Zero();        // of the frame in which energies are judged, m/s
   IslandResiduals before_solves_, own_;  // of the island before this interval, and of this interval alone
   bool was_cut_short_ = false;           // the island, before this interval
   double longest_ = 0.0, tau_ = 0.0;     // a segment: at most, and this one, s
