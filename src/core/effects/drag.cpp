@@ -37,6 +37,7 @@
 // (1980) with its own choice of steps.
 #include "base/algebra.h"
 #include "base/text.h"
+#include "dynamics/integrate.h"
 #include "effects/contact_forces.h"
 #include "effects/effects.h"
 
@@ -140,10 +141,20 @@ BoxDrag boxDrag(const Vec3& size, const Mat3& R_WB, const Vec3& u, const Vec3& w
   return sum;
 }
 
-// The most that a box is turned by to where it stands in the middle of a step, rad. The air of what spins faster changes
-// several times a step, and so does its torque. What is left of it in the mean is along the angular momentum L, about which
-// the box turns and tumbles, and air at rest only takes from L.
+// The most that a box is turned by to where it stands in the middle of a step, rad. What spins faster is as if it spun
+// at that rate: its air changes several times a step, and a torque that is that of one attitude may spin it up. Then what
+// counts is what is left of it in the mean: that along the angular momentum L, about which the box turns and tumbles. Air at
+// rest only takes from L.
 constexpr double kMostHalfTurn = 0.5;
+
+// Whether a torque alone gives a body energy in h.
+bool addsSpin(const Bodies& bodies, Index i, const Vec3& torque_W, double h) {
+  Pose pose = bodies.pose[i];
+  Twist twist = bodies.twist[i];
+  const double before = bodies.spinEnergy(i, pose.q_WB, twist.w_WB);
+  fly(pose, twist, bodies.inertia[i], Vec3::Zero(), torque_W, h);
+  return bodies.spinEnergy(i, pose.q_WB, twist.w_WB) > before;
+}
 
 // What is left of a torque of the air over h in which a box of angular momentum L turns many times.
 Vec3 meanTorque(const Vec3& torque_W, const Vec3& L_W, double h) {
@@ -189,8 +200,9 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
   }
   load.a_W = rate.head<3>() - carried / mass;
   const Vec3 torque_W = inertia_W * rate.tail<3>();
-  const bool is_fast = 0.5 * h * w0.norm() > kMostHalfTurn;
-  load.torque_W = is_fast ? load.torque_W + meanTorque(torque_W - load.torque_W, L_W, h) : torque_W;
+  const Vec3 of_air_W = torque_W - load.torque_W;
+  const bool is_mean = 0.5 * h * w0.norm() > kMostHalfTurn && addsSpin(bodies, i, of_air_W, h);
+  load.torque_W = is_mean ? load.torque_W + meanTorque(of_air_W, L_W, h) : torque_W;
 }
 
 }  // namespace
