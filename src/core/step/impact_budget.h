@@ -60,6 +60,8 @@ class ImpactBudget {
   /// Takes off a cut of islands that have `contacts` in all, for bodies i and j, whose sets become one. False: their set
   /// has less left, and keeps it.
   bool takeCut(Index i, Index j, std::uint64_t contacts) { return take(&Left::cuts, i, j, contacts); }
+  /// Whether a set that has spent nothing could cut so many at the exact settings.
+  static bool couldCutExact(std::uint64_t contacts) { return contacts <= kExact; }
   /// Takes off such a cut for an impact that contacts stop as well.
   bool takeLanding(Index i, Index j, std::uint64_t contacts) { return take(&Left::landings, i, j, contacts); }
   /// Takes off the solve of the island that is behind, which has `contacts`, where the islands of i and j become one.
@@ -67,6 +69,7 @@ class ImpactBudget {
 
  private:
   static constexpr std::uint64_t kQueriesPerImpact = 20;
+  static constexpr std::uint64_t kExact = 512;  // contacts of a set, at the exact settings
   /// Contacts that a set may still solve again.
   struct Left {
     std::uint64_t cuts = 256, landings = 256, joins = 256;

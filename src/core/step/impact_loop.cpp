@@ -118,13 +118,13 @@ class ImpactLoop {
   }
 
   enum class Brought {
-    Both,       ///< both are where the impact is, or the one that the other strikes stays behind
+    Both,       ///< both are where the impact is
     Early,      ///< something else comes first: the impact is awaited again
     Expensive,  ///< the budget does not allow it
   };
 
   // Brings both islands to the impact if the budget allows it, unless their contacts bring others together before.
-  Brought advanceBoth(const PendingImpact& impact) {
+  Brought advanceBoth(PendingImpact& impact) {
     std::uint64_t cost = 0;
     std::vector<Index> brought;  // islands
     bool watched = false;
@@ -155,18 +155,22 @@ class ImpactLoop {
     return Brought::Early;
   }
 
-  // Brings what strikes a body of a large group, and not the group, to the impact, at the exact settings: by contacts the one would
-  // not rebound. The group feels the impact a part of a step too early. What is supported there moves on as if at a constant velocity,
-  // so that the impact is as strong as it would be.
-  bool bringToGroup(const PendingImpact& impact, const std::vector<Index>& islands) {
-    if (!step_.solver.exact || !impact.rebounds || islands.size() != 2) return false;
+  // At the exact settings a large group that the budget does not allow to bring to an impact has it at its own time, as if the two
+  // bodies had moved on alike since then: by contacts they would not rebound. What is supported moves on as if at a constant velocity
+  // until they meet, so that the impact is as strong as it would be.
+  bool bringToGroup(PendingImpact& impact, const std::vector<Index>& islands) {
+    if (!step_.solver.exact || !impact.rebounds) return false;
+    if (islands.size() == 1) return true;
     const auto isGroup = [&](Index place) { return step_.islands[place].constraints() > kSmallIsland; };
     const bool first = isGroup(islands[0]), second = isGroup(islands[1]);
-    const Index struck = step_.island[impact.i] == islands[first ? 0 : 1] ? impact.i : impact.j;
-    Island& strikes = step_.islands[islands[first ? 1 : 0]];
+    const bool strikes_first = step_.island[impact.i] == islands[first ? 1 : 0];
+    const Index strikes = strikes_first ? impact.i : impact.j, struck = strikes_first ? impact.j : impact.i;
+    Island& own = step_.islands[step_.island[strikes]];
     const bool rests = step_.supported[struck] || step_.touched[struck];
-    if (first == second || !rests || isWatched(step_, strikes, impact.time)) return false;
-    advanceTo(context_, strikes, impact.time);
+    if (first == second || !rests || !own.flies() || isWatched(step_, own, impact.time)) return false;
+    advanceTo(context_, own, impact.time);
+    contacts_.setBack(strikes, struck);
+    impact.time = step_.timeOf(struck);
     return true;
   }
 
@@ -181,9 +185,9 @@ class ImpactLoop {
     queue_.push(early);
   }
 
-  // Brings what is watched to the end of the step, a set of bodies that may meet at a time, as far as the budget allows.
-  // Whether contacts bring some together before that rebound; others are for the search after the step
-  // (missed_contacts.h), which makes contacts of them.
+  // Brings what is watched to the end of the step, a set of bodies that may meet at a time, as far as the budget allows. Whether
+  // contacts bring some together before that rebound; others are for the search after the step (missed_contacts.h), which makes
+  // contacts of them. In a group that no budget allows to watch, contacts keep apart what they may bring together.
   bool advanceWatchedToEnd() {
     std::map<Index, std::vector<Index>> sets;  // islands, by root
     for (Index place = 0; place < step_.islands.size(); ++place)
@@ -196,15 +200,19 @@ class ImpactLoop {
       return others;
     };
     bool found = false;
+    std::vector<char> unwatched(step_.island.size(), 0);  // by root of a set
     for (const auto& [root, islands] : sets) {
       std::uint64_t cost = 0;
       for (const Index place : islands)
         if (step_.islands[place].constraints() > kSmallIsland) cost += step_.islands[place].constraints();
-      if (!budget_.takeCut(root, root, cost)) continue;
+      if (!budget_.takeCut(root, root, cost)) {
+        unwatched[root] = !ImpactBudget::couldCutExact(cost);
+        continue;
+      }
       const auto early = advanceUnlessEarly(context_, islands, step_.t1, rebounding);
       if (early) queueEarly(*early), found = true;
     }
-    return found;
+    return contacts_.connectSeparated([&](Index i) { return unwatched[sets_.root(i)] != 0; }) || found;
   }
 
   // What body i may meet that no contact keeps apart from it, and that is not ahead of `time`. Contacts may have pushed
@@ -231,7 +239,7 @@ class ImpactLoop {
     return found;
   }
 
-  void take(const PendingImpact& impact) {
+  void take(PendingImpact impact) {
     contacts_.disturb(impact.i, impact.j);
     const Brought brought = advanceBoth(impact);
     if (brought == Brought::Early) return;
@@ -315,12 +323,7 @@ class ImpactLoop {
     std::vector<char> touches(step_.island.size(), 0);  // by root of a set
     for (const Island& island : step_.islands)
       if (island.touching && isStruck(island)) touches[sets_.root(island.bodies.front())] = 1;
-    const std::vector<Contact>& active = context_.scene.contacts.active;
-    for (Index k = 0; k < active.size(); ++k) {
-      const Index i = active[k].i, j = active[k].j;
-      if (active[k].state.isSeparated() && touches[sets_.root(step_.movedOf(i, j))])
-        contacts_.connect(i, j, false);
-    }
+    contacts_.connectSeparated([&](Index i) { return touches[sets_.root(i)] != 0; });
   }
 
   // A pair that touches. What a new contact may push the two against is looked at with it: a light body that rattles between two

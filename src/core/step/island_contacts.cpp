@@ -47,7 +47,7 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   Index a = step_.island[i], b = step_.island[j];
   if (a == kNone) std::swap(a, b);
   if (b != kNone && a != b) {
-    bringTogether(a, b);
+    bringTogether(i, j);
     a = islands::merge(context_, a, b);
   }
   Island& island = step_.islands[a];
@@ -60,21 +60,35 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
   island.contacts.push_back(contact);
 }
 
-// Two islands by their places to one time. Where many bodies have met in the air and join a heap one after the other, each at
-// a time of its own, the heap would be solved again for each of them. At the exact settings it is. Else the clock of what is
-// ahead is set back: its bodies stay where they are and live through that time again. So they go a little further in this step
-// than its length, with the loads and contacts of that time, which gains no energy.
-void IslandContacts::bringTogether(Index a, Index b) {
-  Island *behind = &step_.islands[a], *ahead = &step_.islands[b];
-  if (behind->time > ahead->time) std::swap(behind, ahead);
+// The islands of two bodies to one time. Where many bodies have met in the air and join a heap one after the other, each at
+// a time of its own, the heap would be solved again for each of them. So that has a budget; but at the exact settings no clock of what
+// touches something is set back, since its loads would act for longer than the step.
+void IslandContacts::bringTogether(Index i, Index j) {
+  Island *behind = &step_.islands[step_.island[i]], *ahead = &step_.islands[step_.island[j]];
   if (behind->time == ahead->time) return;
-  const bool is_cheap = step_.solver.exact || behind->constraints() <= kSmallIsland;
-  if (is_cheap || budget_.takeJoin(behind->bodies.front(), ahead->bodies.front(), behind->constraints())) {
+  if (behind->time > ahead->time) std::swap(behind, ahead), std::swap(i, j);
+  const bool is_free = behind->constraints() <= kSmallIsland || (step_.solver.exact && !ahead->flies());
+  if (is_free || budget_.takeJoin(i, j, behind->constraints())) {
     advanceTo(context_, *behind, ahead->time);
   } else {
-    ahead->time = behind->time;
-    set_back_.insert(set_back_.end(), ahead->bodies.begin(), ahead->bodies.end());
+    setBack(j, i);
   }
+}
+
+// With X the pose of body i from t to t', a place p becomes X(t) X(t')^-1 p.
+void IslandContacts::setBack(Index j, Index i) {
+  Bodies& bodies = context_.scene.bodies;
+  Island& ahead = step_.islands[step_.island[j]];
+  const double time = step_.timeOf(i);
+  if (ahead.flies()) {
+    const Motion of_i = impacts::trajectoryOf(context_, i);
+    const Pose X = of_i.at(time), X_later = of_i.at(ahead.time);
+    Pose& X_j = bodies.pose[j];
+    X_j.p_WB = X.p_WB + X.q_WB * (X_later.q_WB.conjugate() * (X_j.p_WB - X_later.p_WB));
+    bodies.twist[j].v_WB -= (ahead.time - time) * step_.load[j].a_W;
+  }
+  ahead.time = time;
+  set_back_.insert(set_back_.end(), ahead.bodies.begin(), ahead.bodies.end());
 }
 
 void IslandContacts::separateOrConnect(Index i, Index j) {
@@ -83,6 +97,25 @@ void IslandContacts::separateOrConnect(Index i, Index j) {
   } else {
     connect(i, j, false);
   }
+}
+
+bool IslandContacts::connectSeparated(const std::function<bool(Index)>& isWanted) {
+  const auto isLarge = [&](Index i) {
+    return step_.island[i] != kNone && step_.islands[step_.island[i]].constraints() > kSmallIsland;
+  };
+  bool found = false;
+  for (Index k = 0; k < contacts_.active.size(); ++k) {
+    const Index i = contacts_.active[k].i, j = contacts_.active[k].j;
+    if (!contacts_.active[k].state.isSeparated() || !isWanted(step_.movedOf(i, j))) continue;
+    const auto [behind, ahead] = step_.timeOf(i) <= step_.timeOf(j) ? std::pair(i, j) : std::pair(j, i);
+    if (step_.solver.exact && isLarge(behind) && step_.timeOf(behind) < step_.timeOf(ahead)) {
+      if (step_.island[ahead] == kNone || !step_.islands[step_.island[ahead]].flies()) continue;
+      setBack(ahead, behind);
+    }
+    connect(i, j, false);
+    found = true;
+  }
+  return found;
 }
 
 void IslandContacts::disturb(Index i, Index j) {

@@ -7,6 +7,7 @@
 #include "step/impact_budget.h"
 
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -26,19 +27,27 @@ class IslandContacts {
   Contact& contactOf(Index i, Index j);
   /// Leaves a pair that touches, or may touch, to the contact solver for the rest of the step, and makes one island of
   /// the two. Forces move one of the bodies at least. The island that is behind is advanced to the time of the other. Where
-  /// the budget of a fast setting does not allow that, the clock of the other is set back.
+  /// the budget does not allow that, the clock of the other is set back.
   void connect(Index i, Index j, bool touches = true);
   /// Of a pair that does not touch and has no pending impact: it is separated where both trajectories are known, else the
   /// contact solver's business.
   void separateOrConnect(Index i, Index j);
   /// A sleeper that comes into play is a wall in this attempt. The step is to begin again with it awake.
   void disturb(Index i, Index j);
+  /// Leaves the separated pairs whose moved body is wanted to the contact solver. Whether there were any. At the exact settings no
+  /// large group is advanced for that, since others of its pairs would meet unseen: what flies ahead of it is set back.
+  bool connectSeparated(const std::function<bool(Index)>& isWanted);
+  /// Sets the clock of the island of body j back to that of body i, which is behind. Its bodies stay where they are and live through
+  /// the time again, with the loads and contacts of that time. So they go a little further in this step than its length, which gains
+  /// no energy. A body that touches nothing goes back as if it had moved with body i since then, and without what its load has done:
+  /// on what rests it stays where it is, and on a sled it stays where it is on that.
+  void setBack(Index j, Index i);
   /// The bodies whose clock was set back since the last call: what was predicted of them comes too late.
   std::vector<Index> takeSetBack() { return std::exchange(set_back_, {}); }
 
  private:
   Index placeOf(Index i, Index j);  // it is added where it is not there
-  void bringTogether(Index a, Index b);
+  void bringTogether(Index i, Index j);
 
   Context& context_;
   StepStore& step_;
