@@ -56,7 +56,7 @@ TEST(Hunt, ErrorsFallWithTheStep) {
   int exact = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     // Ten bodies that are put into each other part otherwise in four parts of the step than in one or in sixteen: 13 % of a radius
-    // off, 10 % undivided (docs/stability.md).
+    // off, 11 % undivided (docs/stability.md).
     if (seed == 50) continue;
     SceneDef scene = randomScene(seed);
     scene.fidelity = Fidelity::Reference;
