@@ -55,14 +55,14 @@ TEST(Hunt, ErrorsFallWithTheStep) {
   std::vector<double> gains;
   int exact = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    // Ten bodies that are put into each other part otherwise in four parts of the step than in one or in sixteen: 13 % of a radius
-    // off, 11 % undivided (docs/stability.md).
-    if (seed == 50) continue;
     SceneDef scene = randomScene(seed);
     scene.fidelity = Fidelity::Reference;
     const std::optional<double> whole = stepError(scene, 1, 16), quarter = stepError(scene, 4, 16);
     if (!whole || !quarter) continue;
     double allowed = std::max(*whole, kSmall);
+    // Ten bodies that are put into each other part otherwise in four parts of the step than in one or in sixteen: 13 % of a radius
+    // off, 11 % undivided (docs/stability.md).
+    if (seed == 50) allowed = 0.15;
     // A sixteenth may be off itself.
     if (*quarter > allowed) allowed += stepError(scene, 16, 64).value_or(0.0);
     EXPECT_LE(*quarter, allowed) << "seed " << seed;

@@ -168,6 +168,7 @@ class ImpactLoop {
     Island& own = step_.islands[step_.island[strikes]];
     const bool rests = step_.supported[struck] || step_.touched[struck];
     if (first == second || !rests || !own.flies() || isWatched(step_, own, impact.time)) return false;
+    if (!contacts_.mayGoBack(strikes, struck)) return false;
     advanceTo(context_, own, impact.time);
     contacts_.setBack(strikes, struck);
     impact.time = step_.timeOf(struck);

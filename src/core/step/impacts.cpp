@@ -393,6 +393,9 @@ Outcome resolve(Context& context, Contact& contact, double time) {
   Bodies& bodies = context.scene.bodies;
   const Index i = contact.i, j = contact.j;
   ImpactContact at_impact(context, i, j, time, contact.axis);
+  // What has an impact at its own time, before it comes there, has not been accelerated until then: that would add energy.
+  if (context.step.island[i] != kNone) at_impact.a.twist = bodies.twist[i];
+  if (context.step.island[j] != kNone) at_impact.b.twist = bodies.twist[j];
   const Twist before_a = at_impact.a.twist, before_b = at_impact.b.twist;
   const double speed = closingSpeed(at_impact.a, at_impact.b, at_impact.manifold);
   if (speed <= 0.0) return Outcome::Miss;

@@ -61,13 +61,12 @@ void IslandContacts::connect(Index i, Index j, bool touches) {
 }
 
 // The islands of two bodies to one time. Where many bodies have met in the air and join a heap one after the other, each at
-// a time of its own, the heap would be solved again for each of them. So that has a budget; but at the exact settings no clock of what
-// touches something is set back, since its loads would act for longer than the step.
+// a time of its own, the heap would be solved again for each of them. So that has a budget, where a clock may be set back.
 void IslandContacts::bringTogether(Index i, Index j) {
   Island *behind = &step_.islands[step_.island[i]], *ahead = &step_.islands[step_.island[j]];
   if (behind->time == ahead->time) return;
   if (behind->time > ahead->time) std::swap(behind, ahead), std::swap(i, j);
-  const bool is_free = behind->constraints() <= kSmallIsland || (step_.solver.exact && !ahead->flies());
+  const bool is_free = behind->constraints() <= kSmallIsland || !mayGoBack(j, i);
   if (is_free || budget_.takeJoin(i, j, behind->constraints())) {
     advanceTo(context_, *behind, ahead->time);
   } else {
@@ -75,17 +74,23 @@ void IslandContacts::bringTogether(Index i, Index j) {
   }
 }
 
-// With X the pose of body i from t to t', a place p becomes X(t) X(t')^-1 p.
+// Its load would act for longer than the step, but for the velocity that is taken from what flies. Of what moves against its load as
+// body i sees it that would be a gain of energy, since it keeps its place.
+bool IslandContacts::mayGoBack(Index j, Index i) const {
+  if (!step_.solver.exact) return true;
+  const std::vector<Twist>& twist = context_.scene.bodies.twist;
+  return step_.islands[step_.island[j]].flies() &&
+         (twist[j].v_WB - twist[i].v_WB).dot(step_.load[j].a_W) >= 0.0;
+}
+
 void IslandContacts::setBack(Index j, Index i) {
   Bodies& bodies = context_.scene.bodies;
   Island& ahead = step_.islands[step_.island[j]];
   const double time = step_.timeOf(i);
   if (ahead.flies()) {
     const Motion of_i = impacts::trajectoryOf(context_, i);
-    const Pose X = of_i.at(time), X_later = of_i.at(ahead.time);
-    Pose& X_j = bodies.pose[j];
-    X_j.p_WB = X.p_WB + X.q_WB * (X_later.q_WB.conjugate() * (X_j.p_WB - X_later.p_WB));
-    bodies.twist[j].v_WB -= (ahead.time - time) * step_.load[j].a_W;
+    bodies.pose[j].p_WB -= of_i.at(ahead.time).p_WB - of_i.at(time).p_WB;
+    if (step_.solver.exact) bodies.twist[j].v_WB -= (ahead.time - time) * step_.load[j].a_W;
   }
   ahead.time = time;
   set_back_.insert(set_back_.end(), ahead.bodies.begin(), ahead.bodies.end());
@@ -109,7 +114,7 @@ bool IslandContacts::connectSeparated(const std::function<bool(Index)>& isWanted
     if (!contacts_.active[k].state.isSeparated() || !isWanted(step_.movedOf(i, j))) continue;
     const auto [behind, ahead] = step_.timeOf(i) <= step_.timeOf(j) ? std::pair(i, j) : std::pair(j, i);
     if (step_.solver.exact && isLarge(behind) && step_.timeOf(behind) < step_.timeOf(ahead)) {
-      if (step_.island[ahead] == kNone || !step_.islands[step_.island[ahead]].flies()) continue;
+      if (!mayGoBack(ahead, behind)) continue;
       setBack(ahead, behind);
     }
     connect(i, j, false);

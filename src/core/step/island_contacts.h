@@ -38,10 +38,12 @@ class IslandContacts {
   /// large group is advanced for that, since others of its pairs would meet unseen: what flies ahead of it is set back.
   bool connectSeparated(const std::function<bool(Index)>& isWanted);
   /// Sets the clock of the island of body j back to that of body i, which is behind. Its bodies stay where they are and live through
-  /// the time again, with the loads and contacts of that time. So they go a little further in this step than its length, which gains
-  /// no energy. A body that touches nothing goes back as if it had moved with body i since then, and without what its load has done:
-  /// on what rests it stays where it is, and on a sled it stays where it is on that.
+  /// the time again, with the loads and contacts of that time. So they go a little further in this step than its length. A body that
+  /// touches nothing goes back as if it had moved along with the centre of body i since then: on a sled it stays where it is on that.
+  /// At the exact settings it goes back without what its load has done.
   void setBack(Index j, Index i);
+  /// Whether that breaks no balance at the exact settings, and gains no energy.
+  bool mayGoBack(Index j, Index i) const;
   /// The bodies whose clock was set back since the last call: what was predicted of them comes too late.
   std::vector<Index> takeSetBack() { return std::exchange(set_back_, {}); }
 
