@@ -47,9 +47,9 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 
 // Coulomb's law may have several answers, and where the one that continues the last forces ends (a body that is pushed over a floor
 // loses one of its points) it may leave only one that is far away: impulses that grow against each other until they have
-// turned the body about the gap between floor and pusher. Of all answers the one counts whose change of velocities,
-// M^-1 J^T r, has the least kinetic energy (Gauss' principle of least constraint). Where impulses obey the law nearly, none is
-// taken that changes velocities by a hundred times as much.
+// turned the body about the gap between floor and pusher. By Gauss' principle of least constraint the answer counts whose change of
+// velocities, M^-1 J^T r, has the least kinetic energy. Where a warm start obeys the law nearly, none is taken that changes the
+// velocities of all bodies together by a hundred times as much. What a light body of a heavy group does is a small part of that.
 bool isFar(const System& system, const Impulses& r, const Impulses& near) {
   const auto change = [&](const Impulses& impulses) {
     Velocities y = Velocities::Zero(6, system.free().cols());

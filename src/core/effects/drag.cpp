@@ -160,6 +160,7 @@ bool addsSpin(const Bodies& bodies, Index i, const Vec3& torque_W, double h) {
 Vec3 meanTorque(const Vec3& torque_W, const Vec3& L_W, double h) {
   return std::clamp(torque_W.dot(L_W) / L_W.squaredNorm(), -1.0 / h, 0.0) * L_W;
 }
+
 // From far above the terminal velocity each step of Newton's method halves the speed, and then doubles the digits.
 constexpr int kMostNewtonSteps = 60;
 constexpr double kNewtonTolerance = 1e-13;
