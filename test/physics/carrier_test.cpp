@@ -2,12 +2,12 @@
 // What a kinematic body carries: it follows the motion of that body over the step, not the velocity at its
 // start.
 #include "make_scene.h"
+#include "random_draws.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 
 namespace rbs::test {
@@ -197,22 +197,15 @@ TEST(Carrier, WhatComesDownOnItDoesSoAsOnAFloorAtRest) {
   constexpr double kSize = 0.2;
   for (const Fidelity fidelity : {Fidelity::Accurate, Fidelity::Reference})
     for (unsigned seed = 0; seed < 60; ++seed) {
-      std::mt19937 generator(seed);
-      const auto between = [&](double low, double high) {
-        return std::uniform_real_distribution<double>(low, high)(generator);
-      };
-      const auto vector = [&](double most) {
-        const double x = between(-most, most), y = between(-most, most);
-        return Vec3(x, y, between(-most, most));
-      };
-      const double radius = kSize * between(0.15, 0.5), length = kSize * between(0.3, 1.0);
+      RandomDraws draws(seed);
+      const double radius = kSize * draws.between(0.15, 0.5), length = kSize * draws.between(0.3, 1.0);
       const Shape shape = seed % 2 == 0 ? Shape(Cylinder{radius, 0.5 * length}) : Shape(Cone{radius, length});
-      BodyDef def = body("body", shape, {0.0, 0.0, kSize * between(0.9, 1.5)});
-      def.pose.q_WB = rotationBy(vector(3.0));
-      def.twist = {vector(2.0), vector(5.0)};
-      def.material.friction = seed % 3 == 0 ? 0.0 : between(0.1, 1.0);
-      const Vec3 V = vector(3.0);
-      const double step = 1.0 / between(30.0, 120.0);
+      BodyDef def = body("body", shape, {0.0, 0.0, kSize * draws.between(0.9, 1.5)});
+      def.pose.q_WB = rotationBy(draws.vector(3.0));
+      def.twist = {draws.vector(2.0), draws.vector(5.0)};
+      def.material.friction = seed % 3 == 0 ? 0.0 : draws.between(0.1, 1.0);
+      const Vec3 V = draws.vector(3.0);
+      const double step = 1.0 / draws.between(30.0, 120.0);
       const auto endsAt = [&](const Vec3& V_W) -> Vec3 {
         SceneDef scene;
         scene.step = step;

@@ -2,11 +2,11 @@
 // Bodies that nothing touches, against closed forms, whatever the step.
 #include "free_top_oracle.h"
 #include "make_scene.h"
+#include "random_draws.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 using namespace rbs;
@@ -100,25 +100,18 @@ TEST(FlightInAir, ABoxThatTumblesIsWhereShortStepsSay) {
 // 100 rad in a step. Before, their air was that of one attitude for all of the step, and one gained 70 % in ten steps.
 TEST(FlightInAir, StillAirNeverAddsEnergy) {
   for (unsigned seed = 0; seed < 300; ++seed) {
-    std::mt19937 generator(seed);
-    const auto between = [&](double low, double high) {
-      return std::uniform_real_distribution<double>(low, high)(generator);
-    };
-    const auto vector = [&](double most) {
-      const double x = between(-most, most), y = between(-most, most);
-      return Vec3(x, y, between(-most, most));
-    };
+    RandomDraws draws(seed);
     SceneDef scene;
     scene.gravity.setZero();
-    scene.step = 1.0 / between(30.0, 240.0);
-    scene.air = Air{std::pow(10.0, between(-2.0, 3.0))};
-    const double length = std::pow(10.0, between(-1.5, 0.0)), thin = between(0.04, 0.08);
-    const double flat = seed % 2 == 0 ? thin : between(0.04, 1.0);
+    scene.step = 1.0 / draws.between(30.0, 240.0);
+    scene.air = Air{std::pow(10.0, draws.between(-2.0, 3.0))};
+    const double length = std::pow(10.0, draws.between(-1.5, 0.0)), thin = draws.between(0.04, 0.08);
+    const double flat = seed % 2 == 0 ? thin : draws.between(0.04, 1.0);
     scene.bodies.push_back(box("body", length * Vec3(1.0, thin, flat), Vec3::Zero()));
-    scene.bodies.back().density = std::pow(10.0, between(1.0, 3.0));
-    scene.bodies.back().pose.q_WB = rotationBy(vector(3.0));
-    scene.bodies.back().twist.v_WB = vector(std::pow(10.0, between(-1.0, 2.0)));
-    scene.bodies.back().twist.w_WB = vector(std::pow(10.0, between(0.0, 3.5)));
+    scene.bodies.back().density = std::pow(10.0, draws.between(1.0, 3.0));
+    scene.bodies.back().pose.q_WB = rotationBy(draws.vector(3.0));
+    scene.bodies.back().twist.v_WB = draws.vector(std::pow(10.0, draws.between(-1.0, 2.0)));
+    scene.bodies.back().twist.w_WB = draws.vector(std::pow(10.0, draws.between(0.0, 3.5)));
     World world(ordered(scene));
     double before = world.snapshot().totals.kinetic_energy;
     const double start = before;
