@@ -192,6 +192,7 @@ void SolverContacts::findPoints(SolverBlock& block, double now, double left, con
   if (contact.isFresh() && meetsAtEnd(block, left, to)) to.resize(block.first), block.size = 0;
   const auto carries = [](const SolverBody& s) { return s.inv_mass == 0.0 && !s.still && !s.w.isZero(0.0); };
   block.on_arc = carries(i) || carries(j);
+  block.on_plane = (a.unbounded || b.unbounded) && block.size > 0;
   if (block.on_arc) followArc(block, now, to);
   block.rolls = rolls(block, left);
   block.travels = travels(block, left);
@@ -235,9 +236,8 @@ bool SolverContacts::rolls(const SolverBlock& block, double left) const {
 bool SolverContacts::travels(const SolverBlock& block, double left) const {
   const Traits& a = context_.scene.bodies.traits[bodies[block.i].body];
   const Traits& b = context_.scene.bodies.traits[bodies[block.j].body];
-  const bool has_plane = a.unbounded || b.unbounded;
-  return (isCurved(a) || isCurved(b)) && !has_plane && slipOf(block) * left > kTravel * block.pair.length &&
-         isOfFew(block);
+  return (isCurved(a) || isCurved(b)) && !block.on_plane &&
+         slipOf(block) * left > kTravel * block.pair.length && isOfFew(block);
 }
 
 // Speed of the centres along the contact, m/s.
@@ -319,7 +319,9 @@ bool SolverContacts::hasDrifted(const SolverBlock& block) const {
   if (block.rolls || block.travels) return true;
   const SolverBody& i = bodies[block.i];
   const SolverBody& j = bodies[block.j];
-  const double travel = ((j.moved - block.moved_j) - (i.moved - block.moved_i)).squaredNorm();
+  const Vec3 way_W = (j.moved - block.moved_j) - (i.moved - block.moved_i);
+  const double way_n = way_W.dot(block.n);
+  const double travel = block.on_plane ? way_n * way_n : way_W.squaredNorm();
   const double turn_i = block.reach_i * block.reach_i * (i.surface_turned - block.turned_i).squaredNorm();
   const double turn_j = block.reach_j * block.reach_j * (j.surface_turned - block.turned_j).squaredNorm();
   // (a + b + c)^2 <= 3 (a^2 + b^2 + c^2): most pairs are decided without a root.

@@ -71,15 +71,16 @@ struct SolverBlock {
   Index i, j;  // in SolverContacts::bodies
   Vec3 n, t1, t2;
   PairConstants pair;
-  bool has_friction;                          // its friction is solved for
-  bool on_arc;                                // one of the two is kinematic, and turns
-  double reach_i, reach_j;                    // reachOf() its bodies, m
-  Index contact;                              // in scene.contacts.active
-  int first, size;                            // in SolverContacts::points
-  bool rolls;                                 // a round surface turns on the other, or goes along a round one
-  bool travels;                               // a round surface goes along one that has an end
-  Vec3 opened_W{0.0, 0.0, 0.0};               // impulse of points that have opened since the start, on j, N s
-  double drift_limit;                         // how far the pair may move until its points are found anew, m
+  bool has_friction;             // its friction is solved for
+  bool on_arc;                   // one of the two is kinematic, and turns
+  double reach_i, reach_j;       // reachOf() its bodies, m
+  Index contact;                 // in scene.contacts.active
+  int first, size;               // in SolverContacts::points
+  bool rolls;                    // a round surface turns on the other, or goes along a round one
+  bool travels;                  // a round surface goes along one that has an end
+  bool on_plane;                 // one of the two is a plane, the same wherever the other goes along it
+  Vec3 opened_W{0.0, 0.0, 0.0};  // impulse of points that have opened since the start, on j, N s
+  double drift_limit;            // how far the pair may move until its points are found anew, m
   Vec3 moved_i, moved_j, turned_i, turned_j;  // of the bodies and their surfaces when they were found
   BlockResiduals residuals;                   // after the last sub-step
 };
