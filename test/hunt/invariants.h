@@ -31,7 +31,7 @@ struct Demands {
 
 /// Steps the scene and checks in each step:
 ///   finite       every pose and velocity is finite, and no body is frozen;
-///   energy       kinetic and potential energy do not grow: where nothing kinematic moves, no body overlaps
+///   energy       kinetic and potential energy do not grow by more than the work of kinematic bodies: where no body overlaps
 ///                another deeply, and there is no air. In shares of the largest kinetic energy so far and of
 ///                what a fall by one size makes;
 ///   balance      a body's momentum changes by its weight and the impulses that the step reports, and by

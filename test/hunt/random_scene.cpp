@@ -224,6 +224,20 @@ void overlap(Draw& draw, Builder& builder, int bodies) {
   }
 }
 
+// Something kinematic that turns and comes from aside, and does not touch a moving body yet.
+void addPaddle(Draw& draw, Builder& builder, const SceneDef& scene) {
+  const double angle = draw.between(-3.0, 3.0);
+  const Vec3 from_W(std::cos(angle), std::sin(angle), draw.between(-0.1, 0.5));
+  const Shape shape = anyShape(draw, draw.magnitude(0.3, 3.0));
+  double way = 0.0;
+  for (const BodyDef& def : scene.bodies)
+    if (def.kind == BodyKind::Dynamic) way = std::max(way, (def.pose.p_WB.norm() + boundingRadius(def.shape)) / from_W.norm());
+  BodyDef& paddle = builder.carrier("paddle", shape, (way + boundingRadius(shape)) * from_W);
+  paddle.kind = BodyKind::Kinematic;
+  paddle.pose.q_WB = draw.orientation();
+  paddle.twist = {-draw.magnitude(0.3, 10.0) * from_W, draw.inBall(10.0)};
+}
+
 }  // namespace
 
 SceneDef randomScene(std::uint64_t seed) {
@@ -273,6 +287,7 @@ SceneDef randomScene(std::uint64_t seed) {
   }
   if (draw.chance(0.1)) scene.gravity = draw.inBall(30.0);
   if (draw.chance(0.1)) scene.air = Air{draw.magnitude(1e-3, 20.0)};
+  if (draw.chance(0.2)) addPaddle(draw, builder, scene);
   return scene;
 }
 

@@ -216,27 +216,43 @@ TEST(Squeeze, WhatIsFrozenAboveThrowsNothing) {
         }
 }
 
-}  // namespace
 // A hull that a box of 3.9 m/s pushes over the floor, friction 1, loses one of the three points at which it is pushed. There is
 // another answer to Coulomb's law, of 120,000 N s, that turns it about the 1 cm between the floor and the lower edge of the box:
-// it left at 48 m/s, from 116 of 200 starts at `interactive` and 162 at the exact settings, told to have converged.
+// it left at 48 m/s, from 116 of 200 starts at `interactive` and 162 at the exact settings, told to have converged. So it did
+// beside a heavy sled that moves alike and is solved with it: of the energy of both, what the hull takes is a small part. The sled
+// shakes it too: it reaches 4.59 m/s with steps of a half to a 64th as well.
 TEST(Squeeze, WhatIsPushedOverTheFloorIsNotJammedAndThrownAway) {
   const SceneDef pushed = readScene(RBS_SCENES "/../test/physics/pushed_hull.yaml").scene;
-  for (const Fidelity setting : {Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
-    for (unsigned start = 0; start < 40; ++start) {
-      SceneDef scene = pushed;
-      scene.fidelity = setting;
-      std::mt19937_64 random(start);
-      std::uniform_real_distribution<> off(-1e-7, 1e-7);
-      for (BodyDef& body : scene.bodies)
-        if (body.kind == BodyKind::Dynamic) body.pose.p_WB += Vec3(off(random), off(random), off(random));
-      World world(scene);
-      for (int k = 0; k < 10; ++k) {
-        world.step();
-        ASSERT_LE(stateOf(world, "b3").twist.v_WB.norm(), 1.1 * 3.9)
-            << fidelityName(setting) << ", start " << start;
+  const auto beside = [&](double mass, double x) {
+    SceneDef scene = pushed;
+    BodyDef sled;
+    sled.name = "sled";
+    sled.shape = Box{{1.0, 2.0, 1.0}};
+    sled.mass = mass;
+    sled.material.friction = 0.0;
+    sled.pose.p_WB = {x, 2.258, 0.5};
+    sled.twist.v_WB = {3.8903169161189224, 0.0, 0.0};
+    scene.bodies.push_back(sled);
+    return scene;
+  };
+  for (const SceneDef& start : {pushed, beside(1e3, 5.29), beside(1e6, 5.3), beside(1e6, 5.32)})
+    for (const Fidelity setting : {Fidelity::Interactive, Fidelity::Accurate, Fidelity::Reference})
+      for (unsigned seed = 0; seed < 40; ++seed) {
+        SceneDef scene = start;
+        scene.fidelity = setting;
+        std::mt19937_64 random(seed);
+        std::uniform_real_distribution<> off(-1e-7, 1e-7);
+        for (BodyDef& body : scene.bodies)
+          if (body.name == "b3") body.pose.p_WB += Vec3(off(random), off(random), off(random));
+        World world(scene);
+        for (int k = 0; k < 10; ++k) {
+          world.step();
+          const bool is_alone = scene.bodies.size() == pushed.bodies.size();
+          ASSERT_LE(stateOf(world, "b3").twist.v_WB.norm(), (is_alone ? 1.1 : 1.3) * 3.9)
+              << fidelityName(setting) << ", " << scene.bodies.size() << " bodies, start " << seed;
+        }
       }
-    }
 }
 
+}  // namespace
 }  // namespace rbs::test

@@ -16,9 +16,9 @@ namespace {
 
 // A warm start may miss the wanted tolerance by so much, or rounding would unsettle rest.
 constexpr double kWarmStart = 10.0;
-// Residuals from which Newton's method needs no better start, and from which it gets there in time.
+// Residuals from which Newton's method needs no better start, and from which it gets there in time; the law is then nearly obeyed.
 constexpr double kNearlySolved = 1e-3, kOnTheWay = 0.1;
-// How much more kinetic energy an answer may give to the changes of all velocities than one that nearly obeys the law.
+// How much more kinetic energy an answer may give to the change of a body's velocity than one that is on the way.
 constexpr double kFar = 1e4;
 // A warm start that misses by more than this is worth a try of Newton's method with so many points at most: with more, some change
 // their state whatever the method does.
@@ -49,14 +49,15 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 // loses one of its points) it may leave only one that is far away: impulses that grow against each other until they have
 // turned the body about the gap between floor and pusher. By Gauss' principle of least constraint the answer counts whose change of
 // velocities, M^-1 J^T r, has the least kinetic energy. Where a warm start obeys the law nearly, none is taken that changes the
-// velocities of all bodies together by a hundred times as much. What a light body of a heavy group does is a small part of that.
+// velocity of a body by a hundred times as much as the warm start does, or as the unit of speed. Bodies are asked one by one: of the
+// energy of all, what a light one takes is a small part.
 bool isFar(const System& system, const Impulses& r, const Impulses& near) {
-  const auto change = [&](const Impulses& impulses) {
-    Velocities y = Velocities::Zero(6, system.free().cols());
-    system.push(impulses, y);
-    return y.squaredNorm();
-  };
-  return change(r) > kFar * std::max(change(near), 1.0);
+  Velocities far = Velocities::Zero(6, system.free().cols()), close = far;
+  system.push(r, far);
+  system.push(near, close);
+  for (std::size_t i = 0; i < system.bodies(); ++i)
+    if (far.col(i).squaredNorm() > kFar * std::max(close.col(i).squaredNorm(), system.massOf(i))) return true;
+  return false;
 }
 
 // A problem, and the best answer to it so far.
@@ -211,7 +212,7 @@ CoulombResult solveCoulomb(CoulombProblem& problem, double tolerance, double wan
     const auto consider = [&](CoulombSolver solver, const Answer& answer) {
       result.iterations += answer.iterations;
       if (answer.residuals.beyond_rounding >= at.best.residuals.beyond_rounding) return;
-      if (at.is_warm && at.best.within(kNearlySolved) && isFar(system, answer.r, at.best.r)) return;
+      if (at.is_warm && at.best.within(kOnTheWay) && isFar(system, answer.r, at.best.r)) return;
       at.best = answer;
       result.solver = solver;
     };

@@ -62,6 +62,9 @@ class System {
   const std::vector<TorqueRows>& torques() const { return torques_; }
   const std::vector<JointRows>& joints() const { return joints_; }
   const Velocities& free() const { return free_; }                             ///< y_free
+  std::size_t bodies() const { return responses_.size(); }
+  /// Of a body; that of all is 1.
+  double massOf(std::size_t i) const { return 1.0 / (responses_[i].linear * responses_[i].linear); }
   bool turns() const { return body_turns_; }                                   ///< impulses turn a body
   std::size_t columns() const { return firstJoint() + joints_.size(); }        ///< of impulses
   std::size_t firstJoint() const { return points_.size() + torques_.size(); }  ///< its column

@@ -46,10 +46,9 @@ Vec3 velocityOf(const ImpactSide& side, const Mat3& frame, const Mat3& moments) 
   return frame.transpose() * side.twist.v_WB + moments.transpose() * side.twist.w_WB;
 }
 
-// An axis counts where the other side does not move.
-Vec3 axisOf(const ImpactSide& a, const ImpactSide& b) {
-  if (a.inv_mass > 0.0 && b.inv_mass > 0.0) return Vec3::Zero();
-  return a.inv_mass > 0.0 ? a.axis_W : b.axis_W;
+// The axis about which the normal impulse has no moment on a side. An axis counts where impulses move that side alone.
+Vec3 axisOf(const ImpactSide& side, const ImpactSide& other) {
+  return side.inv_mass > 0.0 && other.inv_mass == 0.0 ? side.axis_W : Vec3(Vec3::Zero());
 }
 
 // The points of one impact, solved for a given e by block Gauss-Seidel with an exact solve a point. A single
@@ -60,15 +59,15 @@ Vec3 axisOf(const ImpactSide& a, const ImpactSide& b) {
 class Impact {
  public:
   Impact(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold, const ImpactLaw& law)
-      : a_(a), b_(b), axis_W_(axisOf(a, b)), law_(law), size_(manifold.size) {
+      : a_(a), b_(b), law_(law), size_(manifold.size) {
     const auto [t1, t2] = tangents(manifold.n_W);
     frame_ << t1, t2, manifold.n_W;
     for (int k = 0; k < size_; ++k) {
       ImpactPoint& c = points_[k];
       c.r_a = manifold.points[k].p_W - a.p_WB;
       c.r_b = manifold.points[k].p_W - b.p_WB;
-      c.m_a = momentsOf(c.r_a, frame_, axis_W_);
-      c.m_b = momentsOf(c.r_b, frame_, axis_W_);
+      c.m_a = momentsOf(c.r_a, frame_, axisOf(a, b));
+      c.m_b = momentsOf(c.r_b, frame_, axisOf(b, a));
       c.W = response(a, c.m_a) + response(b, c.m_b);
       c.velocity_in = relative(a, b, c);
       c.closing_in = c.velocity_in[2];
@@ -136,7 +135,7 @@ class Impact {
       point.i = i, point.j = j;
       point.r_i = c.r_a, point.r_j = c.r_b;
       point.frame = frame_;
-      point.axis_W = axis_W_;
+      point.axis_W = i == kNone ? axisOf(b_, a_) : axisOf(a_, b_);
       point.mu = law_.friction;
       Vec3 prescribed_W = Vec3::Zero();
       if (j == kNone) prescribed_W += velocityAt(b_.twist, c.r_b);
@@ -190,7 +189,6 @@ class Impact {
   }
 
   const ImpactSide a_, b_;
-  const Vec3 axis_W_;
   const ImpactLaw law_;
   int size_;
   Mat3 frame_;
@@ -202,14 +200,14 @@ class Impact {
 
 double closingSpeed(const ImpactSide& a, const ImpactSide& b, const Manifold& manifold) {
   double fastest = 0.0;
-  const Vec3 axis_W = axisOf(a, b);
-  const auto speedOf = [&](const ImpactSide& side, const Vec3& r) {
-    return manifold.n_W.dot(velocityAt(side.twist, r)) -
-           momentAbout(axis_W, r, manifold.n_W) * axis_W.dot(side.twist.w_WB);
+  const auto speedOf = [&](const ImpactSide& side, const ImpactSide& other, const Vec3& p_W) {
+    const Vec3 r_W = p_W - side.p_WB, axis_W = axisOf(side, other);
+    return manifold.n_W.dot(velocityAt(side.twist, r_W)) -
+           momentAbout(axis_W, r_W, manifold.n_W) * axis_W.dot(side.twist.w_WB);
   };
   for (int k = 0; k < manifold.size; ++k) {
-    const Vec3& p = manifold.points[k].p_W;
-    const double u_n = speedOf(b, p - b.p_WB) - speedOf(a, p - a.p_WB);
+    const Vec3& p_W = manifold.points[k].p_W;
+    const double u_n = speedOf(b, a, p_W) - speedOf(a, b, p_W);
     fastest = std::max(fastest, -u_n);
   }
   return fastest;
