@@ -48,7 +48,8 @@ bool isDeep(const BodyDescription& a, const BodyDescription& b, double separatio
 
 bool overlapsDeeply(const Snapshot& snapshot) {
   return std::any_of(snapshot.contacts.begin(), snapshot.contacts.end(), [&](const ContactPoint& point) {
-    return isDeep((*snapshot.bodies)[snapshot.find(point.a)], (*snapshot.bodies)[snapshot.find(point.b)], point.separation);
+    return isDeep((*snapshot.bodies)[snapshot.find(point.a)], (*snapshot.bodies)[snapshot.find(point.b)],
+                  point.separation);
   });
 }
 
@@ -58,7 +59,8 @@ bool startsDeep(const Snapshot& start) {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       if (bodies[i].kind != BodyKind::Dynamic && bodies[j].kind != BodyKind::Dynamic) continue;
-      if (isDeep(bodies[i], bodies[j], closestPoints(start, bodies[i].id, bodies[j].id).distance)) return true;
+      if (isDeep(bodies[i], bodies[j], closestPoints(start, bodies[i].id, bodies[j].id).distance))
+        return true;
     }
   return false;
 }
@@ -204,26 +206,26 @@ class Run {
     least_ = std::min(least_, energy);
     const double allowed = kEnergy[static_cast<int>(scene_.fidelity.preset)];
     if (deep_ || scene_.air || scene_.fluid || gain <= allowed) return {};
-    return Finding{"energy", gain, allowed, k_, driven_ ? "beyond the work of what is kinematic" : "from the least so far"};
+    return Finding{"energy", gain, allowed, k_,
+                   driven_ ? "beyond the work of what is kinematic" : "from the least so far"};
   }
 
   // The work of kinematic bodies in the step. An impulse r on a body does the work r u, where u is the velocity of the kinematic body at
   // the point. Reported are sums over the step, at one point. So where the carrier turns at w, u may be off by |w| h times itself, and
-  // by |w| times the way of the point on the carrier; so much work is taken as done.
+  // by |w| times the way of the point on the carrier, which may run round a rim; so much work is taken as done.
   void addWork(const Snapshot& after) {
     const double h = scene_.step;
     for (const ContactPoint& point : after.contacts) {
       const std::size_t a = after.find(point.a), b = after.find(point.b);
       const bool first = (*after.bodies)[a].kind == BodyKind::Kinematic;
       if (!first && (*after.bodies)[b].kind != BodyKind::Kinematic) continue;
-      const BodyState &carrier = after.states[first ? a : b], &body = after.states[first ? b : a];
+      const BodyState& carrier = after.states[first ? a : b];
+      const std::size_t moved = first ? b : a;
       const Vec3 impulse = (first ? 1.0 : -1.0) * (point.normal_impulse * point.n_W + point.friction_impulse);
       const Vec3& w_W = carrier.twist.w_WB;
-      const auto velocityAt = [&](const BodyState& state) -> Vec3 {
-        return state.twist.v_WB + state.twist.w_WB.cross(point.p_W - state.pose.p_WB);
-      };
-      const Vec3 u_W = velocityAt(carrier);
-      const double way = h * (velocityAt(body) - u_W).norm();
+      const Vec3 u_W = carrier.twist.v_WB + w_W.cross(point.p_W - carrier.pose.p_WB);
+      const Twist& twist = after.states[moved].twist;
+      const double way = h * speedOf((*after.bodies)[moved], {twist.v_WB - u_W, twist.w_WB - w_W});
       work_ += impulse.dot(u_W) + impulse.norm() * w_W.norm() * (h * u_W.norm() + way);
     }
   }

@@ -231,7 +231,8 @@ void addPaddle(Draw& draw, Builder& builder, const SceneDef& scene) {
   const Shape shape = anyShape(draw, draw.magnitude(0.3, 3.0));
   double way = 0.0;
   for (const BodyDef& def : scene.bodies)
-    if (def.kind == BodyKind::Dynamic) way = std::max(way, (def.pose.p_WB.norm() + boundingRadius(def.shape)) / from_W.norm());
+    if (def.kind == BodyKind::Dynamic)
+      way = std::max(way, (def.pose.p_WB.norm() + boundingRadius(def.shape)) / from_W.norm());
   BodyDef& paddle = builder.carrier("paddle", shape, (way + boundingRadius(shape)) * from_W);
   paddle.kind = BodyKind::Kinematic;
   paddle.pose.q_WB = draw.orientation();

@@ -61,7 +61,7 @@ class System {
   const std::vector<Point>& points() const { return points_; }
   const std::vector<TorqueRows>& torques() const { return torques_; }
   const std::vector<JointRows>& joints() const { return joints_; }
-  const Velocities& free() const { return free_; }                             ///< y_free
+  const Velocities& free() const { return free_; }  ///< y_free
   std::size_t bodies() const { return responses_.size(); }
   /// Of a body; that of all is 1.
   double massOf(std::size_t i) const { return 1.0 / (responses_[i].linear * responses_[i].linear); }
