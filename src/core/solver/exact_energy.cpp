@@ -59,8 +59,9 @@ double Stepper::kineticOf(const std::vector<BodyMotion>& motions) const {
   return energy;
 }
 
-// The work that sides which no force moves have done by the impulses of these points, J.
-double Stepper::workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const {
+// The work that sides which no force moves have done by the impulses of these points, which are where they are at `time`, J.
+double Stepper::workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened,
+                                double time) const {
   const Bodies& bodies = context_.scene.bodies;
   double work = 0.0;
   const auto add = [&](Index k, const Vec3& p_W, const Vec3& impulse_W) {
@@ -68,7 +69,7 @@ double Stepper::workByKinematic(const TouchingPoints& touching, const PointsOfCo
     for (const auto& [side, sign] : {std::pair(contact.i, 1.0), std::pair(contact.j, -1.0)}) {
       if (bodies.traits[side].moved_by_forces()) continue;
       const Twist& twist = bodies.twist[side];
-      const Vec3 r = p_W - step_.poseAt(bodies, side, now_).p_WB;
+      const Vec3 r = p_W - step_.poseAt(bodies, side, time).p_WB;
       work += sign * impulse_W.dot(twist.v_WB - frame_v_W_ + twist.w_WB.cross(r));
     }
   };
@@ -92,8 +93,9 @@ double Stepper::workOfTorques(const std::vector<BodyMotion>& start) const {
 // the energy of a fall for one step; negative where it has lost. Twice, since the work of a body that turns is known to the
 // first power of the length alone.
 double Stepper::gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const {
-  const double by_kinematic =
-      workByKinematic(segment_.touching, opened_) + workByKinematic({}, segment_.opened) - kinematic_before;
+  const double by_kinematic = workByKinematic(segment_.touching, {}, now_ + tau_) +
+                              workByKinematic({}, segment_.opened, now_) +
+                              workByKinematic({}, opened_, now_) - kinematic_before;
   const double given = std::abs(by_kinematic) + std::max(workOfTorques(start), 0.0) + elasticEnergy();
   const double fall = 0.5 * island_.mass() * island_.loadSpeed() * island_.loadSpeed();
   const double unit = kineticOf(start) + given + fall;

@@ -80,7 +80,8 @@ double Stepper::nextLength() const {
 // run along round bodies faster than the corrections follow, they push too long or too hard.
 void Stepper::findSegment() {
   const std::vector<BodyMotion> start = island_.save();
-  const double deepest = deepestShare(touching_), kinematic_before = workByKinematic(touching_, opened_);
+  const double deepest = deepestShare(touching_),
+               kinematic_before = workByKinematic(touching_, opened_, now_);
   for (;; --halvings_) {
     tau_ = nextLength();
     segment_ = trySegment(tau_, Friction::Free);

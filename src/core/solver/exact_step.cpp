@@ -414,7 +414,7 @@ void Stepper::solve() {
   }
   if (!isGoing()) return;
   const std::vector<BodyMotion> start = island_.save();
-  const double kinematic_before = workByKinematic(touching_, opened_);
+  const double kinematic_before = workByKinematic(touching_, opened_, now_);
   solveVelocities();
   if (locatesLandings()) limitSegment();  // what has landed turns otherwise now
   findSegment();

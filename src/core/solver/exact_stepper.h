@@ -201,7 +201,7 @@ class Stepper : public InnerRows {
   double kineticOf(const std::vector<BodyMotion>& motions) const;
   Vec3 frameOfEnergy() const;
   double energyOf(const std::vector<BodyMotion>& motions, double seconds) const;
-  double workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened) const;
+  double workByKinematic(const TouchingPoints& touching, const PointsOfContacts& opened, double time) const;
   double workOfTorques(const std::vector<BodyMotion>& start) const;
   double gainOf(const std::vector<BodyMotion>& start, double kinematic_before) const;
 

@@ -31,8 +31,8 @@ double allowed(const Context& context, const SolverBody& s, double h) {
   return 0.5 * (kFalls * fall + kRoundedEnergy * energy) / s.inv_mass;
 }
 
-// Whether a warm start adds more to the energy of a body than it may. If it does so to none, it does not to an island, as those
-// see it who are at rest. A bound on the gain spares most bodies their inertia: no moment is more than m R².
+// Whether a warm start adds more to the energy of a body than it may. If it does so to none, it does not to an island on what is at
+// rest. A bound on the gain spares most bodies their inertia: no moment is more than m R².
 bool isFaster(const Context& context, const SolverBody& s, double h) {
   if (s.inv_mass == 0.0) return false;
   const Vec3 dw = s.w - s.w_free, sum = s.w + s.w_free;
@@ -80,6 +80,10 @@ void limit(const Context& context, SolverContacts& contacts, ContactLanes& lanes
   std::vector<Index> found;
   for (const SolverBody& s : contacts.bodies)
     if (isFaster(context, s, h)) found.push_back(context.step.island[s.body]);
+  // Of one on what moves, the energy is that seen from there; how fast all move together is to change nothing.
+  for (const SolverBlock& block : contacts.blocks)
+    if (isKinematic(contacts.bodies[block.i]) || isKinematic(contacts.bodies[block.j]))
+      found.push_back(contacts.islandOf(block));
   if (found.empty()) return;
   SomeIslands islands;
   islands.set(std::move(found));
