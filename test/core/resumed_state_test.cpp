@@ -113,6 +113,8 @@ TEST(SavedStates, ThatNoWorldLeavesAreRefused) {
     } else {
       EXPECT_THROW(World(world.capture(), asleep), InvalidInput) << "what forces do not move does not sleep";
     }
+    asleep.rest.back().steps = 0;
+    EXPECT_THROW(World(world.capture(), asleep), InvalidInput) << "what sleeps has rested before";
   }
 }
 

@@ -134,6 +134,18 @@ TEST(Sleep, WhatIsPulledStaysAwake) {
   EXPECT_GT(stateOf(world, "crate_2").pose.p_WB.x(), 0.2);
 }
 
+// A body that is held is at rest where it is to be: it came to no more than rounding of it before, for ever.
+TEST(Sleep, GoesOnBesideABodyThatIsHeldStill) {
+  SceneDef scene = crates(true);
+  scene.bodies.push_back(box("held", Vec3::Constant(0.4), {5.5, 0.0, 0.2}));
+  World world(scene);
+  world.hold(world.find("held"), {Vec3(5.41, 0.001, 0.2), Quat(Eigen::AngleAxisd(1e-3, Vec3::UnitZ()))});
+  advance(world, 4.0);
+  EXPECT_TRUE(stateOf(world, "held").twist.v_WB.isZero(0.0));
+  EXPECT_TRUE(stateOf(world, "held").twist.w_WB.isZero(0.0));
+  EXPECT_EQ(asleep(world), 4u);
+}
+
 // Slower than what counts as rest, a kinematic body still carries what stands on it.
 TEST(Sleep, WhatRidesOnACreepingBodyStaysAwake) {
   SceneDef scene = onFloor(1.0 / 60.0, 0.6);

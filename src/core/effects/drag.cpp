@@ -278,7 +278,7 @@ std::optional<FlightEnd> fly(const Context& context, Index i, const Vec3& p_WB, 
   Vec3 x = Vec3::Zero(), u = v_WB - air;  // as the air sees it
   const double scale = u.norm() + seconds * b.norm();
   if (scale == 0.0) return FlightEnd{p_WB + seconds * v_WB, v_WB};
-  if (k * scale * seconds > kStiff) return {};
+  if (!(k * scale * seconds <= kStiff)) return {};  // nor where one of them is no number
 
   // The method of Dormand and Prince; place is the integral of u with the same weights.
   const auto slope = [&](const Vec3& w) -> Vec3 { return b - k * w.norm() * w; };

@@ -15,7 +15,8 @@ Need need(const SceneAnalysis& c) {
 // The body closes on its target as exp(-t/tau): quick enough to follow a mouse, and slow enough that a jump
 // of the mouse is not a blow to what stands in the way.
 void run(Context& context) {
-  constexpr double kTau = 1.0 / 30.0;  // s
+  constexpr double kTau = 1.0 / 30.0;     // s
+  constexpr double kRoundedTurn = 1e-15;  // rad
   Bodies& bodies = context.scene.bodies;
   const double h = context.step.h();
   const double rate = -std::expm1(-h / kTau) / h;
@@ -24,9 +25,12 @@ void run(Context& context) {
     if (i == kNone || bodies.traits[i].frozen) continue;
     const Pose& now = bodies.pose[i];
     const Eigen::AngleAxisd turn(Eigen::Quaterniond(hold.target.q_WB * now.q_WB.conjugate()).normalized());
-    bodies.twist[i].v_WB = rate * (hold.target.p_WB - now.p_WB);
     const double angle = turn.angle() > kPi ? turn.angle() - 2.0 * kPi : turn.angle();
-    bodies.twist[i].w_WB = rate * angle * turn.axis();
+    Twist& twist = bodies.twist[i];
+    twist = {rate * (hold.target.p_WB - now.p_WB), rate * angle * turn.axis()};
+    // It is there where a step would not take it further, but for rounding. What stands beside it may sleep then.
+    if (now.p_WB + h * twist.v_WB == now.p_WB) twist.v_WB.setZero();
+    if (std::abs(angle) <= kRoundedTurn) twist.w_WB.setZero();
   }
 }
 

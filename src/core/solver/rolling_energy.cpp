@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace rbs {
@@ -58,8 +59,10 @@ void RollingEnergy::find(const Context& context, const SolverContacts& contacts)
       rollers_.push_back({on_j ? block.j : block.i, kineticEnergy(context, roller, U_W), U_W});
     }
   }
-  std::sort(rollers_.begin(), rollers_.end(),
-            [](const Roller& a, const Roller& b) { return a.body < b.body; });
+  // What lies on two bases has the energy that it has as seen from the one that gives it more.
+  std::stable_sort(rollers_.begin(), rollers_.end(), [](const Roller& a, const Roller& b) {
+    return std::tuple(a.body, -a.energy) < std::tuple(b.body, -b.energy);
+  });
   const auto same = [](const Roller& a, const Roller& b) { return a.body == b.body; };
   rollers_.erase(std::unique(rollers_.begin(), rollers_.end(), same), rollers_.end());
 }

@@ -3,7 +3,8 @@
 //
 // SceneStore is what the scene holds: it lives from edit to edit and is what a saved state saves.
 // StepStore is what one step holds: every stage may rely on what earlier stages of the same step put
-// there. Only the memory of the solvers, of restarts and of the workers is kept for the next step.
+// there. Only the memory of the solvers, of restarts and of the workers is kept for the next step, and stores that each step
+// writes before it reads them.
 #pragma once
 
 #include "base/solve_budget.h"
@@ -193,7 +194,7 @@ struct StepStore {
   std::vector<Load> load;     ///< by body; those of ballistic bodies are not filled in
   std::vector<Load>
       load_without_drag;          ///< by body that feels drag: its load without it; empty: there is none
-  Vec3 air;                       ///< velocity of the air where there is drag, m/s
+  Vec3 air = Vec3::Zero();        ///< velocity of the air where there is drag, m/s
   std::vector<double> submerged;  ///< by body: share of its volume in the fluid; empty without a fluid
   std::vector<Bounds> bounds;     ///< by body: where it may be during the step
   std::vector<char>

@@ -152,6 +152,20 @@ std::optional<double> timeOfEarlyImpact(const Context& context, const Trajectori
 
 }  // namespace
 
+bool isWatched(const StepStore& step, const Island& island, double time) {
+  if (!step.solver.exact || !island.exact || island.bodies.empty() || island.time >= time) return false;
+  const auto mayDeviate = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
+  return !island.flies() || !step.load_without_drag.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), mayDeviate);
+}
+
+bool mayMeetUnforeseen(const Context& context) {
+  const StepStore& step = context.step;
+  const auto isWatchedToEnd = [&](const Island& island) { return isWatched(step, island, step.t1); };
+  return context.scene.effects[Effect::Restitution] &&
+         std::any_of(step.islands.begin(), step.islands.end(), isWatchedToEnd);
+}
+
 std::optional<PendingImpact> advanceUnlessEarly(Context& context, const std::vector<Index>& islands,
                                                 double time,
                                                 const std::function<std::vector<Index>(Index)>& others) {

@@ -19,6 +19,12 @@
 
 namespace rbs {
 
+/// Whether an island may have left its predicted trajectory by `time`. Contacts, torques and drag cause that, and so does a support
+/// that is gone. False at the fast settings: soft contacts leave larger overlaps than this prevents.
+bool isWatched(const StepStore& step, const Island& island, double time);
+/// Whether bodies may meet and rebound though no impact was predicted: an island is watched to the end of the step.
+bool mayMeetUnforeseen(const Context& context);
+
 /// Brings islands, by their places, to `time` as advanceTo() does, and looks at the pairs that `others` gives for a body of
 /// theirs, when all are there: bodies that no contact keeps apart from it. Where some of them overlap then and did not
 /// before, or have met on the way, all islands are put back, and this is the first time at which a pair is to be looked at,

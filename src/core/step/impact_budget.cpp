@@ -56,14 +56,16 @@ void ImpactBudget::chargeQueries(std::uint64_t queries) {
   queries_ -= std::min(queries_, queries);
 }
 
-// An impact may have sent a body into another set: they are one then.
-bool ImpactBudget::take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t contacts) {
+Index ImpactBudget::unite(Index i, Index j) {
   const auto [a, b] = std::minmax({sets_.root(i), sets_.root(j)});
-  if (a != b) {
-    sets_.unite(a, b);
-    left_[a].cuts += left_[b].cuts, left_[a].landings += left_[b].landings, left_[a].joins += left_[b].joins;
-  }
-  std::uint64_t& left = left_[a].*of;
+  if (a == b) return a;
+  sets_.unite(a, b);
+  left_[a].cuts += left_[b].cuts, left_[a].landings += left_[b].landings, left_[a].joins += left_[b].joins;
+  return a;
+}
+
+bool ImpactBudget::take(std::uint64_t Left::*of, Index i, Index j, std::uint64_t contacts) {
+  std::uint64_t& left = left_[unite(i, j)].*of;
   if (contacts > left) return false;
   left -= contacts;
   return true;

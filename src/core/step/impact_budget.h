@@ -45,6 +45,8 @@ class ImpactBudget {
   /// `sets`: the bodies that may meet each other; they outlive the budget, and cuts unite some of them.
   ImpactBudget(const Context& context, DisjointSets& sets);
 
+  /// Makes one of the sets of two bodies, as where an impact has sent one into the other, with what both have left. Returns its root.
+  Index unite(Index i, Index j);
   /// Takes one impact off, of a pair that loses energy or not. False: too many have been taken.
   bool takeImpact(bool lossy);
   /// Takes off the queries of a prediction.

@@ -25,15 +25,6 @@ namespace rbs {
 
 namespace {
 
-// Whether an island may have left its predicted trajectory by `time`. Contacts, torques and drag cause that, and so does a
-// support that is gone. Asked at the exact settings alone: soft contacts leave larger overlaps than this prevents.
-bool isWatched(const StepStore& step, const Island& island, double time) {
-  if (!step.solver.exact || !island.exact || island.bodies.empty() || island.time >= time) return false;
-  const auto mayDeviate = [&](Index i) { return step.supported[i] || !step.load[i].torque_W.isZero(0.0); };
-  return !island.flies() || !step.load_without_drag.empty() ||
-         std::any_of(island.bodies.begin(), island.bodies.end(), mayDeviate);
-}
-
 // In the order that a sweep leaves, neighbours stand far apart: queries would meet most groups of the tree.
 std::vector<Index> byPlace(std::vector<Index> order, const std::vector<Bounds>& bounds) {
   sortByPlace(order, bounds);
@@ -301,7 +292,7 @@ class ImpactLoop {
   // Of the sets that had impacts; others go through the step as they do where no other set has one.
   void lookAfterStruck() {
     for (const Island& island : step_.islands)  // impacts may have made one of bodies of several sets
-      for (const Index i : island.bodies) sets_.unite(island.bodies.front(), i);
+      for (const Index i : island.bodies) budget_.unite(island.bodies.front(), i);
     std::vector<char> struck(step_.island.size(), 0);  // by root of a set
     for (Index i = 0; i < struck.size(); ++i)
       if (struck_[i]) struck[sets_.root(i)] = 1;
@@ -468,8 +459,8 @@ class ImpactLoop {
     }
   }
 
-  static constexpr int kMostEarly =
-      4;  // times that a pair is brought together early: a steady approach takes one
+  // Times that a pair is brought together early: a steady approach takes one.
+  static constexpr int kMostEarly = 4;
 
   Context& context_;
   StepStore& step_;
@@ -489,11 +480,7 @@ class ImpactLoop {
 }  // namespace
 
 void takeImpacts(Context& context) {
-  const StepStore& step = context.step;
-  const auto rebounds = [&](const Island& island) { return isWatched(step, island, step.t1); };
-  if (!step.impacts.empty() || (context.scene.effects[Effect::Restitution] &&
-                                std::any_of(step.islands.begin(), step.islands.end(), rebounds)))
-    ImpactLoop(context).run();
+  if (!context.step.impacts.empty() || mayMeetUnforeseen(context)) ImpactLoop(context).run();
 }
 
 }  // namespace rbs

@@ -109,7 +109,7 @@ void update(Context& context) {
       std::uint32_t& rested = scene.rest[i].steps;
       const bool rests = !parts && !step.isCrowded(i) && isStill(scene, i, step.h());
       rested = rests ? std::min(rested + 1, steps) : 0;
-      ready = ready && rested >= steps && !pulled[i];
+      ready = ready && rested >= steps && !pulled[i] && scene.bodies.traits[i].moved_by_forces();
     }
     is_ready[k] = ready;
   }

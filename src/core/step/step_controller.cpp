@@ -2,6 +2,7 @@
 #include "step/step_controller.h"
 
 #include "base/text.h"
+#include "step/early_impacts.h"
 #include "step/impact_loop.h"
 #include "step/impacts.h"
 #include "step/island_step.h"
@@ -22,7 +23,7 @@ bool mayMissContacts(const Context& context) {
   const StepStore& step = context.step;
   const auto isConnected = [](const Island& island) { return !island.flies(); };
   if (std::any_of(step.islands.begin(), step.islands.end(), isConnected)) return true;
-  if (step.impacts.empty()) return false;
+  if (step.impacts.empty() && !mayMeetUnforeseen(context)) return false;
   if (context.analysis.asleep > 0 || !step.load_without_drag.empty()) return true;
   const std::vector<Contact>& contacts = context.scene.contacts.active;
   const std::vector<Index>& moved = context.scene.lists.in_islands;

@@ -129,8 +129,9 @@ std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings,
   for (const SavedState::Rest& rest : saved.rest)
     if (rest.body >= bodies || (rest.asleep_with && *rest.asleep_with >= bodies))
       problems.push_back({"state.rest", std::to_string(rest.body), "indices of bodies"});
-    else if (rest.asleep_with && known.traits[rest.body].kind != BodyKind::Dynamic)
-      problems.push_back({"state.rest", std::to_string(rest.body), "a dynamic body where it is asleep"});
+    else if (rest.asleep_with && (known.traits[rest.body].kind != BodyKind::Dynamic || rest.steps == 0))
+      problems.push_back({"state.rest", std::to_string(rest.body),
+                          "a dynamic body that has been at rest for a step or more, where it is asleep"});
   for (const SavedState::Wrench& wrench : saved.wrenches) {
     if (wrench.body >= bodies)
       problems.push_back({"state.wrenches", std::to_string(wrench.body), "the index of a body"});

@@ -380,7 +380,7 @@ const StepReport& World::step() {
     addDivisions(before, w.step.report);
   }
   ++w.scene.steps;
-  const double least = kTouches * w.scene.settings.gravity.norm() * h;
+  const double least = kTouches * w.scene.gravity_W.norm() * h;
   w.scene.contacts.endWorldStep(w.scene.bodies, w.scene.steps, h, least);
   return w.step.report;
 }

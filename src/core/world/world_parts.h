@@ -80,7 +80,7 @@ struct World::Impl {
     scene.holds.erase(std::remove_if(scene.holds.begin(), scene.holds.end(), ofBody), scene.holds.end());
   }
 
-  // A wrench about the centre of mass, from now on. Throws InvalidInput.
+  // A force at a point of the body, and a torque, from now on. Throws InvalidInput.
   TimedWrench wrenchOf(BodyId id, const Vec3& force_W, const Vec3& torque_W, const Vec3& point_W,
                        double seconds) const;
   void release(Index i);
