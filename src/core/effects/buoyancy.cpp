@@ -16,7 +16,9 @@
 // the same. The force falls as the body rises, so y = v + h a is the one root of y + h f(c h y) = v + h a0, where a0 is the
 // acceleration with the force at x + h v/2, and f tells by how much it falls from there. W is the larger one of f at
 // h (v + h a0)/2 and at a part of it.
-// Torques are softened to w. Where contacts push a body, they decide on a, and the force is that at x + h v/2.
+// Torques are softened to w.
+// Contacts that push a body decide on a too. In a0 are their forces of the last step; of a body at rest v + h a0 is zero, and the force
+// is that at x + h v/2. Its torque is balanced as its force is, and the more of that contacts bear the less is it softened.
 #include "base/algebra.h"
 #include "base/text.h"
 #include "effects/contact_forces.h"
@@ -112,7 +114,7 @@ void run(Context& context) {
     // No section of a body is larger than that of the ball about it.
     const double section = kPi * t.bounding_radius * t.bounding_radius;
     const double stiffest = fluid.density * scene.gravity_W.norm() * section * bodies.inertia[i].inv_mass;
-    const bool may_be_fast = h * h * stiffest > kFastBob && !contacts.push(i);
+    const bool may_be_fast = h * h * stiffest > kFastBob;
     const double speed = twist.v_WB.z() + h * step.load[i].a_W.z();  // at the end, without the fluid
     const double lowest = body.z - t.bounding_radius + (may_be_fast ? half * std::min(speed, 0.0) : 0.0);
     if (lowest >= fluid.level) continue;
@@ -120,14 +122,17 @@ void run(Context& context) {
     Vec3 force_W = body.force(part);
     Vec3 torque_W = body.torque(part, body.q_WB);
     if (may_be_fast) {
+      const Vec3 load_W = t.mass * step.load[i].a_W + force_W, carried_W = contacts.on(i, load_W);
+      const double borne = carried_W.isZero(0.0) ? 0.0 : std::min(carried_W.norm() / load_W.norm(), 1.0);
       const Vec3 turn_W = 0.25 * h * h * (bodies.inertia[i].inverseW(bodies.R_WB(i)) * torque_W);
       if (!turn_W.isZero(0.0)) {
         const Quat q_WB = rotationBy(turn_W) * body.q_WB;
         const double fallen = (torque_W - body.torque(body.part(0.0, q_WB), q_WB)).dot(turn_W);
         const double W = 4.0 * fallen / torque_W.dot(turn_W);
-        torque_W /= 1.0 + ahead(W) * W;
+        torque_W /= 1.0 + (1.0 - borne) * ahead(W) * W;
       }
-      part = body.part(riseOf(body, speed + h * force_W.z() / t.mass, t.mass, force_W.z(), h), body.q_WB);
+      const double at_end = twist.v_WB.z() + h * (load_W + carried_W).z() / t.mass;
+      part = body.part(riseOf(body, at_end, t.mass, force_W.z(), h), body.q_WB);
       force_W = body.force(part);
     }
     if (part.volume == 0.0) continue;

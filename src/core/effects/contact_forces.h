@@ -15,8 +15,6 @@ class ContactForces {
   explicit ContactForces(const Context& context);
   /// N, in W.
   Vec3 on(Index i, const Vec3& load_W) const;
-  /// Whether contacts push body i.
-  bool push(Index i) const { return !forces_W_.empty() && !forces_W_[i].isZero(0.0); }
 
  private:
   std::vector<Vec3> forces_W_;  // empty: nothing is carried
