@@ -41,6 +41,7 @@
 #include "effects/contact_forces.h"
 #include "effects/effects.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -161,9 +162,37 @@ Vec3 meanTorque(const Vec3& torque_W, const Vec3& L_W, double h) {
   return std::clamp(torque_W.dot(L_W) / L_W.squaredNorm(), -1.0 / h, 0.0) * L_W;
 }
 
-// From far above the terminal velocity each step of Newton's method halves the speed, and then doubles the digits.
-constexpr int kMostNewtonSteps = 60;
+// From far above the terminal velocity each step of Newton's method halves the speed, and then doubles the digits. Where faces come
+// into the lee or out of it a whole step may be too long.
+constexpr int kMostNewtonSteps = 60, kMostHalvedSteps = 8;
 constexpr double kNewtonTolerance = 1e-13;
+
+// The wrench of forces and inertia, M rate = others + air(V + h rate), solved for the rate. What is left of a wrench f is measured by
+// f M^-1 f, which has one unit and no length to choose: forces and torques count by what they move. It falls in each step, until it is
+// rounding.
+template <class Air>
+Vec6 terminalRate(const Mat6& M, const Vec6& others, double h, const Air& airAt) {
+  const Eigen::LLT<Mat6> mass(M);
+  const auto sizeOf = [&](const Vec6& wrench) { return std::sqrt(wrench.dot(mass.solve(wrench))); };
+  Vec6 rate = Vec6::Zero();
+  BoxDrag air = airAt(rate);
+  Vec6 left = others + air.wrench;
+  for (int step = 0; step < kMostNewtonSteps; ++step) {
+    const double size = sizeOf(left);
+    if (size <= kNewtonTolerance * (sizeOf(others) + sizeOf(air.wrench))) break;
+    Vec6 change = (M - h * air.jacobian).partialPivLu().solve(left);
+    BoxDrag next = airAt(rate + change);
+    for (int k = 0; k < kMostHalvedSteps && !(sizeOf(others + next.wrench - M * (rate + change)) < size);
+         ++k) {
+      change *= 0.5;
+      next = airAt(rate + change);
+    }
+    const Vec6 next_left = others + next.wrench - M * (rate + change);
+    if (!(sizeOf(next_left) < size)) break;
+    rate += change, air = next, left = next_left;
+  }
+  return rate;
+}
 
 void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, double half_rho_C, double h,
              const ContactForces& contacts, Load& load) {
@@ -174,7 +203,7 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
   const Mat3 R_WB = rotationBy(half_turn).toRotationMatrix() * R0_WB;
   const Vec3 L_W = R0_WB * moments.cwiseProduct(R0_WB.transpose() * w0);
   const Vec3 w = R_WB * (R_WB.transpose() * L_W).cwiseQuotient(moments);
-  BoxDrag air = boxDrag(box.size, R_WB, u, w, half_rho_C);
+  const BoxDrag air = boxDrag(box.size, R_WB, u, w, half_rho_C);
   const double mass = bodies.traits[i].mass;
   const Mat3 inertia_W = R_WB * moments.asDiagonal() * R_WB.transpose();
   Mat6 M = Mat6::Zero();
@@ -188,14 +217,9 @@ void dragBox(const Box& box, const Bodies& bodies, Index i, const Vec3& u, doubl
   Vec6 rate;
   const double k = half_rho_C * 0.25 * surfaceArea(box) / mass;
   if (reachesTerminal(k, (load.a_W + carried / mass).norm(), h)) {
-    const Vec6 others = rhs - air.wrench;
-    rate.setZero();
-    for (int step = 0; step < kMostNewtonSteps; ++step) {
-      const Vec6 change = (M - h * air.jacobian).partialPivLu().solve(Vec6(others + air.wrench - M * rate));
-      rate += change;
-      if (change.norm() <= kNewtonTolerance * rate.norm()) break;
-      air = boxDrag(box.size, R_WB, u + h * rate.head<3>(), w + h * rate.tail<3>(), half_rho_C);
-    }
+    rate = terminalRate(M, rhs - air.wrench, h, [&](const Vec6& rate) {
+      return boxDrag(box.size, R_WB, u + h * rate.head<3>(), w + h * rate.tail<3>(), half_rho_C);
+    });
   } else {
     rate = (M - 0.5 * h * air.jacobian).partialPivLu().solve(rhs);
   }
