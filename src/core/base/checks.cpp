@@ -9,6 +9,11 @@ void throwIfAny(const std::vector<Problem>& problems) {
   if (!problems.empty()) throw InvalidInput(problems);
 }
 
+bool isOrientation(const Quat& q) {
+  const double norm = q.norm();
+  return norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm;
+}
+
 std::string textOf(const Vec3& v) {
   return '[' + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + ']';
 }

@@ -19,6 +19,12 @@ void checkVector(const Vec3& v, double limit, const std::string& path, const cha
 void checkPositive(double value, double limit, const std::string& path, const char* unit,
                    std::vector<Problem>& problems);
 
+/// Norms of a quaternion that is taken for an orientation. It need not be normalised, since numbers typed by hand never quite are. It
+/// must have a direction beyond doubt, and is normalised on use.
+inline constexpr double kMinQuaternionNorm = 1e-3, kMaxQuaternionNorm = 1e3;
+/// False for NaN.
+bool isOrientation(const Quat& q);
+
 /// "[1, 0, 2.5]"
 std::string textOf(const Vec3& v);
 

@@ -2,6 +2,7 @@
 // The check that finds every fault of a scene, and the words for its enumerators.
 #include "rigid_body_sim/scene.h"
 
+#include "base/checks.h"
 #include "base/number_text.h"
 #include "base/text.h"
 #include "rigid_body_sim/quote.h"
@@ -15,9 +16,6 @@ namespace rbs {
 namespace {
 
 constexpr std::size_t kLongestName = 64;
-// An orientation need not be normalised, since numbers typed by hand never quite are. It must have a
-// direction beyond doubt, and is normalised where a body is made of it.
-constexpr double kMinQuaternionNorm = 1e-3, kMaxQuaternionNorm = 1e3;
 
 std::string range(double low, double high, const std::string& unit) {
   return numberText(low) + " to " + numberText(high) + (unit.empty() ? "" : " " + unit);
@@ -106,8 +104,7 @@ void checkShape(const BodyDef& body, const std::string& path, Faults& faults) {
 
 void checkMotion(const BodyDef& body, const std::string& path, Faults& faults) {
   faults.vector(path + ".position", body.pose.p_WB, Limits::max_position, "m from the origin");
-  const double norm = body.pose.q_WB.norm();
-  if (!(norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm)) {
+  if (!isOrientation(body.pose.q_WB)) {
     const auto& q = body.pose.q_WB.coeffs();
     faults.add(path + ".orientation",
                "[" + numberText(q[0]) + ", " + numberText(q[1]) + ", " + numberText(q[2]) + ", " +

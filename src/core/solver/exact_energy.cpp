@@ -17,13 +17,7 @@ namespace rbs::exact_step {
 // is least for the u that is nearest to v.
 Vec3 Stepper::frameOfEnergy() const {
   const Bodies& bodies = context_.scene.bodies;
-  double mass = 0.0;
-  Vec3 mean_W = Vec3::Zero();
-  for (const Index i : island_.indices()) {
-    mass += bodies.traits[i].mass;
-    mean_W += bodies.traits[i].mass * bodies.twist[i].v_WB;
-  }
-  mean_W /= mass;
+  const Vec3 mean_W = bodies.meanVelocity(island_.indices());
   Vec3 frame_W = mean_W;
   double least = std::numeric_limits<double>::infinity();
   for (const Index k : active_)

@@ -116,10 +116,8 @@ Stepper::Stepper(Context& context, const Subgraph& batch, double t0, double t1, 
   tolerance_ = settings.tolerance;
   wanted_tolerance_ = settings.wanted_tolerance;
   if (island_.indices().size() == 1) {
-    const Index i = island_.indices().front();
-    const Twist& twist = context.scene.bodies.twist[i];
-    const double speed =
-        twist.v_WB.norm() + context.scene.bodies.traits[i].bounding_radius * twist.w_WB.norm();
+    // As seen from what carries it.
+    const double speed = context.scene.bodies.mostSpeed(island_.indices().front(), frameOfEnergy());
     const bool to_rounding = settings.exact || speed <= island_.loadSpeed();
     wanted_tolerance_ = std::min(wanted_tolerance_, to_rounding ? kLoneTolerance : kLoneMoving);
   }

@@ -84,6 +84,17 @@ struct Bodies {
   BodyDescription describe(Index i) const;
   BodyDef define(Index i, double time) const;
   Mat3 R_WB(Index i) const { return pose[i].q_WB.toRotationMatrix(); }
+  /// Velocity of the common centre of mass of some, m/s.
+  Vec3 meanVelocity(const std::vector<Index>& some) const {
+    double mass = 0.0;
+    Vec3 momentum = Vec3::Zero();
+    for (const Index i : some) mass += traits[i].mass, momentum += traits[i].mass * twist[i].v_WB;
+    return momentum / mass;
+  }
+  /// What no point of a body is faster than, as seen by one that moves at a velocity, m/s; infinite for a plane that turns.
+  double mostSpeed(Index i, const Vec3& seen_from_v_W = Vec3::Zero()) const {
+    return (twist[i].v_WB - seen_from_v_W).norm() + traits[i].bounding_radius * twist[i].w_WB.norm();
+  }
   /// Kinetic energy of the spin w of a body that is turned by q_WB, J.
   double spinEnergy(Index i, const Quat& q_WB, const Vec3& w_W) const {
     const Vec3 w_B = q_WB.conjugate() * w_W;

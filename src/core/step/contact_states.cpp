@@ -30,10 +30,8 @@ Vec3 loadBesideWeight(const Context& context, Index i) {
 // Whether contacts carry a body that hardly moves, or forces do not move it.
 bool rests(const Context& context, Index i) {
   if (!isMoved(context, i)) return true;
-  const Traits& traits = context.scene.bodies.traits[i];
-  const Twist& twist = context.scene.bodies.twist[i];
-  const double speed = twist.v_WB.norm() + traits.bounding_radius * twist.w_WB.norm();
-  return context.step.supported[i] && speed <= context.step.h() * orEarths(context.scene.gravity_W.norm());
+  return context.step.supported[i] &&
+         context.scene.bodies.mostSpeed(i) <= context.step.h() * orEarths(context.scene.gravity_W.norm());
 }
 
 // Whether two that rest stay apart in this step, if what carries them goes on to do so. Where it does not, the search after

@@ -99,13 +99,7 @@ class ImpactLoop {
   const Vec3& velocityOf(Index place) {
     const auto [known, is_new] = velocity_.try_emplace(place, Vec3::Zero());
     if (!is_new) return known->second;
-    const Bodies& bodies = context_.scene.bodies;
-    double mass = 0.0;
-    for (const Index i : step_.islands[place].bodies) {
-      known->second += bodies.traits[i].mass * bodies.twist[i].v_WB;
-      mass += bodies.traits[i].mass;
-    }
-    return known->second /= mass;
+    return known->second = context_.scene.bodies.meanVelocity(step_.islands[place].bodies);
   }
 
   enum class Brought {

@@ -17,9 +17,7 @@ namespace {
 constexpr double kStill = 1e-3, kRest = 0.5;
 
 bool isStill(const SceneStore& scene, Index i, double h) {
-  const Twist& twist = scene.bodies.twist[i];
-  const double speed = twist.v_WB.norm() + scene.bodies.traits[i].bounding_radius * twist.w_WB.norm();
-  return speed <= kStill * h * scene.gravity_W.norm();
+  return scene.bodies.mostSpeed(i) <= kStill * h * scene.gravity_W.norm();
 }
 
 bool moves(const SceneStore& scene, Index i) {

@@ -151,15 +151,6 @@ double speedSeenFrom(const Bodies& bodies, Index carrier, Index i) {
          bodies.traits[i].bounding_radius * (own.w_WB - base.w_WB).norm();
 }
 
-// The velocity of the centre of mass of an island.
-Vec3 commonVelocity(const Bodies& bodies, const Island& island) {
-  double mass = 0.0;
-  Vec3 momentum = Vec3::Zero();
-  for (const Index i : island.bodies)
-    mass += bodies.traits[i].mass, momentum += bodies.traits[i].mass * bodies.twist[i].v_WB;
-  return momentum / mass;
-}
-
 // What forces do not move and constraints tie to an island, ascending.
 std::vector<Index> carriersOf(const Context& context, const Island& island) {
   std::vector<Index> carriers;
@@ -181,11 +172,8 @@ std::vector<Index> carriersOf(const Context& context, const Island& island) {
 // where there is none; or as seen by one that moves with all of them, as on a sled.
 bool isCalm(const Context& context, const Island& island, double speed) {
   const Bodies& bodies = context.scene.bodies;
-  const Vec3 common_W = commonVelocity(bodies, island);
-  const auto isSlow = [&](Index i) {
-    const Twist& twist = bodies.twist[i];
-    return (twist.v_WB - common_W).norm() + bodies.traits[i].bounding_radius * twist.w_WB.norm() <= speed;
-  };
+  const Vec3 common_W = bodies.meanVelocity(island.bodies);
+  const auto isSlow = [&](Index i) { return bodies.mostSpeed(i, common_W) <= speed; };
   if (std::all_of(island.bodies.begin(), island.bodies.end(), isSlow)) return true;
   std::vector<Index> carriers = carriersOf(context, island);
   if (carriers.empty()) carriers.push_back(kNone);

@@ -61,6 +61,13 @@ SavedState captureExactState(const SceneStore& scene) {
   return state;
 }
 
+void checkGrab(const Grab& grab, const std::string& path, std::vector<Problem>& problems) {
+  checkVector(grab.p_B, Limits::max_position, path + ".p_B", "m", problems);
+  checkVector(grab.p_W, Limits::max_position, path + ".p_W", "m", problems);
+  checkPositive(grab.frequency, 1e4, path + ".frequency", "Hz", problems);
+  checkPositive(grab.max_acceleration, 1e9, path + ".max_acceleration", "m/s^2", problems);
+}
+
 namespace {
 
 // Numbers of user forces are those that a world has taken, so only their form is checked.
@@ -68,10 +75,7 @@ void checkUserForces(const SavedState& saved, Index bodies, std::vector<Problem>
   for (const SavedState::Grabbed& grabbed : saved.grabs) {
     if (grabbed.body >= bodies)
       problems.push_back({"state.grabs", std::to_string(grabbed.body), "the index of a body"});
-    checkVector(grabbed.grab.p_B, Limits::max_position, "state.grabs.p_B", "m", problems);
-    checkVector(grabbed.grab.p_W, Limits::max_position, "state.grabs.p_W", "m", problems);
-    checkPositive(grabbed.grab.frequency, 1e4, "state.grabs.frequency", "Hz", problems);
-    checkPositive(grabbed.grab.max_acceleration, 1e9, "state.grabs.max_acceleration", "m/s^2", problems);
+    checkGrab(grabbed.grab, "state.grabs", problems);
   }
   for (const SavedState::Held& held : saved.holds) {
     if (held.body >= bodies)

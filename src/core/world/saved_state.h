@@ -5,6 +5,9 @@
 #include "rigid_body_sim/world.h"
 #include "state/context.h"
 
+#include <string>
+#include <vector>
+
 namespace rbs {
 
 SavedState captureState(const SceneStore& scene);
@@ -12,6 +15,9 @@ SavedState captureExactState(const SceneStore& scene);
 
 /// Every fault of a saved state of these bodies, in a world with these settings.
 std::vector<Problem> validate(const SavedState& saved, const SceneDef& settings, const Bodies& known);
+
+/// Every fault of a grab, of a saved state or of a command; `path` names it.
+void checkGrab(const Grab& grab, const std::string& path, std::vector<Problem>& problems);
 
 /// Restores the time, the contacts and the wrenches of a sound state. To be called before analyseScene().
 void restoreForces(const SavedState& saved, SceneStore& scene);

@@ -4,6 +4,7 @@
 
 #include "base/checks.h"
 #include "base/text.h"
+#include "world/saved_state.h"
 
 namespace rbs {
 
@@ -81,10 +82,7 @@ void World::commandWrench(BodyId id, const Vec3& force_W, const Vec3& torque_W, 
 void World::grab(BodyId id, const Grab& grab) {
   const Index i = impl_->require(id);
   std::vector<Problem> problems;
-  checkVector(grab.p_B, Limits::max_position, "grab.p_B", "m", problems);
-  checkVector(grab.p_W, Limits::max_position, "grab.p_W", "m", problems);
-  checkPositive(grab.frequency, 1e4, "grab.frequency", "Hz", problems);
-  checkPositive(grab.max_acceleration, 1e9, "grab.max_acceleration", "m/s^2", problems);
+  checkGrab(grab, "grab", problems);
   if (impl_->scene.bodies.traits[i].kind != BodyKind::Dynamic)
     problems.push_back({"body", impl_->scene.bodies.name[i], "a dynamic body"});
   throwIfAny(problems);
@@ -108,10 +106,9 @@ void World::hold(BodyId id, const Pose& target) {
   if (!(target.p_WB.norm() <= Limits::max_position))
     problems.push_back({"hold.position", textOf(target.p_WB),
                         "at most " + text(Limits::max_position) + " m from the origin"});
-  const double norm = target.q_WB.norm();
-  if (!(norm > 1e-3 && norm < 1e3))
-    problems.push_back(
-        {"hold.orientation", "of norm " + text(norm), "a quaternion of a norm of 0.001 to 1000"});
+  if (!isOrientation(target.q_WB))
+    problems.push_back({"hold.orientation", "of norm " + text(target.q_WB.norm()),
+                        "a quaternion of a norm of 0.001 to 1000"});
   throwIfAny(problems);
   const Pose unit{target.p_WB, target.q_WB.normalized()};
   std::vector<BodyHold>& holds = impl_->scene.holds;
