@@ -113,9 +113,10 @@ TEST(SavedStates, ThatNoWorldLeavesAreRefused) {
     } else {
       EXPECT_THROW(World(world.capture(), asleep), InvalidInput) << "what forces do not move does not sleep";
     }
-    asleep.rest.back().steps = 0;
-    EXPECT_THROW(World(world.capture(), asleep), InvalidInput) << "what sleeps has rested before";
   }
+  SavedState unrested = world.captureState();
+  unrested.rest.push_back({1u, 0, 1u});
+  EXPECT_THROW(World(world.capture(), unrested), InvalidInput) << "what sleeps has rested before";
 }
 
 INSTANTIATE_TEST_SUITE_P(Settings, ResumedState, ::testing::ValuesIn(kFidelities),

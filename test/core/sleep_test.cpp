@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 using namespace rbs;
 using namespace rbs::test;
 
@@ -135,6 +137,26 @@ TEST(Sleep, WhatIsPulledStaysAwake) {
 }
 
 // A body that is held is at rest where it is to be: it came to no more than rounding of it before, for ever.
+TEST(Sleep, ABodyThatIsHeldComesToRest) {
+  std::mt19937 random(1);
+  const auto draw = [&] { return random() / 2147483648.0 - 1.0; };
+  const auto quaternion = [&] {
+    const double x = draw(), y = draw(), z = draw();
+    return Quat(draw(), x, y, z).normalized();
+  };
+  for (const double h : {1.0 / 1000.0, 1.0 / 240.0, 1.0 / 60.0})
+    for (int k = 0; k < 30; ++k) {
+      SceneDef scene = emptySpace(h);
+      scene.bodies.push_back(box("held", {0.3, 0.4, 0.5}, {draw(), draw(), draw()}));
+      scene.bodies.back().pose.q_WB = quaternion();
+      World world(scene);
+      world.hold(world.find("held"), {Vec3(3.0 * draw(), draw(), draw()), quaternion()});
+      advance(world, 3.0);
+      EXPECT_TRUE(stateOf(world, "held").twist.v_WB.isZero(0.0)) << "step " << h << ", start " << k;
+      EXPECT_TRUE(stateOf(world, "held").twist.w_WB.isZero(0.0)) << "step " << h << ", start " << k;
+    }
+}
+
 TEST(Sleep, GoesOnBesideABodyThatIsHeldStill) {
   SceneDef scene = crates(true);
   scene.bodies.push_back(box("held", Vec3::Constant(0.4), {5.5, 0.0, 0.2}));

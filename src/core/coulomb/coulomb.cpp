@@ -16,7 +16,7 @@ namespace {
 
 // A warm start may miss the wanted tolerance by so much, or rounding would unsettle rest.
 constexpr double kWarmStart = 10.0;
-// Residuals from which Newton's method needs no better start, and from which it gets there in time; the law is then nearly obeyed.
+// Residuals from which Newton's method needs no better start, and from which it gets there in time.
 constexpr double kNearlySolved = 1e-3, kOnTheWay = 0.1;
 // How much more kinetic energy an answer may give to the change of a body's velocity than one that is on the way.
 constexpr double kFar = 1e4;
@@ -48,8 +48,8 @@ double closingWithoutImpulses(const CoulombProblem& problem) {
 // Coulomb's law may have several answers, and where the one that continues the last forces ends (a body that is pushed over a floor
 // loses one of its points) it may leave only one that is far away: impulses that grow against each other until they have
 // turned the body about the gap between floor and pusher. By Gauss' principle of least constraint the answer counts whose change of
-// velocities, M^-1 J^T r, has the least kinetic energy. Where a warm start obeys the law nearly, none is taken that changes the
-// velocity of a body by a hundred times as much as the warm start does, or as the unit of speed. Bodies are asked one by one: of the
+// velocities, M^-1 J^T r, has the least kinetic energy. Where a warm start has led to one that is on the way, none is taken that
+// changes the velocity of a body by a hundred times as much as that does, or as the unit of speed. Bodies are asked one by one: of the
 // energy of all, what a light one takes is a small part.
 bool isFar(const System& system, const Impulses& r, const Impulses& near) {
   Velocities far = Velocities::Zero(6, system.free().cols()), close = far;

@@ -18,7 +18,7 @@
 // h (v + h a0)/2 and at a part of it.
 // Torques are softened to w.
 // Contacts that push a body decide on a too. In a0 are their forces of the last step; of a body at rest v + h a0 is zero, and the force
-// is that at x + h v/2. Its torque is balanced as its force is, and the more of that contacts bear the less is it softened.
+// is that at x + h v/2. The more of the buoyancy contacts bear, the less is its torque softened.
 #include "base/algebra.h"
 #include "base/text.h"
 #include "effects/contact_forces.h"
@@ -123,7 +123,8 @@ void run(Context& context) {
     Vec3 torque_W = body.torque(part, body.q_WB);
     if (may_be_fast) {
       const Vec3 load_W = t.mass * step.load[i].a_W + force_W, carried_W = contacts.on(i, load_W);
-      const double borne = carried_W.isZero(0.0) ? 0.0 : std::min(carried_W.norm() / load_W.norm(), 1.0);
+      const double lift = force_W.squaredNorm();
+      const double borne = lift > 0.0 ? std::clamp(-carried_W.dot(force_W) / lift, 0.0, 1.0) : 0.0;
       const Vec3 turn_W = 0.25 * h * h * (bodies.inertia[i].inverseW(bodies.R_WB(i)) * torque_W);
       if (!turn_W.isZero(0.0)) {
         const Quat q_WB = rotationBy(turn_W) * body.q_WB;

@@ -16,7 +16,7 @@ Need need(const SceneAnalysis& c) {
 // of the mouse is not a blow to what stands in the way.
 void run(Context& context) {
   constexpr double kTau = 1.0 / 30.0;     // s
-  constexpr double kRoundedTurn = 1e-15;  // rad
+  constexpr double kRoundedTurn = 5e-16;  // of a quaternion
   Bodies& bodies = context.scene.bodies;
   const double h = context.step.h();
   const double rate = -std::expm1(-h / kTau) / h;
@@ -30,7 +30,8 @@ void run(Context& context) {
     twist = {rate * (hold.target.p_WB - now.p_WB), rate * angle * turn.axis()};
     // It is there where a step would not take it further, but for rounding. What stands beside it may sleep then.
     if (now.p_WB + h * twist.v_WB == now.p_WB) twist.v_WB.setZero();
-    if (std::abs(angle) <= kRoundedTurn) twist.w_WB.setZero();
+    const Quat next = rotationBy(h * twist.w_WB) * now.q_WB;
+    if ((next.coeffs() - now.q_WB.coeffs()).norm() <= kRoundedTurn) twist.w_WB.setZero();
   }
 }
 

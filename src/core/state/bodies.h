@@ -91,7 +91,7 @@ struct Bodies {
     for (const Index i : some) mass += traits[i].mass, momentum += traits[i].mass * twist[i].v_WB;
     return momentum / mass;
   }
-  /// What no point of a body is faster than, as seen by one that moves at a velocity, m/s; infinite for a plane that turns.
+  /// What no point of a body is faster than, as seen by one that moves at a velocity, m/s. Not of a plane, which has no end.
   double mostSpeed(Index i, const Vec3& seen_from_v_W = Vec3::Zero()) const {
     return (twist[i].v_WB - seen_from_v_W).norm() + traits[i].bounding_radius * twist[i].w_WB.norm();
   }
